@@ -67,6 +67,8 @@ Eigen::Vector3d facade_direction(const std::vector<Spot>& anchors) {
   return {direction.x(), direction.y(), 0};
 }
 
+enum class Behind { nothing, picture, heat };
+
 /// What one drawing shows.
 struct View {
   std::string question;
@@ -75,6 +77,7 @@ struct View {
   std::vector<Spot> spots;
   std::vector<Quad> panels;
   Sight sight;
+  Behind behind = Behind::nothing;
 };
 
 struct Elevation {
@@ -197,8 +200,19 @@ void draw_scale_arrow(Markup& svg, const Elevation& e) {
   label(svg, x, y + 0.5 * length + 18, tolerance(deviation), "small", "middle");
 }
 
-void draw_elevation(Markup& html, const Elevation& e, const View& view) {
+/// What there is of it behind the anchors; false if nothing is.
+bool draw_behind(Markup& svg, const Elevation& e, Behind behind, const ReportInput& input) {
+  const LookedAt at{e.sight.right.cross(e.sight.up).normalized(), e.spots.front().position};
+  const Drawn drawn = [&e](const Eigen::Vector3d& point) { return e.drawn(point); };
+  if (behind == Behind::heat) return input.surfaces && draw_heat(svg, *input.surfaces, at, drawn);
+  // A picture is flat: of a facade that is unrolled it would lie beside it.
+  return behind == Behind::picture && e.sight.unrolled.empty() && draw_pictures(svg, input.pictures, at, drawn);
+}
+
+/// True if something stands behind the anchors.
+bool draw_elevation(Markup& html, const Elevation& e, const View& view, const ReportInput& input) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
+  const bool behind = draw_behind(html, e, view.behind, input);
   draw_panels(html, e, view);
   draw_storeys(html, e);
   draw_scale_arrow(html, e);
@@ -236,6 +250,16 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view) {
       label(html, x + 9, y + 4, name + value, "halo small", "start");
   }
   name_panels(html, e, view, labels);
+  return behind;
+}
+
+/// What stands behind the anchors, in words.
+std::string words_of_behind(Behind behind) {
+  return behind == Behind::heat
+             ? " Colours: the panels' measured surfaces out of the design (red) or behind it (blue), "
+               "grey where nothing was measured."
+             : " Behind them the facade without perspective; what no photograph shows, or photographs "
+               "show differently, is black.";
 }
 
 void write_legend(Markup& html) {
@@ -255,12 +279,13 @@ void write_legend(Markup& html) {
   item(ToleranceVerdict::pass, true, "hollow: control anchor");
 }
 
-void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view) {
-  const Elevation e = layout(accuracy, view);
+void write_elevation(Markup& html, const ReportInput& input, const View& view) {
+  const Elevation e = layout(input.accuracy, view);
   if (e.spots.empty()) return;
   Scope figure(html, "figure");
   html.element("h3", view.question);
-  draw_elevation(html, e, view);
+  const bool behind = draw_elevation(html, e, view, input);
+  if (behind && view.behind == Behind::heat) draw_heat_bar(html, heat_range(*input.surfaces));
   const Eigen::Vector3d& right = e.sight.right;
   html.element("figcaption",
                "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
@@ -270,7 +295,7 @@ void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view) 
                    (e.sight.unrolled.empty() ? "Drawn along the facade, " : "Unrolled along the facade, ") +
                    (std::abs(right.x()) >= std::abs(right.y()) ? "x " : "y ") +
                    (right.x() + right.y() >= 0 || std::max(right.x(), right.y()) > 0.7 ? "increasing" : "decreasing") +
-                   " to the right.");
+                   " to the right." + (behind ? words_of_behind(view.behind) : ""));
 }
 
 View model_view(const AccuracyT& accuracy) {
@@ -356,6 +381,7 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
         if (corner->name == order[i]) quad.corners[i] = corner->design;
     view.panels.push_back(std::move(quad));
   }
+  view.behind = out_of_plane ? Behind::heat : Behind::picture;
   return view;
 }
 
@@ -382,16 +408,16 @@ void write_facade(Markup& html, const ReportInput& input) {
   Scope views(html, "div", {{"class", "views"}});
   const View model = model_view(input.accuracy);
   if (!input.deviation || input.deviation->facades.empty()) {
-    if (input.deviation) write_elevation(html, input.accuracy, built_view(*input.deviation, nullptr, false));
-    return write_elevation(html, input.accuracy, model);
+    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false));
+    return write_elevation(html, input, model);
   }
   const DeviationT& deviation = *input.deviation;
   for (const auto& facade : deviation.facades) {
-    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), false));
-    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), true));
-    write_elevation(html, input.accuracy, only(model, *facade, deviation));
+    write_elevation(html, input, built_view(deviation, facade.get(), false));
+    write_elevation(html, input, built_view(deviation, facade.get(), true));
+    write_elevation(html, input, only(model, *facade, deviation));
   }
-  write_elevation(html, input.accuracy, built_view(deviation, nullptr, false));
+  write_elevation(html, input, built_view(deviation, nullptr, false));
 }
 
 }  // namespace plumbline::report

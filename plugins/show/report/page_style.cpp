@@ -75,6 +75,7 @@ svg .halo{paint-order:stroke;stroke:var(--bg);stroke-width:4px;stroke-linejoin:r
 .symbol.open{fill:none;stroke:var(--soft)}
 .shaft{stroke:var(--fg);stroke-width:2}.head{fill:var(--fg)}
 .moved.shaft{stroke:var(--fail-fill)}.moved.head{fill:var(--fail-fill)}
+svg image{opacity:.75}.heat{opacity:.85}.heat polygon{stroke:none}
 .quad{fill-opacity:.16;stroke-width:1.2}.quad.pass{fill:var(--pass-fill);stroke:var(--pass-fill)}.quad.undecided{fill:var(--undecided-fill);stroke:var(--undecided-fill);stroke-dasharray:6 3}
 .quad.fail{fill:var(--fail-fill);stroke:var(--fail-fill);stroke-width:2.4}.quad.unmeasured{fill:none;stroke:var(--soft);stroke-dasharray:2 3}
 .tasks td.words{min-width:14em;max-width:34em}.tally b{min-width:4.5em;font-weight:600}
