@@ -1,4 +1,4 @@
-// How long a network takes: simulated facades of the sizes the project promises, adjusted with full covariance and
+// How long a network takes: simulated facades of the sizes the project promises, adjusted with covariance and
 // reliability, as a library call, as the whole pipeline, and by gama-local where that is on the PATH.
 //   survey_network_benchmark [markers set_ups sights_per_marker [runs]]
 #include <sys/resource.h>
@@ -211,5 +211,7 @@ int main(int argc, char** argv) {
   run(100, 6, 6, 5, {"envelope", "gso"});  // 1 800 observations
   run(300, 20, 7, 5, {"gso"});             // 6 300 observations; envelope takes minutes
   run(1000, 60, 7, 5, {});                 // 21 000 observations; gama-local takes longer than anyone waits
+  run(3000, 150, 7, 3, {});                // cofactors on demand from here on
+  run(10000, 400, 6, 3, {});               // 400 set-ups of 150 sights
   return 0;
 }

@@ -209,17 +209,18 @@ SweepProgress progress_in_store(const SweepPlan& plan, const runtime::CellRecord
   return progress;
 }
 
-/// Every alternative that the file names, also one that ran nothing.
-void print_alternatives(const SweepPlan& plan, const runtime::CellRecords& records) {
-  struct Count {
-    size_t cells = 0, done = 0, failed = 0;
-    std::string reason;
-  };
-  std::map<std::pair<std::string, std::string>, Count> counts;
+struct AlternativeCount {
+  size_t cells = 0, done = 0, failed = 0;
+  std::string reason;  ///< of its first failed cell
+};
+using AlternativeCounts = std::map<std::pair<std::string, std::string>, AlternativeCount>;  // by group and name
+
+AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellRecords& records) {
+  AlternativeCounts counts;
   for (const auto& cell : plan.cells) {
     const auto record = records.find(cell.key);
     for (const auto& choice : cell.choices) {
-      Count& count = counts[choice];
+      AlternativeCount& count = counts[choice];
       ++count.cells;
       if (!record) continue;
       ++count.done;
@@ -229,9 +230,27 @@ void print_alternatives(const SweepPlan& plan, const runtime::CellRecords& recor
       if (count.reason.empty()) count.reason = failure;
     }
   }
+  return counts;
+}
+
+/// Failed cells are results, of which the tables tell. An alternative that failed in all of its own was not measured:
+/// "method=mine". Without alternatives: all cells of the bench.
+std::string without_any_result(const SweepPlan& plan, const runtime::CellRecords& records,
+                               const SweepProgress& progress) {
+  std::string names;
+  for (const auto& [alternative, count] : count_alternatives(plan, records))
+    if (count.cells > 0 && count.failed == count.cells)
+      names += (names.empty() ? "" : ", ") + alternative.first + "=" + alternative.second;
+  if (names.empty() && progress.failed > 0 && progress.failed == progress.cells) names = "the bench";
+  return names;
+}
+
+/// Every alternative that the file names, also one that ran nothing.
+void print_alternatives(const SweepPlan& plan, const runtime::CellRecords& records) {
+  AlternativeCounts counts = count_alternatives(plan, records);
   for (const auto& group : plan.file.groups)
     for (const auto& alternative : group.alternatives) {
-      const Count& count = counts[{group.name, alternative.name}];
+      const AlternativeCount& count = counts[{group.name, alternative.name}];
       std::printf("  %s=%s: %zu of %zu cells, %zu failed%s\n", group.name.c_str(), alternative.name.c_str(), count.done,
                   count.cells, count.failed,
                   count.cells == 0       ? " (all its cells are excluded)"
@@ -424,7 +443,11 @@ int bench(const BenchOptions& given) {
   }
   const bool complete = written && progress.done == progress.cells;
   // A task has done its work when every cell has a result; a failed one is a result, and not worth a second try.
-  return complete && (progress.failed == 0 || options.task >= 0) ? 0 : 1;
+  if (options.task >= 0) return complete ? 0 : 1;
+  const std::string nothing = without_any_result(plan, records, progress);
+  if (!nothing.empty())
+    std::fprintf(stderr, "%s gave no result: all cells failed; bench.md has the reasons\n", nothing.c_str());
+  return complete && nothing.empty() ? 0 : 1;
 }
 
 }  // namespace plumbline::cli

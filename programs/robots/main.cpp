@@ -109,7 +109,11 @@ int carry_out(const Arguments& arguments) {
   if (exchange.status() == ExchangeStatus::finished) {
     say("job " + job.id + " is at its end: " + exchange.progress() + "; " + arguments.folder + "/states.jsonl and " +
         arguments.job + " go into the next round");
-    return 0;
+    if (exchange.failed().empty()) return 0;
+    std::string items;
+    for (const std::string& id : exchange.failed()) items += (items.empty() ? "" : ", ") + id;
+    say("the robot FAILED on " + items + ": see to why; the next round plans them again");
+    return 4;
   }
   say(exchange.is_over() ? exchange.reason()
                          : "job " + job.id + " is not at its end (" + name_of(exchange.status()) +
@@ -121,7 +125,10 @@ int carry_out(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{"Carries a job to a robot of VDA 5050 through an MQTT broker, and what it says back"};
+  CLI::App app{
+      "Carries a job to a robot of VDA 5050 through an MQTT broker, and what it says back. Exit code 0: all was done, "
+      "4: "
+      "the robot failed on something, 3: a person is needed, or it is not at its end, 1: an error"};
   app.add_option("--job", arguments.job, "job.json of write.job")->required();
   app.add_option("--robot", arguments.robot, "MANUFACTURER/SERIAL-NUMBER, as the robot names itself")->required();
   app.add_option("--folder", arguments.folder, "sent.jsonl and states.jsonl of this robot; the same each time")

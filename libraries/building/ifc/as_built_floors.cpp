@@ -50,7 +50,9 @@ void AsBuiltWriter::write_floor(const FloorAccuracyT& floor, const AccuracyCompa
     set.integer("PanelsPassed", built->panels_passed);
     set.integer("PanelsUndecided", built->panels_undecided);
     set.integer("PanelsFailed", built->panels_failed);
-    set.choice("Verdict", label_of(built->verdict), verdicts_, "The worst of its anchors and panels");
+    set.choice("Verdict", label_of(built->verdict), verdicts_, "The worst of its anchors and panels, each by itself");
+    set.probability("PassTogether", built->pass_together,
+                    "That all its anchors and panels are within tolerance at once is no less probable than this");
   }
   attach(set, storey->guid + "/" + use_word(comparison), "ASB_FloorStatistics",
          "Vertical residuals of the floor, model minus survey, and deviations from the design", {storey->instance});

@@ -27,11 +27,12 @@ void add_verdicts(PropertySet& set, const Verdicts& verdicts, InstanceId enumera
   set.labels("Rules", rules, "In the order of Quantities");
 }
 
-void add_figures(PropertySet& set, const PanelSurfaceFiguresT& panel) {
+/// `widened`: by which the verdicts were given larger standard deviations; these are written, with the same.
+void add_figures(PropertySet& set, const PanelSurfaceFiguresT& panel, double widened) {
   set.label("NotMeasured", panel.not_measured);
   set.integer("Points", panel.points);
   if (!panel.not_measured.empty()) return;
-  const Eigen::VectorXd sigma = unpack_symmetric(panel.covariance, 3, "a panel").diagonal().cwiseSqrt();
+  const Eigen::VectorXd sigma = widened * unpack_symmetric(panel.covariance, 3, "a panel").diagonal().cwiseSqrt();
   set.real("Coverage", panel.coverage, "Share of the panel that has points");
   set.length("Offset", panel.offset, "Of the best plane at the panel's middle, out of the design's face");
   if (sigma.size() == 3) set.length("OffsetUncertainty", sigma(0), "Standard uncertainty");
@@ -41,18 +42,18 @@ void add_figures(PropertySet& set, const PanelSurfaceFiguresT& panel) {
   const char* forms[] = {"BowAcross", "BowUp", "Twist"};
   for (Eigen::Index i = 0; i < 3; ++i) {
     set.length(forms[i], panel.form(i));
-    set.length(std::string(forms[i]) + "Uncertainty", panel.form_sigma(i));
+    set.length(std::string(forms[i]) + "Uncertainty", widened * panel.form_sigma(i));
   }
   std::vector<double> lengths, gaps, uncertainties;
   for (const auto& gap : panel.flatness)
     if (std::isfinite(gap->gap))
-      lengths.push_back(gap->length), gaps.push_back(gap->gap), uncertainties.push_back(gap->sigma);
+      lengths.push_back(gap->length), gaps.push_back(gap->gap), uncertainties.push_back(widened * gap->sigma);
   set.lengths("Straightedges", lengths, "That gaps were looked for under");
   set.lengths("Gaps", gaps, "The largest under each");
   set.lengths("GapUncertainties", uncertainties);
 }
 
-void add_figures(PropertySet& set, const JointFiguresT& joint) {
+void add_figures(PropertySet& set, const JointFiguresT& joint, double widened) {
   set.label("First", joint.first, "The panel at the left or below");
   set.label("Second", joint.second);
   set.label("Runs", joint.upright ? "up" : "across");
@@ -66,16 +67,16 @@ void add_figures(PropertySet& set, const JointFiguresT& joint) {
                : nullptr;
   };
   if (const JointPlaceT* narrowest = place(joint.narrowest)) {
-    set.length("Narrowest", narrowest->width), set.length("NarrowestUncertainty", narrowest->width_sigma);
+    set.length("Narrowest", narrowest->width), set.length("NarrowestUncertainty", widened * narrowest->width_sigma);
     set.length("NarrowestAlong", narrowest->along, "From the joint's middle");
   }
   if (const JointPlaceT* widest = place(joint.widest)) {
-    set.length("Widest", widest->width), set.length("WidestUncertainty", widest->width_sigma);
+    set.length("Widest", widest->width), set.length("WidestUncertainty", widened * widest->width_sigma);
     set.length("WidestAlong", widest->along, "From the joint's middle");
   }
   if (const JointPlaceT* step = place(joint.largest_step)) {
     set.length("LargestStep", step->step, "Second over first, out of the facade"),
-        set.length("LargestStepUncertainty", step->step_sigma);
+        set.length("LargestStepUncertainty", widened * step->step_sigma);
     set.length("LargestStepAlong", step->along, "From the joint's middle");
   }
 }
@@ -84,6 +85,7 @@ void add_figures(PropertySet& set, const JointFiguresT& joint) {
 
 void AsBuiltWriter::write_surfaces() {
   if (!options_.surfaces) return;
+  const double widened = options_.surface_judgement ? std::sqrt(options_.surface_judgement->covariance_factor) : 1;
   std::map<std::string, Verdicts> of_panel;  // by GlobalId
   std::map<std::pair<std::string, std::string>, Verdicts> of_joint;
   std::map<int, Verdicts> of_numbered_joint;
@@ -110,7 +112,7 @@ void AsBuiltWriter::write_surfaces() {
     guids[panel->face->id].push_back(guid);
     PropertySet set(appender_);
     add_verdicts(set, of_panel[guid], verdicts_);
-    add_figures(set, *panel);
+    add_figures(set, *panel, widened);
     attach(set, guid + "/surface", "ASB_PanelSurface", "The panel's outer face as it is, with standard uncertainties",
            {element->second});
   }
@@ -136,7 +138,7 @@ void AsBuiltWriter::write_surfaces() {
     const auto numbered = of_numbered_joint.find(static_cast<int>(j));
     add_verdicts(set, numbered != of_numbered_joint.end() ? numbered->second : of_joint[{joint->first, joint->second}],
                  verdicts_);
-    add_figures(set, *joint);
+    add_figures(set, *joint, widened);
     attach(set, first[0] + "/" + second[0] + "/joint", "ASB_Joint_" + joint->first + "_" + joint->second,
            "The joint between two panels as it is", {elements.at(first[0]), elements.at(second[0])});
   }

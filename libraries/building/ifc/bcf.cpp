@@ -176,8 +176,9 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   }
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
-  BcfFile file(options, deviation.design_file);
-  for (const Issue& issue : issues) file.add(issue, deviation);
+  BcfFile file(options, deviation.design_file, issues.size());
+  const BcfSurroundings surroundings(deviation);
+  for (const Issue& issue : issues) file.add(issue, surroundings);
   return file.finish();
 }
 

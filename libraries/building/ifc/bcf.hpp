@@ -36,8 +36,4 @@ struct BcfOptions {
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);
 
-/// The snapshot: the facade from outside with its panels and anchors, the one meant framed. PNG.
-std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach,
-                         const FacadeFrame& facade);
-
 }  // namespace plumbline::ifc

@@ -1,11 +1,12 @@
-// The snapshot of a topic: an elevation drawn into 8-bit palette pixels, packed as PNG (W3C PNG, second edition).
+// The snapshot of a topic: an elevation drawn into palette pixels of four bits, packed as PNG (W3C PNG, second
+// edition).
 #include <zlib.h>
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "building/ifc/bcf.hpp"
+#include "building/ifc/bcf_topic.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -23,8 +24,10 @@ class Picture {
     if (x >= 0 && y >= 0 && x < kWidth && y < kHeight) pixels_[static_cast<std::size_t>(y * kWidth + x)] = colour;
   }
   void box(double x0, double y0, double x1, double y1, unsigned char colour) {
-    for (int y = std::max(0, at(y0)); y <= std::min(kHeight - 1, at(y1)); ++y)
-      for (int x = std::max(0, at(x0)); x <= std::min(kWidth - 1, at(x1)); ++x) set(x, y, colour);
+    const int left = std::max(0, at(x0)), right = std::min(kWidth - 1, at(x1));
+    if (left > right) return;
+    for (int y = std::max(0, at(y0)), last = std::min(kHeight - 1, at(y1)); y <= last; ++y)
+      std::fill_n(pixels_.begin() + y * kWidth + left, right - left + 1, static_cast<char>(colour));
   }
   void frame(double x0, double y0, double x1, double y1, int thick, unsigned char colour) {
     box(x0, y0, x1, y0 + thick, colour), box(x0, y1 - thick, x1, y1, colour);
@@ -81,12 +84,16 @@ std::string packed_runs(const std::string& raw) {
 
 std::string Picture::png() const {
   std::string raw;
-  for (int y = 0; y < kHeight; ++y)
-    raw += std::string(1, '\0') + pixels_.substr(static_cast<std::size_t>(y * kWidth), kWidth);
+  raw.reserve(static_cast<std::size_t>((kWidth / 2 + 1) * kHeight));
+  for (int y = 0; y < kHeight; ++y) {
+    raw += '\0';
+    const char* row = pixels_.data() + y * kWidth;
+    for (int x = 0; x < kWidth; x += 2) raw += static_cast<char>((row[x] << 4) | row[x + 1]);
+  }
   const std::string packed = packed_runs(raw);
   std::string out = "\x89PNG\r\n\x1a\n", header, palette;
   put(header, kWidth), put(header, kHeight);
-  header += std::string("\x08\x03\x00\x00\x00", 5);
+  header += std::string("\x04\x03\x00\x00\x00", 5);
   for (const auto& colour : kPalette)
     for (const unsigned char part : colour) palette += static_cast<char>(part);
   chunk(out, "IHDR", header), chunk(out, "PLTE", palette), chunk(out, "IDAT", packed), chunk(out, "IEND", "");
@@ -102,7 +109,7 @@ unsigned char full_colour(ToleranceVerdict verdict) {
 
 }  // namespace
 
-std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& centre, double reach,
+std::string snapshot_png(const BcfSurroundings& surroundings, const Eigen::Vector3d& centre, double reach,
                          const FacadeFrame& facade) {
   const double view = std::max(3.0, 2.5 * reach), scale = kHeight / (2 * view);
   const auto x = [&](const Eigen::Vector3d& p) { return kWidth / 2.0 + scale * facade.right.dot(p - centre); };
@@ -113,7 +120,9 @@ std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& cen
            (!frame || !frame->out.allFinite() || frame->out.dot(facade.out) > 0.5);
   };
   Picture picture;
-  for (const auto& panel : deviation.panels) {
+  // What is drawn lies within the picture and 3 m before and behind it.
+  const BcfSurroundings::Around around = surroundings.around(centre, std::hypot(view * kWidth / kHeight, view, 3));
+  for (const PanelDeviationT* panel : around.panels) {
     Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();
     for (const auto& corner : panel->corners) {
       if (corner->name == "bottom_left") low = corner->design;
@@ -124,7 +133,7 @@ std::string snapshot_png(const DeviationT& deviation, const Eigen::Vector3d& cen
     picture.box(x(low), y(high), x(high), y(low), colour > 2 ? static_cast<unsigned char>(colour + 3) : 0);
     picture.frame(x(low), y(high), x(high), y(low), 2, colour);
   }
-  for (const auto& anchor : deviation.anchors) {
+  for (const AnchorDeviationT* anchor : around.anchors) {
     if (!anchor->design.allFinite() || !shown(anchor->design, anchor->facade)) continue;
     const double px = x(anchor->design), py = y(anchor->design);
     if (Picture::outside(px, py, 10)) continue;

@@ -48,11 +48,12 @@ std::string header_of(const BcfOptions& options, const std::string& design_file)
 }
 
 /// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
-std::vector<std::string> panels_before(const BcfIssue& issue, const DeviationT& deviation) {
+std::vector<std::string> panels_before(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   constexpr double margin = 0.3;  // [m] what is seen beside it
   std::vector<std::string> hidden;
-  for (const auto& panel : deviation.panels) {
-    if (panel->guid == issue.guid || panel->corners.empty()) continue;
+  for (const PanelDeviationT* panel :
+       surroundings.around(issue.centre, 2 * (margin + issue.reach) + issue.away()).panels) {
+    if (panel->guid == issue.guid) continue;
     Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
     for (const auto& corner : panel->corners) {
       const Eigen::Vector3d d = corner->design - issue.centre;
@@ -88,14 +89,15 @@ std::vector<std::string> labels_of(const BcfIssue& issue, const BcfOptions& opti
 
 /// In 3.0 comments and viewpoints are parts of the topic, and lists have an element around them.
 std::string markup(const BcfIssue& issue, const BcfOptions& options, const std::string& header,
-                   const std::string& topic, const std::string& view, int index) {
+                   const std::string& topic, const std::string& view, bool snapshot, int index) {
   const bool newer = options.version_3;
   std::string labels, views, said = comments(issue, options, topic);
   for (const std::string& label : labels_of(issue, options)) labels += element(newer ? "Label" : "Labels", label);
   if (newer && !labels.empty()) labels = "<Labels>" + labels + "</Labels>";
   if (newer && !said.empty()) said = "<Comments>" + said + "</Comments>";
   if (!view.empty()) {
-    const std::string files = "<Viewpoint>viewpoint.bcfv</Viewpoint><Snapshot>snapshot.png</Snapshot>";
+    const std::string files =
+        std::string("<Viewpoint>viewpoint.bcfv</Viewpoint>") + (snapshot ? "<Snapshot>snapshot.png</Snapshot>" : "");
     views = newer ? "<Viewpoints><ViewPoint Guid=\"" + view + "\">" + files + "</ViewPoint></Viewpoints>"
                   : "<Viewpoints Guid=\"" + view + "\">" + files + "</Viewpoints>";
   }
@@ -142,24 +144,26 @@ std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hid
 
 }  // namespace
 
-BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file)
-    : options_(options), header_(header_of(options, design_file)) {
+BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file, std::size_t topics)
+    : options_(options),
+      header_(header_of(options, design_file)),
+      snapshots_(3 * topics + 2 <= step::ZipWriter::kMostEntries) {
   zip_.add(
       "bcf.version",
       kHead + (options.version_3 ? "<Version VersionId=\"3.0\"/>\n"
                                  : "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n"));
 }
 
-void BcfFile::add(const BcfIssue& issue, const DeviationT& surroundings) {
+void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   const std::string topic = uuid_of(options_.project_guid, "bcf/" + options_.epoch + "/" + issue.key());
   const bool seen = issue.reach > 0;
   const std::string view =
       seen ? uuid_of(options_.project_guid, "bcf view/" + options_.epoch + "/" + issue.key()) : std::string();
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
-  zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, index_++));
+  zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, snapshots_, index_++));
   if (!seen) return;
   zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, surroundings), view, options_));
-  zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
+  if (snapshots_) zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
 }
 
 std::string BcfFile::finish() {

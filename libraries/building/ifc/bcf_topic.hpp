@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "building/ifc/bcf.hpp"
+#include "building/ifc/bcf_surroundings.hpp"
 #include "building/step/zip_writer.hpp"
 
 namespace plumbline::ifc {
@@ -33,16 +34,22 @@ struct BcfIssue {
 /// Where nothing says which way it faces it is looked at along y.
 FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade);
 
+/// The snapshot: the facade from outside with its panels and anchors, the one meant framed. PNG.
+std::string snapshot_png(const BcfSurroundings& surroundings, const Eigen::Vector3d& centre, double reach,
+                         const FacadeFrame& facade);
+
 class BcfFile {
  public:
-  BcfFile(const BcfOptions& options, const std::string& design_file);
+  /// `topics`: how many will come. A ZIP holds 65535 files: of more than 21 844 topics there are no snapshots.
+  BcfFile(const BcfOptions& options, const std::string& design_file, std::size_t topics);
   /// `surroundings`: panels and anchors that the snapshot shows, and that are hidden where they hang before the issue.
-  void add(const BcfIssue& issue, const DeviationT& surroundings);
+  void add(const BcfIssue& issue, const BcfSurroundings& surroundings);
   std::string finish();
 
  private:
   const BcfOptions& options_;
   std::string header_;
+  bool snapshots_;
   step::ZipWriter zip_;
   int index_ = 0;
   std::set<std::string> labels_;

@@ -25,14 +25,22 @@ constexpr std::size_t kArgumentsOfProduct = 7;
 /// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
 constexpr std::size_t kOtherShapes = 100;
 
+/// Its kind, behind Tag in every schema; IFC2X3 has none for plates.
+bool is_of_kind(const Entity& entity, const char* kind) {
+  constexpr std::size_t predefined_type = 8;
+  if (entity.arguments().size() <= predefined_type) return false;
+  const step::Value& value = entity.arguments()[predefined_type];
+  return value.kind == step::Kind::enumeration && value.text == kind;
+}
+
+bool clads(const Entity& entity, const std::string& ifc_class) {
+  return ifc_class == "IfcCurtainWall" || (ifc_class == "IfcCovering" && is_of_kind(entity, "CLADDING")) ||
+         (ifc_class.starts_with("IfcPlate") && is_of_kind(entity, "CURTAIN_PANEL"));
+}
+
 /// Walls too, where they hang before their anchors (wall_panels.cpp).
 bool may_be_panel(const Entity& entity, const std::string& ifc_class) {
-  if (ifc_class != "IfcCovering")
-    return ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase" || ifc_class == "IfcCurtainWall";
-  constexpr std::size_t predefined_type = 8;  // behind Tag, in every schema
-  if (entity.arguments().size() <= predefined_type) return false;
-  const step::Value& kind = entity.arguments()[predefined_type];
-  return kind.kind == step::Kind::enumeration && kind.text == "CLADDING";
+  return clads(entity, ifc_class) || ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase";
 }
 
 class Reader {
@@ -154,6 +162,7 @@ class Reader {
         // IfcProxy is no IfcElement, but old exporters write anchors as such.
         if (element.ifc_class == "IfcProxy" && !element.is_anchor) continue;
         element.is_panel = is_panel(entity, element) && !element.is_anchor;
+        element.is_cladding = element.is_panel && (!panel_selections_.empty() || clads(entity, element.ifc_class));
         if (!entity.optional_reference("ObjectPlacement")) unplaced_.insert(element.instance);
         design_.elements.push_back(std::move(element));
       } catch (const step::Error& error) {
@@ -190,9 +199,10 @@ class Reader {
     for (const Element& element : design_.elements)
       if (element.is_anchor || element.is_panel) judged.insert(element.instance);
     judged.insert(hosts_.begin(), hosts_.end());
-    if (walls_may_hang())
-      for (const Element& element : design_.elements)
-        if (is_wall(element)) judged.insert(element.instance);
+    // Slabs, at whose edges anchors sit, tell which way these face.
+    for (const Element& element : design_.elements)
+      if (element.ifc_class.starts_with("IfcSlab") || (walls_may_hang() && is_wall(element)))
+        judged.insert(element.instance);
     const auto counts = [&](std::uint64_t id) {
       for (int depth = 0; depth < 100; ++depth) {
         if (judged.contains(id)) return true;

@@ -43,6 +43,9 @@ struct Element {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< reference point, project frame [m]
   ReferencePointRule rule = ReferencePointRule::placement;
   bool is_anchor = false, is_panel = false;
+  /// Of a panel: that it clads, by its class, its kind or the user's word. Other plates (base plates, linings) and
+  /// walls may lie behind their anchors.
+  bool is_cladding = false;
   RigidTransform project_from_element;  ///< its placement [m]
   bool has_box = false;                 ///< whether the box below is known
   Eigen::Vector3d box_low = Eigen::Vector3d::Zero(),

@@ -9,86 +9,27 @@
 #include <unordered_map>
 
 #include "building/ifc/design.hpp"
+#include "building/ifc/facade_lines.hpp"
 #include "building/ifc/facades.hpp"
 #include "geometry/panel_fit.hpp"
 
 namespace plumbline::ifc {
 namespace {
 
-const double kAlike = std::cos(20 * std::numbers::pi / 180);
-/// A box is a panel or a wall if its thinnest side is at most half of the next.
-constexpr double kThin = 0.5;
-/// Nearer to its panel's middle plane than this an anchor does not tell on which side the panel hangs [m].
-constexpr double kBeside = 0.02;
-/// An anchor within this of the face of a wall or slab is fixed to that face [m].
-constexpr double kAtFace = 0.5;
+/// So far above or below the edge of a slab an anchor of that storey sits [m].
+constexpr double kStorey = 3;
 /// Of elements that are alike: more than this are nearly all.
 constexpr double kNearlyAll = 0.9;
 /// Neighbours that show the line of a facade, in plan [m].
 constexpr double kRow = 8;
 
-/// A line across the facade, and which of its ends is outside, where that is known: then it points there.
-struct Line {
-  Eigen::Vector3d direction;
-  bool outward = false;
-};
-
-bool alike(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::abs(a.dot(b)) > kAlike; }
-
-Eigen::Matrix3d axes_of(const Element& element) { return element.project_from_element.rotation.toRotationMatrix(); }
-
-/// Outward by the placement: −y of axes whose z points up.
-std::optional<Eigen::Vector3d> own_direction(const Element& element) {
-  const Eigen::Matrix3d axes = axes_of(element);
-  if (axes(2, 2) < 0.7) return {};  // a bolt drawn along z and laid down, a panel drawn flat
-  return Eigen::Vector3d(-axes.col(1));
-}
-
-/// The thin axis of a box, 0 to 2; nothing if it is not flat.
-std::optional<int> thin_axis(const Element& element) {
-  if (!element.has_box) return {};
-  const Eigen::Vector3d size = element.box_high - element.box_low;
-  int thin = 0;
-  size.minCoeff(&thin);
-  const double next = std::min(size[(thin + 1) % 3], size[(thin + 2) % 3]);
-  if (!(size[thin] <= kThin * next)) return {};
-  return thin;
-}
-
-Eigen::Vector3d middle_of(const Element& element) {
-  return element.project_from_element * Eigen::Vector3d(0.5 * (element.box_low + element.box_high));
-}
-
-/// The side of a wall, or the edge of a slab, that an anchor sits at.
-std::optional<Line> line_of_host(const Element& host, const Eigen::Vector3d& anchor) {
-  if (!host.has_box) return {};
-  const Eigen::Matrix3d axes = axes_of(host);
-  const Eigen::Vector3d own = host.project_from_element.inverse() * anchor;
-  std::optional<Line> best;
-  double nearest = kAtFace, second = 1e300;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(axes(2, axis)) > 0.7) continue;  // top and bottom
-    for (const double sign : {-1.0, 1.0}) {
-      const double distance = std::abs(own[axis] - (sign > 0 ? host.box_high : host.box_low)[axis]);
-      if (distance < nearest)
-        second = best ? nearest : second, nearest = distance, best = Line{sign * axes.col(axis), true};
-      else
-        second = std::min(second, distance);
-    }
-  }
-  // At a corner, or in the middle of a thin wall, the nearest face says nothing.
-  if (best && second < nearest + 0.05) best->outward = false;
-  if (best && second < nearest + 0.05 && thin_axis(host) && std::abs(axes(2, *thin_axis(host))) < 0.7)
-    best->direction = axes.col(*thin_axis(host));
-  else if (best && second < nearest + 0.05)
-    return {};
-  return best;
-}
-
 /// All that is known of one element.
 struct Evidence {
   std::optional<Eigen::Vector3d> own;
-  std::optional<Line> panel, host;
+  std::optional<FacadeLine> panel, host;
+  bool panel_clads = false;          ///< else it may lie behind its anchors: a base plate, a lining, the wall itself
+  bool host_may_hang = false;        ///< a wall that it is tied to may be the panel before it
+  std::vector<FacadeLine> at_edges;  ///< of what carries the building, where it sits though no relation says so
   std::optional<Eigen::Vector3d> row;
   bool corner = false;  ///< panels that face differently hang at it, and nothing of its own says whose it is
 };
@@ -154,27 +95,46 @@ class Assigner {
     if (n > 0) building_ = sum / n;
   }
 
+  /// Which anchors each panel is fixed by, and at the edges of which slabs and walls they sit.
   void find_fixings() {
-    std::map<std::array<int, 3>, std::vector<Element*>> cells;
-    const auto cell = [](const Eigen::Vector3d& p, int k) { return static_cast<int>(std::floor(p[k] / 4)); };
-    for (Element* anchor : anchors_)
-      cells[{cell(anchor->position, 0), cell(anchor->position, 1), cell(anchor->position, 2)}].push_back(anchor);
+    for (Element* anchor : anchors_) cells_[cell_of(anchor->position)].push_back(anchor);
     for (Element* panel : panels_) {
       for (const std::string& guid : panel->anchor_guids)
         if (const auto anchor = by_guid_.find(guid); anchor != by_guid_.end()) fix(*panel, *anchor->second);
-      if (!panel->anchor_guids.empty() || !panel->has_box) continue;
-      const Eigen::Vector3d middle = middle_of(*panel);
-      const double reach = 0.5 * (panel->box_high - panel->box_low).norm() + kPanelReach;
-      const RigidTransform own = panel->project_from_element.inverse();
-      const Eigen::Vector3d low = middle.array() - reach, high = middle.array() + reach;
-      if (reach > 100) continue;  // a whole facade as one element
-      for (int x = cell(low, 0); x <= cell(high, 0); ++x)
-        for (int y = cell(low, 1); y <= cell(high, 1); ++y)
-          for (int z = cell(low, 2); z <= cell(high, 2); ++z)
-            if (const auto found = cells.find({x, y, z}); found != cells.end())
-              for (Element* anchor : found->second)
-                if (distance_from_box(panel->box_low, panel->box_high, own * anchor->position) <= kPanelReach)
-                  fix(*panel, *anchor);
+      if (panel->anchor_guids.empty() && panel->has_box)
+        for_anchors_at(*panel, kPanelReach, [&](const Element& anchor, const Eigen::Vector3d& off) {
+          if (off.norm() <= kPanelReach) fix(*panel, anchor);
+        });
+    }
+    for (const Element& element : design_.elements)
+      if (carries(element))
+        for_anchors_at(element, kStorey, [&](const Element& anchor, const Eigen::Vector3d& off) {
+          if (anchor.host_guid == element.guid || off.head<2>().norm() > kAtFace || std::abs(off.z()) > kStorey) return;
+          if (const auto line = line_of_host(element, anchor.position); line && line->outward)
+            edges_[&anchor].push_back(*line);
+        });
+  }
+
+  using Cell = std::array<int, 3>;
+  static Cell cell_of(const Eigen::Vector3d& p) {
+    const auto index = [&](int k) { return static_cast<int>(std::floor(std::clamp(p[k], -1e8, 1e8) / 4)); };
+    return {index(0), index(1), index(2)};
+  }
+
+  /// All anchors that may be within `reach` of the element's box, with the way from the box to them.
+  template <class Visit>
+  void for_anchors_at(const Element& element, double reach, const Visit& visit) const {
+    const RigidTransform own = element.project_from_element.inverse();
+    const Eigen::Vector3d half = axes_of(element).cwiseAbs() * (0.5 * (element.box_high - element.box_low));
+    const Cell low = cell_of(middle_of(element) - half - Eigen::Vector3d::Constant(reach)),
+               high = cell_of(middle_of(element) + half + Eigen::Vector3d::Constant(reach));
+    for (auto it = cells_.lower_bound({low[0], low[1], low[2]}); it != cells_.end() && it->first[0] <= high[0]; ++it) {
+      const Cell& cell = it->first;
+      if (cell[1] < low[1] || cell[1] > high[1] || cell[2] < low[2] || cell[2] > high[2]) continue;
+      for (const Element* anchor : it->second) {
+        const Eigen::Vector3d at = own * anchor->position;
+        visit(*anchor, axes_of(element) * (at - at.cwiseMax(element.box_low).cwiseMin(element.box_high)));
+      }
     }
   }
 
@@ -184,10 +144,10 @@ class Assigner {
   }
 
   /// A panel's plane, and on which side of its anchors it hangs.
-  std::optional<Line> line_of_panel(const Element& panel) const {
+  std::optional<FacadeLine> line_of_panel(const Element& panel) const {
     const auto thin = thin_axis(panel);
     if (!thin) return {};
-    Line line{axes_of(panel).col(*thin), false};
+    FacadeLine line{axes_of(panel).col(*thin), false};
     const auto fixings = fixed_by_.find(&panel);
     if (fixings == fixed_by_.end()) return line;
     double nearest = 1e300, farthest = -1e300;
@@ -205,9 +165,15 @@ class Assigner {
     bool opposite = false;
     evidence.own = own_direction(anchor);
     if (const auto host = by_guid_.find(anchor.host_guid); !anchor.host_guid.empty() && host != by_guid_.end())
-      evidence.host = line_of_host(*host->second, anchor.position);
-    if (const auto held = holds_.find(&anchor); held != holds_.end())
+      evidence.host = line_of_host(*host->second, anchor.position),
+      evidence.host_may_hang = host->second->ifc_class.starts_with("IfcWall");
+    if (const auto edges = edges_.find(&anchor); edges != edges_.end()) evidence.at_edges = edges->second;
+    if (const auto held = holds_.find(&anchor); held != holds_.end()) {
+      // What clads goes before other plates: a base plate behind it says nothing against it.
+      const auto is_cladding = [](const Element* panel) { return panel->is_cladding && thin_axis(*panel); };
+      evidence.panel_clads = std::any_of(held->second.begin(), held->second.end(), is_cladding);
       for (const Element* panel : held->second) {
+        if (evidence.panel_clads && !panel->is_cladding) continue;
         const auto line = line_of_panel(*panel);
         if (!line) continue;
         const bool own_fits = evidence.own && alike(*evidence.own, line->direction);
@@ -222,6 +188,7 @@ class Assigner {
           opposite = true;  // before and behind it hang panels
         }
       }
+    }
     if (opposite) evidence.panel->outward = false;
     // Axes that were turned to one of them say whose it is.
     if (evidence.corner && turned_ && evidence.own && alike(*evidence.own, evidence.panel->direction))
@@ -233,7 +200,7 @@ class Assigner {
   Evidence evidence_of_panel(const Element& panel) const {
     Evidence evidence;
     evidence.own = own_direction(panel);
-    evidence.panel = line_of_panel(panel);
+    evidence.panel = line_of_panel(panel), evidence.panel_clads = panel.is_cladding;
     const auto fixings = fixed_by_.find(&panel);
     if (fixings == fixed_by_.end()) return evidence;
     // What its anchors were found to face counts like the wall behind it.
@@ -242,8 +209,8 @@ class Assigner {
       if (!frame.known() || !frame.confirmed || (evidence.panel && !alike(frame.out, evidence.panel->direction)))
         continue;
       if (!evidence.host)
-        evidence.host = Line{frame.out, true};
-      else if (evidence.host->direction.dot(frame.out) < kAlike)
+        evidence.host = FacadeLine{frame.out, true};
+      else if (!same_way(evidence.host->direction, frame.out))
         evidence.host->outward = false;
     }
     return evidence;
@@ -272,7 +239,9 @@ class Assigner {
       nobodys.note = "panels that face differently hang at it";
       return nobodys;
     }
-    const auto fits = [&](const std::optional<Line>& line) { return line && alike(*evidence.own, line->direction); };
+    const auto fits = [&](const std::optional<FacadeLine>& line) {
+      return line && alike(*evidence.own, line->direction);
+    };
     const bool own_says =
         evidence.own && (!evidence.panel || fits(evidence.panel)) &&
         (!evidence.host || fits(evidence.host) || fits(evidence.panel)) &&
@@ -295,9 +264,22 @@ class Assigner {
       strong.emplace_back(FacadeSource::panel, side(evidence.panel->direction));
     if (evidence.host && evidence.host->outward && alike(evidence.host->direction, *line))
       strong.emplace_back(FacadeSource::wall, side(evidence.host->direction));
+    // The place of a plate that nobody calls cladding, and a wall, are no proof alone: either may lie on either side of
+    // its anchors. The edge of what carries the building, where they sit, must say the same.
+    const int edge = side_of_edges(evidence.at_edges, *line);
+    const bool alone = strong.size() == 1 && strong.front().first != FacadeSource::own_axes;
+    const bool said_by_panel = alone && strong.front().first == FacadeSource::panel;
+    if (alone && edge != 0 && (said_by_panel || evidence.host_may_hang)) strong.emplace_back(FacadeSource::wall, edge);
+    const bool open = strong.size() == 1 && (said_by_panel ? !evidence.panel_clads : alone && evidence.host_may_hang);
     const int weak = own_says && !turned_ ? side(*evidence.own) : 0;
     const int behind = side_of_building(element.position, *line);
     FacadeFrame frame = frame_of(*line, strong, weak, behind, axes_of(element).col(1));
+    if (open && frame.confirmed)
+      frame.confirmed = false,
+      frame.note = said_by_panel ? "only the place of a plate or wall beside its anchors says it, which is not called "
+                                   "cladding: it may lie behind them (a base plate, a lining, what they are fixed to)"
+                                 : "only the wall that it is tied to says it, which may hang before it (a precast "
+                                   "panel) as well as stand behind it";
     // Of a panel the place of the wall is that of its anchors, which were decided before.
     if (element.is_anchor && strong.size() == 1 && strong.front().first == FacadeSource::wall &&
         behind == -strong.front().second && frame.confirmed)
@@ -383,6 +365,8 @@ class Assigner {
   std::vector<Element*> anchors_, panels_;
   std::unordered_map<std::string, Element*> by_guid_;
   std::unordered_map<const Element*, std::vector<const Element*>> fixed_by_, holds_;
+  std::map<Cell, std::vector<Element*>> cells_;  ///< anchors by place
+  std::unordered_map<const Element*, std::vector<FacadeLine>> edges_;
   std::optional<Eigen::Vector3d> building_;
   bool turned_ = false;
 };

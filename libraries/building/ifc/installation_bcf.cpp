@@ -197,8 +197,10 @@ class Topics {
 
 std::string write_installation_bcf(const InstallationPlanT& plan, const LoopStateT& state, const BcfOptions& options) {
   const Topics topics(plan, state, options);
-  BcfFile file(options, plan.design_file);
-  for (const BcfIssue& issue : topics.all(plan)) file.add(issue, topics.drawn());
+  const BcfSurroundings surroundings(topics.drawn());
+  const std::vector<BcfIssue> issues = topics.all(plan);
+  BcfFile file(options, plan.design_file, issues.size());
+  for (const BcfIssue& issue : issues) file.add(issue, surroundings);
   return file.finish();
 }
 

@@ -231,8 +231,11 @@ void add_anchor_rows(Evaluation& evaluation) {
     };
     place(evaluation.survey, evaluation.survey_index);
     place(evaluation.model, evaluation.model_index);
-    row->note = missing(entry.id, evaluation.model, evaluation.model_index, evaluation.survey, evaluation.survey_index,
-                        "survey");
+    if (!evaluation.inputs.model_is_survey)
+      row->note = missing(entry.id, evaluation.model, evaluation.model_index, evaluation.survey,
+                          evaluation.survey_index, "survey");
+    else if (!std::isfinite(row->x))
+      row->note = "not surveyed";
     evaluation.result.anchors.push_back(std::move(row));
   }
 }
@@ -265,7 +268,8 @@ void warn_of_gaps(Evaluation& evaluation) {
   std::set<std::string> listed;
   for (const auto& anchor : evaluation.result.anchors) {
     listed.insert(anchor->id);
-    if (!anchor->survey) unmeasured.push_back(anchor->id);
+    const bool surveyed = evaluation.inputs.model_is_survey ? std::isfinite(anchor->x) : anchor->survey != nullptr;
+    if (!surveyed) unmeasured.push_back(anchor->id);
   }
   listed.insert(evaluation.inputs.ties.begin(), evaluation.inputs.ties.end());
   for (const std::string& id : evaluation.model.ids)
@@ -273,8 +277,11 @@ void warn_of_gaps(Evaluation& evaluation) {
   if (!unmeasured.empty())
     evaluation.warn(std::to_string(unmeasured.size()) + " of " + std::to_string(evaluation.result.anchors.size()) +
                     " anchors were not measured and are in no mean: " + list_of(unmeasured) + "." +
-                    near_misses(unmeasured, evaluation.survey.ids, listed));
-  if (!unlisted.empty())
+                    near_misses(unmeasured,
+                                evaluation.inputs.model_is_survey ? evaluation.model.ids : evaluation.survey.ids,
+                                listed));
+  // Marks, control and set-ups are points of a network too.
+  if (!unlisted.empty() && !evaluation.inputs.model_is_survey)
     evaluation.warn("The model holds points that the anchor table does not list; they were not evaluated: " +
                     list_of(unlisted) + ".");
   const std::vector<int> floors = floors_of(evaluation.inputs.anchors);
@@ -299,7 +306,11 @@ void warn_of_evidence(Evaluation& evaluation) {
                       "small, and with "
                       "them the guard bands of the verdicts.");
   }
-  if (!evidence)
+  if (evaluation.inputs.model_is_survey)
+    evaluation.warn(
+        "The anchors were measured by total station alone: nothing here is evidence of its accuracy but the network's "
+        "own redundancy. Measure some anchors again from other set-ups, or in photographs.");
+  else if (!evidence)
     evaluation.warn(
         "No check anchor was evaluated: nothing here is evidence of accuracy. Withhold some anchors from the "
         "adjustment, "
@@ -328,9 +339,13 @@ AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
   result.tau = options.tau, result.guard_factor = options.guard_factor, result.confidence = options.confidence;
   result.anchors_needed = anchors_needed(0.95, options.confidence);
   add_anchor_rows(evaluation);
-  const DifferenceSet survey = against_survey(evaluation);
-  attach(evaluation, survey, &AnchorAccuracyT::survey);
-  add_comparisons(evaluation, survey, AccuracyReference::survey);
+  if (inputs.model_is_survey) {
+    result.correlation_note = "The anchors were measured by total station alone: there is no second measurement.";
+  } else {
+    const DifferenceSet survey = against_survey(evaluation);
+    attach(evaluation, survey, &AnchorAccuracyT::survey);
+    add_comparisons(evaluation, survey, AccuracyReference::survey);
+  }
   if (inputs.truth) {
     evaluation.truth_index = index_points(*inputs.truth, "truth");
     const DifferenceSet truth = against_exact(evaluation, *inputs.truth, evaluation.truth_index, "truth");

@@ -50,6 +50,8 @@ struct Inputs {
   std::vector<AnchorEntry> anchors;
   PointSet model;
   PointSet survey;
+  /// Measured by total station alone: the model is the survey, `survey` is empty, and nothing is compared with it.
+  bool model_is_survey = false;
   std::optional<PointSet> truth;  ///< simulation only; taken as exact whatever its covariance
   /// The truth is of anchors, model and survey are of plates: standard deviation of a plate's place on its anchor, on
   /// each axis [m].

@@ -227,6 +227,9 @@ void set_floors_of_panels(Work& work, const std::map<std::string, int>& floor_of
   }
 }
 
+/// What is missed at most, as a probability that nothing is; nan stays nan.
+double at_least(double missed) { return missed > 1 ? 0 : 1 - missed; }
+
 /// Floors are numbers in the plate table and storeys in the design: each anchor that has both votes.
 void judge_floors(Work& work) {
   std::map<int, std::map<std::string, int>> votes;
@@ -267,10 +270,12 @@ void judge_floors(Work& work) {
     }
     return *entry;
   };
+  std::map<int, double> missed;  // bound of the probability that one of the floor is out of tolerance
   for (auto& anchor : work.out.anchors) {
     if (anchor->floor == 0)
       if (const auto floor = floor_of.find(anchor->storey_guid); floor != floor_of.end()) anchor->floor = floor->second;
     FloorDeviationT& floor = floor_at(anchor->floor);
+    missed[anchor->floor] += 1 - anchor->pass_probability;
     ++(anchor->verdict == ToleranceVerdict::pass        ? floor.passed
        : anchor->verdict == ToleranceVerdict::fail      ? floor.failed
        : anchor->verdict == ToleranceVerdict::undecided ? floor.undecided
@@ -279,6 +284,7 @@ void judge_floors(Work& work) {
   set_floors_of_panels(work, floor_of);
   for (const auto& panel : work.out.panels) {
     FloorDeviationT& floor = floor_at(panel->floor);
+    missed[panel->floor] += 1 - panel->pass_probability;
     ++(panel->verdict == ToleranceVerdict::pass   ? floor.panels_passed
        : panel->verdict == ToleranceVerdict::fail ? floor.panels_failed
                                                   : floor.panels_undecided);
@@ -290,6 +296,7 @@ void judge_floors(Work& work) {
       floor->verdict = ToleranceVerdict::undecided;
     else if (floor->passed > 0)
       floor->verdict = ToleranceVerdict::pass;
+    if (work.out.doubts.empty()) floor->pass_together = at_least(missed[number]);
     work.out.floors.push_back(std::move(floor));
   }
 }
@@ -297,6 +304,10 @@ void judge_floors(Work& work) {
 void summarise(Work& work) {
   DeviationT& out = work.out;
   int panels_failed = 0, panels_open = 0;
+  double missed = 0;
+  for (const auto& anchor : out.anchors) missed += 1 - anchor->pass_probability;
+  for (const auto& panel : out.panels) missed += 1 - panel->pass_probability;
+  if (!out.anchors.empty() && out.doubts.empty()) out.pass_together = at_least(missed);
   for (const auto& floor : out.floors) {
     out.passed += floor->passed, out.undecided += floor->undecided, out.failed += floor->failed;
     out.not_measured += floor->not_measured;

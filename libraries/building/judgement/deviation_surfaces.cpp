@@ -7,10 +7,6 @@
 namespace plumbline::judgement {
 namespace {
 
-void scale(std::vector<double>& values, double by) {
-  for (double& value : values) value *= by;
-}
-
 /// Floors of panels by GlobalId, and by name where one panel has it.
 std::map<std::string, int> floors_of_panels(const DeviationT& deviation) {
   std::map<std::string, int> floors, bearers;
@@ -50,18 +46,6 @@ void take_into_floors(const SurfaceJudgementT& surfaces, DeviationT& deviation) 
 }
 
 }  // namespace
-
-void enlarge(SurfacesT& surfaces, double factor) {
-  const double root = std::sqrt(factor);
-  for (auto& panel : surfaces.panels) {
-    scale(panel->covariance, factor), scale(panel->random_covariance, factor);
-    scale(panel->coefficients_random, factor), scale(panel->coefficients_factor, root);
-    panel->form_sigma *= root;
-    for (auto& gap : panel->flatness) gap->sigma *= root, gap->noise_mean *= root, gap->noise_sigma *= root;
-  }
-  for (auto& joint : surfaces.joints)
-    for (auto& place : joint->places) place->width_sigma *= root, place->step_sigma *= root;
-}
 
 void leave_open(SurfaceJudgementT& judgement) {
   for (auto& verdict : judgement.verdicts)

@@ -27,9 +27,6 @@ namespace plumbline::judgement {
 SurfaceJudgementT judge_surfaces(const SurfacesT& surfaces, const std::map<std::string, ifc::ElementFacts>& facts,
                                  const std::vector<SurfaceRule>& rules, double risk);
 
-/// Multiplies the covariance of all figures by `factor`: what the residuals of the measurement's model say of it.
-void enlarge(SurfacesT& surfaces, double factor);
-
 /// A measurement that contradicts itself shows no surface to be in order, and none to be out of it.
 void leave_open(SurfaceJudgementT& judgement);
 

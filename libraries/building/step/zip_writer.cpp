@@ -2,6 +2,8 @@
 
 #include <zlib.h>
 
+#include <stdexcept>
+
 namespace plumbline::step {
 namespace {
 
@@ -29,6 +31,10 @@ void ZipWriter::add(const std::string& name, std::string_view content) {
 
 std::string ZipWriter::finish() {
   const std::size_t begin = bytes_.size();
+  // Beyond these the counts of the format wrap around, and readers find something else.
+  if (entries_.size() > kMostEntries || begin > 0xFFFFFFFFu)
+    throw std::runtime_error("the ZIP has " + std::to_string(entries_.size()) + " entries of " + std::to_string(begin) +
+                             " bytes together, and the format holds 65535 of 4 GB at most; write less into one file");
   for (const Entry& entry : entries_) {
     put(bytes_, 0x02014b50, 4), put(bytes_, 20, 2);
     put_common(bytes_, entry.crc, entry.size, entry.name.size());

@@ -11,8 +11,11 @@ namespace plumbline::step {
 
 class ZipWriter {
  public:
+  static constexpr std::size_t kMostEntries = 65535;
+
   /// `name` with '/' between folders.
   void add(const std::string& name, std::string_view content);
+  /// Throws std::runtime_error if the archive is larger than its format can say.
   std::string finish();
 
  private:

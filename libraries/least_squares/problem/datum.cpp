@@ -34,13 +34,13 @@ struct Ritz {
   Eigen::MatrixXd vectors;  // n x k
 };
 
-Ritz smallest_eigenpairs(const Eigen::SparseMatrix<double>& lower, const SparseFactor& factor, int count) {
-  const int n = static_cast<int>(lower.rows());
+Ritz smallest_eigenpairs(const NormalEquations& normal, const SparseFactor& factor, int count) {
+  const int n = normal.size();
   Eigen::MatrixXd v = orthonormalised(start_vectors(n, count));
   Ritz ritz;
   for (int iteration = 0; iteration < 5; ++iteration) {
     v = orthonormalised(factor.solve(v));
-    const Eigen::MatrixXd nv = lower.selfadjointView<Eigen::Lower>() * v;
+    const Eigen::MatrixXd nv = normal.multiply_scaled(v);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(v.transpose() * nv);
     v = v * eigen.eigenvectors();
     ritz = {eigen.eigenvalues(), v};
@@ -83,12 +83,16 @@ void require_held(const Eigen::MatrixXd& scaled_null_space, const Eigen::VectorX
                    tangent_directions(open, scale));
 }
 
-/// Q := S Q S' with S = I - G (C'G)^-1 C', by products with d columns only:
+/// H of S Q S' = Q - G H - (G H)' with S = I - G (C'G)^-1 C', from Q C:
 /// S Q S' = Q - G B - (G B)' + G (B C T) G' with T = (C'G)^-T and B = (C'G)^-1 C'Q.
-void change_datum(Eigen::MatrixXd& q, const Eigen::MatrixXd& g, const Eigen::MatrixXd& c) {
+Eigen::MatrixXd half_change(const Eigen::MatrixXd& qc, const Eigen::MatrixXd& g, const Eigen::MatrixXd& c) {
   const Eigen::MatrixXd inverse = Eigen::MatrixXd(c.transpose() * g).inverse();
-  const Eigen::MatrixXd b = inverse * (c.transpose() * q);
-  const Eigen::MatrixXd half = b - 0.5 * (b * c * inverse.transpose()) * g.transpose();
+  const Eigen::MatrixXd b = inverse * qc.transpose();
+  return b - 0.5 * (b * c * inverse.transpose()) * g.transpose();
+}
+
+void change_datum(Eigen::MatrixXd& q, const Eigen::MatrixXd& g, const Eigen::MatrixXd& c) {
+  const Eigen::MatrixXd half = half_change(q * c, g, c);
   q.noalias() -= g * half;
   q.noalias() -= half.transpose() * g.transpose();
 }
@@ -101,11 +105,11 @@ Eigen::MatrixXd find_null_space(const NormalEquations& normal, double tolerance)
   SparseFactor factor;
   // The shift makes the singular matrix factorisable; it must stand clear of rounding (1e-16 n) and below the
   // tolerance.
-  for (double shift = 1e-11; !factor.factorise(normal.scaled(), shift, {}); shift *= 10)
+  for (double shift = 1e-11; !factor.factorise(normal, shift, {}); shift *= 10)
     if (shift > 1e-7)
       throw std::runtime_error("normal matrix is not positive semidefinite: not finite residuals or Jacobians");
   for (int count = std::min(n, 8);; count = std::min(n, 2 * count)) {
-    const Ritz ritz = smallest_eigenpairs(normal.scaled(), factor, count);
+    const Ritz ritz = smallest_eigenpairs(normal, factor, count);
     const int defect = static_cast<int>((ritz.values.array() < tolerance).count());
     if (defect < count || count == n) return ritz.vectors.leftCols(defect);
   }
@@ -127,8 +131,7 @@ void InnerConstraints::update(const NormalEquations& normal, const SparseFactor&
   const int n = normal.size();
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(n, defect());
   for (int k = 0; k < defect(); ++k) unit(pinned_[k], k) = 1.0;
-  Eigen::MatrixXd right_side = normal.scaled().selfadjointView<Eigen::Lower>() * unit;
-  right_side = -right_side;
+  Eigen::MatrixXd right_side = -normal.multiply_scaled(unit);
   for (int p : pinned_) right_side.row(p).setZero();
   null_space_ = normal.scale().cwiseInverse().asDiagonal() * (factor.solve(right_side) + unit);
 }
@@ -138,6 +141,10 @@ Eigen::VectorXd InnerConstraints::shift_for(const Eigen::VectorXd& change) const
   const Eigen::MatrixXd small = constraints_.transpose() * null_space_;
   const Eigen::VectorXd misclosure = constraints_.transpose() * change;
   return -null_space_ * small.fullPivLu().solve(misclosure);
+}
+
+Eigen::MatrixXd InnerConstraints::half_change_of(const Eigen::MatrixXd& q_constraints) const {
+  return half_change(q_constraints, null_space_, constraints_);
 }
 
 void InnerConstraints::transform(Eigen::MatrixXd& q) const {

@@ -46,6 +46,9 @@ class InnerConstraints {
   Eigen::VectorXd shift_for(const Eigen::VectorXd& change) const;
   /// Q := S Q S' with S = I - G (C'G)^-1 C'.
   void transform(Eigen::MatrixXd& cofactors) const;
+  /// The same without Q itself: H, d x n, of S Q S' = Q - G H - (G H)', from Q C (n x d).
+  const Eigen::MatrixXd& constraints() const { return constraints_; }  ///< C, n x d
+  Eigen::MatrixXd half_change_of(const Eigen::MatrixXd& q_constraints) const;
 
  private:
   std::vector<int> pinned_;

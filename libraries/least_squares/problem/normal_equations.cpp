@@ -1,70 +1,111 @@
 #include "least_squares/problem/normal_equations.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+
+#include "least_squares/sparse/selected_inverse.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::least_squares {
 
-NormalEquations::NormalEquations(const Linearisation& lin, int unknowns)
-    : scaled_(unknowns, unknowns), scale_(Eigen::VectorXd::Ones(unknowns)), gradient_(Eigen::VectorXd::Zero(unknowns)) {
-  // Key = column * n + row of the lower triangle; sorting the keys gives the compressed columns.
-  const auto n = static_cast<std::int64_t>(unknowns);
-  std::vector<std::int64_t> keys;
-  for (std::int64_t i = 0; i < n; ++i) keys.push_back(i * n + i);
-  for (const auto& block : lin.blocks)
-    for (int j = 0; j < block.column_count; ++j)
-      for (int i = j; i < block.column_count; ++i)
-        keys.push_back(lin.columns[block.column_begin + j] * n + lin.columns[block.column_begin + i]);
-  const std::vector<std::int64_t> products(keys.begin() + n, keys.end());
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+NormalEquations::NormalEquations(const Linearisation& lin, const UnknownIndex& unknowns)
+    : scale_(Eigen::VectorXd::Ones(unknowns.count())), gradient_(Eigen::VectorXd::Zero(unknowns.count())) {
+  std::vector<int> sizes;
+  for (int u = 0; u < unknowns.count(); ++u) {
+    if (u == 0 || unknowns.block_of(u) != unknowns.block_of(u - 1)) sizes.push_back(0);
+    ++sizes.back();
+    block_of_.push_back(static_cast<int>(sizes.size()) - 1);
+  }
+  Pattern pattern(sizes);
+  std::vector<int> met;
+  for (const auto& block : lin.blocks) {
+    met.clear();
+    for (const Part& part : parts_of(lin, block)) met.push_back(part.block);
+    pattern.couple(met);
+  }
+  analysis_ = std::make_shared<const Analysis>(pattern);
+  blocks_ = SymmetricBlocks(pattern);
+}
 
-  scaled_.resizeNonZeros(static_cast<Eigen::Index>(keys.size()));
-  std::vector<int> column_start(unknowns + 1, 0);
-  for (size_t k = 0; k < keys.size(); ++k) {
-    scaled_.innerIndexPtr()[k] = static_cast<int>(keys[k] % n);
-    ++column_start[keys[k] / n + 1];
+std::vector<NormalEquations::Part> NormalEquations::parts_of(const Linearisation& lin,
+                                                             const Linearisation::Block& block) const {
+  std::vector<Part> parts;
+  for (int k = 0; k < block.column_count; ++k) {
+    const int of = block_of(lin.columns[static_cast<std::size_t>(block.column_begin + k)]);
+    if (parts.empty() || parts.back().block != of) parts.push_back({of, k, 0});
+    ++parts.back().count;
   }
-  for (int j = 0; j < unknowns; ++j) column_start[j + 1] += column_start[j];
-  std::copy(column_start.begin(), column_start.end(), scaled_.outerIndexPtr());
-  positions_.reserve(products.size());
-  for (std::int64_t key : products) {
-    const int* begin = scaled_.innerIndexPtr() + column_start[key / n];
-    const int* end = scaled_.innerIndexPtr() + column_start[key / n + 1];
-    positions_.push_back(
-        static_cast<int>(std::lower_bound(begin, end, static_cast<int>(key % n)) - scaled_.innerIndexPtr()));
-  }
+  return parts;
 }
 
 void NormalEquations::assemble(const Linearisation& lin) {
-  double* values = scaled_.valuePtr();
-  std::fill_n(values, scaled_.nonZeros(), 0.0);
+  blocks_.set_zero();
   gradient_.setZero();
-  size_t product = 0;
+  Eigen::MatrixXd product;
   for (const auto& block : lin.blocks) {
-    const double* jacobian = lin.jacobian.data() + block.jacobian_begin;
+    const auto jacobian = lin.jacobian_of(block);
     const double* residual = lin.residuals.data() + block.row;
-    const int count = block.column_count;
-    for (int j = 0; j < count; ++j) {
-      double gradient = 0;
-      for (int r = 0; r < block.rows; ++r) gradient += jacobian[r * count + j] * residual[r];
-      gradient_[lin.columns[block.column_begin + j]] += gradient;
-      for (int i = j; i < count; ++i) {
-        double sum = 0;
-        for (int r = 0; r < block.rows; ++r) sum += jacobian[r * count + i] * jacobian[r * count + j];
-        values[positions_[product++]] += sum;
-      }
+    for (int j = 0; j < block.column_count; ++j) {
+      double sum = 0;
+      for (int r = 0; r < block.rows; ++r) sum += jacobian(r, j) * residual[r];
+      gradient_[lin.columns[static_cast<std::size_t>(block.column_begin + j)]] += sum;
     }
+    // A block of unknowns appears whole: its columns follow each other, ascending.
+    const std::vector<Part> parts = parts_of(lin, block);
+    for (std::size_t a = 0; a < parts.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        auto target = blocks_.at(parts[a].block, parts[b].block);
+        for (int j = 0; j < parts[b].count; ++j)
+          for (int i = a == b ? j : 0; i < parts[a].count; ++i) {
+            double sum = 0;
+            for (int r = 0; r < block.rows; ++r)
+              sum += jacobian(r, parts[a].first + i) * jacobian(r, parts[b].first + j);
+            target(i, j) += sum;
+          }
+      }
   }
-  // The diagonal is the first entry of each column of a lower triangle.
-  for (int j = 0; j < size(); ++j) {
-    const double diagonal = values[scaled_.outerIndexPtr()[j]];
-    scale_[j] = diagonal > 0 ? std::sqrt(diagonal) : 1.0;
-  }
-  for (int j = 0; j < size(); ++j)
-    for (int k = scaled_.outerIndexPtr()[j]; k < scaled_.outerIndexPtr()[j + 1]; ++k)
-      values[k] /= scale_[j] * scale_[scaled_.innerIndexPtr()[k]];
+  const Eigen::VectorXd diagonal = blocks_.diagonal();
+  for (int j = 0; j < size(); ++j) scale_[j] = diagonal[j] > 0 ? std::sqrt(diagonal[j]) : 1.0;
+}
+
+Eigen::MatrixXd NormalEquations::multiply_scaled(const Eigen::Ref<const Eigen::MatrixXd>& x) const {
+  const Eigen::VectorXd inverse = scale_.cwiseInverse();
+  return inverse.asDiagonal() * blocks_.multiply(inverse.asDiagonal() * x);
+}
+
+bool SparseFactor::factorise(const NormalEquations& normal, double shift, const std::vector<int>& pinned) {
+  Scaling scaling{normal.scale().cwiseInverse(), Eigen::VectorXd::Constant(normal.size(), shift)};
+  for (const int p : pinned) scaling.scale[p] = 0, scaling.added[p] = 1 + shift;
+  if (!factor_ || factor_->shared_analysis() != normal.analysis())
+    factor_ = std::make_unique<SparseCholesky>(normal.analysis());
+  // The diagonal is that of a unit matrix: a pivot this small is rounding noise of a singular matrix.
+  return factor_->factorise(normal.blocks(), 1e-15, scaling);
+}
+
+Eigen::MatrixXd SparseFactor::inverse() const {
+  const int n = factor_->analysis().unknown_count();
+  if (factor_->analysis().is_dense())
+    return Eigen::MatrixXd(SelectedInverse(*factor_).dense().selfadjointView<Eigen::Lower>());
+  constexpr int kTogether = 64;  // right sides
+  Eigen::MatrixXd result(n, n);
+  parallel_ranges((n + kTogether - 1) / kTogether, 1, [&](int first, int last) {
+    for (int batch = first; batch < last; ++batch) {
+      std::vector<int> columns;
+      for (int c = batch * kTogether; c < std::min(n, (batch + 1) * kTogether); ++c) columns.push_back(c);
+      result.middleCols(columns.front(), static_cast<Eigen::Index>(columns.size())) = factor_->columns(columns);
+    }
+  });
+  return result;
+}
+
+void parallel_ranges(int count, int grain, const std::function<void(int, int)>& body) {
+  tbb::parallel_for(tbb::blocked_range<int>(0, count, static_cast<size_t>(std::max(1, grain))),
+                    [&](const tbb::blocked_range<int>& range) {
+                      stop_point();  // heard by the thread that called, which takes its share of the ranges
+                      body(range.begin(), range.end());
+                    });
 }
 
 }  // namespace plumbline::least_squares

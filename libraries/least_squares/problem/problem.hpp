@@ -1,5 +1,5 @@
 // A least-squares problem as data: parameter blocks, and residual blocks that connect them. The library of this folder
-// solves it (solver.hpp), gives the full cofactor matrix (cofactors.hpp) and tells how far each observation is
+// solves it (solver.hpp), gives its cofactors (cofactors.hpp) and tells how far each observation is
 // controlled by the others (reliability.hpp). Nothing here knows what is being measured: survey networks and image
 // blocks use the same code.
 //

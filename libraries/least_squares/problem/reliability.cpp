@@ -29,20 +29,19 @@ struct BlockMatrices {
   Eigen::MatrixXd unwhitening;  // W^-1
   Eigen::MatrixXd adjusted;     // A Q A' of the whitened rows
   Eigen::MatrixXd residual;     // Quu = I - A Q A'
+  Eigen::MatrixXd local;        // Q of the block's unknowns
   Eigen::MatrixXd influence;    // A' W, columns: what a unit blunder of a row adds to the normal equations
 };
 
 BlockMatrices block_matrices(const ResidualBlock& residual, const Linearisation& lin, const Linearisation::Block& block,
-                             const Eigen::MatrixXd& q) {
+                             const Cofactors& q) {
   BlockMatrices m;
   m.whitening = residual.whitening().triangularView<Eigen::Lower>();
   for (int r = 0; r < block.rows && !residual.weight_factors.empty(); ++r)
     m.whitening.row(r) *= std::sqrt(residual.weight_factors[r]);
   m.unwhitening = m.whitening.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd::Identity(block.rows, block.rows));
-  Eigen::MatrixXd local(block.column_count, block.column_count);
-  const int* columns = lin.columns.data() + block.column_begin;
-  for (int j = 0; j < block.column_count; ++j)
-    for (int i = 0; i < block.column_count; ++i) local(i, j) = q(columns[i], columns[j]);
+  const Eigen::MatrixXd& local = m.local =
+      q.joint({lin.columns.data() + block.column_begin, static_cast<size_t>(block.column_count)});
   const auto a = lin.jacobian_of(block);
   m.adjusted.noalias() = a * (local * a.transpose());
   m.residual = Eigen::MatrixXd::Identity(block.rows, block.rows) - m.adjusted;
@@ -51,26 +50,62 @@ BlockMatrices block_matrices(const ResidualBlock& residual, const Linearisation&
 }
 
 /// The largest movement of a group of unknowns by a blunder of size mdb in one row.
-void external_effect(const Linearisation::Block& block, const Linearisation& lin, const Eigen::MatrixXd& q,
-                     const Eigen::VectorXd& influence, const std::vector<std::vector<int>>& groups,
-                     std::vector<double>& movement, RowStatistics& row) {
-  std::fill(movement.begin(), movement.end(), 0.0);
-  for (int k = 0; k < block.column_count; ++k)
-    if (influence[k] != 0)
-      add_scaled(static_cast<int>(q.rows()), influence[k], q.col(lin.columns[block.column_begin + k]).data(),
-                 movement.data());
-  double largest = 0;
-  for (size_t g = 0; g < groups.size(); ++g) {
-    double sum = 0;
-    for (int unknown : groups[g])
-      if (unknown >= 0) sum += movement[unknown] * movement[unknown];
-    if (sum > largest) {
-      largest = sum;
-      row.external_group = static_cast<int>(g);
-    }
+class ExternalEffect {
+ public:
+  ExternalEffect(const Linearisation& lin, const Cofactors& q, const std::vector<std::vector<int>>& groups)
+      : lin_(lin), q_(q), groups_(groups), movement_(static_cast<size_t>(q.size())) {
+    if (q.is_whole()) return;
+    group_of_.assign(static_cast<size_t>(q.size()), -1);
+    for (size_t g = 0; g < groups.size(); ++g)
+      for (int unknown : groups[g])
+        if (unknown >= 0) group_of_[static_cast<size_t>(unknown)] = static_cast<int>(g);
   }
-  row.external_effect = std::sqrt(largest) * row.mdb;
-}
+
+  void add(const Linearisation::Block& block, const Eigen::MatrixXd& local, const Eigen::VectorXd& influence,
+           RowStatistics& row) {
+    const double largest = q_.is_whole() ? of_all(block, influence, row) : of_block(block, local * influence, row);
+    row.external_effect = std::sqrt(largest) * row.mdb;
+  }
+
+ private:
+  double of_all(const Linearisation::Block& block, const Eigen::VectorXd& influence, RowStatistics& row) {
+    std::fill(movement_.begin(), movement_.end(), 0.0);
+    for (int k = 0; k < block.column_count; ++k)
+      if (influence[k] != 0)
+        add_scaled(q_.size(), influence[k], q_.whole().col(lin_.columns[block.column_begin + k]).data(),
+                   movement_.data());
+    double largest = 0;
+    for (size_t g = 0; g < groups_.size(); ++g) {
+      double sum = 0;
+      for (int unknown : groups_[g])
+        if (unknown >= 0) sum += movement_[unknown] * movement_[unknown];
+      if (sum > largest) {
+        largest = sum;
+        row.external_group = static_cast<int>(g);
+      }
+    }
+    return largest;
+  }
+
+  double of_block(const Linearisation::Block& block, const Eigen::VectorXd& movement, RowStatistics& row) const {
+    double largest = 0;
+    for (int k = 0; k < block.column_count; ++k) {
+      const int g = group_of_[static_cast<size_t>(lin_.columns[block.column_begin + k])];
+      if (g < 0) continue;
+      double sum = 0;
+      for (int j = 0; j < block.column_count; ++j)
+        if (group_of_[static_cast<size_t>(lin_.columns[block.column_begin + j])] == g) sum += movement[j] * movement[j];
+      if (sum > largest) largest = sum, row.external_group = g;
+    }
+    return largest;
+  }
+
+  const Linearisation& lin_;
+  const Cofactors& q_;
+  const std::vector<std::vector<int>>& groups_;
+  std::vector<double> movement_;
+  std::vector<int> group_of_;  ///< of each unknown; empty where q is whole
+};
 
 /// From W, W⁻¹, A Q A' and Quu. A `Matrix` with a largest size needs no memory of its own.
 template <typename Matrix, typename Vector>
@@ -155,7 +190,7 @@ std::vector<RowStatistics> row_statistics(const Eigen::Ref<const Eigen::MatrixXd
                                                                                            residual_cofactors, delta0);
 }
 
-Reliability compute_reliability(const Problem& problem, const Solution& solution, const Eigen::MatrixXd& q,
+Reliability compute_reliability(const Problem& problem, const Solution& solution, const Cofactors& q,
                                 const ReliabilityOptions& options) {
   const Linearisation& lin = solution.linearisation;
   const double delta0 = non_centrality(options.alpha0, options.power);
@@ -163,7 +198,7 @@ Reliability compute_reliability(const Problem& problem, const Solution& solution
   result.rows.resize(lin.rows);
   result.blocks.resize(lin.blocks.size());
   parallel_ranges(static_cast<int>(lin.blocks.size()), 64, [&](int first, int last) {
-    std::vector<double> movement(q.rows());
+    ExternalEffect external(lin, q, options.groups);
     for (int b = first; b < last; ++b) {
       const Linearisation::Block& block = lin.blocks[b];
       const BlockMatrices m = block_matrices(*problem.residuals[b], lin, block, q);
@@ -171,8 +206,7 @@ Reliability compute_reliability(const Problem& problem, const Solution& solution
       fill_statistics(m.whitening, m.unwhitening, m.adjusted, m.residual, whitened, delta0, &result.rows[block.row]);
       for (int i = 0; i < block.rows; ++i) {
         RowStatistics& row = result.rows[block.row + i];
-        if (!options.groups.empty() && std::isfinite(row.mdb))
-          external_effect(block, lin, q, m.influence.col(i), options.groups, movement, row);
+        if (!options.groups.empty() && std::isfinite(row.mdb)) external.add(block, m.local, m.influence.col(i), row);
       }
       result.blocks[b] = block_test(m, whitened);
     }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "least_squares/problem/cofactors.hpp"
 #include "least_squares/problem/problem.hpp"
 #include "least_squares/problem/solver.hpp"
 
@@ -26,8 +27,10 @@ struct RowStatistics {
   double estimated_blunder = 0;  ///< NaN where uncontrolled
   double mdb = 0;                ///< minimal detectable blunder; infinity where uncontrolled
   double bias_to_noise = 0;      ///< mdb sqrt((P A Qxx A' P)_ii); uncorrelated: delta0 sqrt((1 - r) / r)
-  double external_effect = 0;    ///< largest movement of a group of unknowns (a point) by a blunder of size mdb
-  int external_group = -1;       ///< which group that is
+  /// Largest movement of a group of unknowns (a point) by a blunder of size mdb. Where the cofactors are not whole: of
+  /// the groups that the row's own block connects, so that others may move farther.
+  double external_effect = 0;
+  int external_group = -1;  ///< which group that is
 };
 
 /// The same for the rows of one block that somebody else has linearised: whitening W (lower triangular, W'W =
@@ -59,8 +62,8 @@ struct ReliabilityOptions {
 /// Rows that are `controlled` by less than this are taken as uncontrolled: w and blunder are numerically meaningless.
 inline constexpr double kUncontrolled = 1e-6;
 
-/// `cofactors` is Qxx (n x n) of the solution.
-Reliability compute_reliability(const Problem& problem, const Solution& solution, const Eigen::MatrixXd& cofactors,
+/// `cofactors` is Qxx of the solution.
+Reliability compute_reliability(const Problem& problem, const Solution& solution, const Cofactors& cofactors,
                                 const ReliabilityOptions& options);
 
 /// Non-centrality of a one-dimensional w-test, e.g. 4.132 for alpha0 0.1 % and power 80 %.

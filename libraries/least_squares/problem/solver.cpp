@@ -21,7 +21,7 @@ struct Step {
 
 std::optional<Step> compute_step(Solution& s, double damping) {
   SparseFactor factor;
-  if (!factor.factorise(s.normal.scaled(), damping, s.datum.pinned())) return std::nullopt;
+  if (!factor.factorise(s.normal, damping, s.datum.pinned())) return std::nullopt;
   Eigen::VectorXd right_side = -s.normal.gradient().cwiseQuotient(s.normal.scale());
   for (int p : s.datum.pinned()) right_side[p] = 0;
   const Eigen::VectorXd scaled_step = factor.solve(right_side);
@@ -69,7 +69,7 @@ Solution start(Problem& problem, const SolverOptions& options) {
   Linearisation lin = prepare_linearisation(problem, unknowns);
   if (!linearise(problem, unknowns, true, lin))
     throw std::runtime_error("an observation cannot be evaluated at the initial values (coinciding points?)");
-  NormalEquations normal(lin, unknowns.count());
+  NormalEquations normal(lin, unknowns);
   normal.assemble(lin);
   InnerConstraints datum(normal, find_null_space(normal, options.rank_tolerance), options.datum_unknowns);
   Solution solution{std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}};
@@ -159,26 +159,6 @@ void move(Problem& problem, Solution& solution, const Eigen::VectorXd& step) {
   if (!linearise(problem, solution.unknowns, true, solution.linearisation))
     throw std::runtime_error("an observation cannot be evaluated where a step leads");
   solution.normal.assemble(solution.linearisation);
-}
-
-Eigen::MatrixXd cofactor_matrix(const Solution& solution) {
-  SparseFactor factor;
-  if (!factor.factorise(solution.normal.scaled(), 0, solution.datum.pinned()))
-    throw RankDefect("the normal matrix is singular at the solution", Eigen::MatrixXd(solution.unknowns.count(), 0));
-  Eigen::MatrixXd q = factor.inverse();
-  for (int p : solution.datum.pinned()) {
-    q.row(p).setZero();
-    q.col(p).setZero();
-  }
-  const Eigen::VectorXd inverse_scale = solution.normal.scale().cwiseInverse();
-  const int n = static_cast<int>(q.rows());
-  for (int j = 0; j < n; ++j) q.col(j).array() *= inverse_scale.array() * inverse_scale[j];
-  InnerConstraints datum = solution.datum;
-  datum.update(solution.normal, factor);
-  datum.transform(q);
-  for (int j = 0; j < n; ++j)
-    for (int i = j + 1; i < n; ++i) q(i, j) = q(j, i) = 0.5 * (q(i, j) + q(j, i));
-  return q;
 }
 
 }  // namespace plumbline::least_squares

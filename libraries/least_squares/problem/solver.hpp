@@ -51,6 +51,7 @@ Eigen::VectorXd gauss_newton_step(Solution& solution);
 void move(Problem& problem, Solution& solution, const Eigen::VectorXd& step);
 
 /// Qxx of all unknowns (n x n, a-priori variance of unit weight 1) in the datum of the solution. Symmetric to the bit.
+/// Of large problems see cofactors.hpp.
 Eigen::MatrixXd cofactor_matrix(const Solution& solution);
 
 }  // namespace plumbline::least_squares

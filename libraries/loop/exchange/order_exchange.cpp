@@ -24,7 +24,8 @@ bool is_final(const std::string& status) { return status == "FINISHED" || status
 
 /// What of a state message this exchange looks at.
 struct RobotState {
-  std::string order, rejects, reason;  ///< `rejects`: the order that its errors refuse
+  std::string order;
+  std::map<std::string, std::string> refusals;  ///< why, by the order that its errors refuse
   double seconds = 0;
   long long header = 0;
   std::map<std::string, std::string> actions;  ///< status by actionId
@@ -62,7 +63,8 @@ RobotState read_robot_state(const ordered_json& json) {
   const ordered_json errors = json.value("errors", ordered_json::array());
   for (const auto& error : errors)
     if (const std::string refused = order_of_error(error); !refused.empty() && refused != state.order)
-      state.rejects = refused, state.reason = error.value("errorType", "") + ": " + error.value("errorDescription", "");
+      state.refusals[refused] += (state.refusals.count(refused) > 0 ? "; " : "") + error.value("errorType", "") + ": " +
+                                 error.value("errorDescription", "");
   state.place = place_of_robot(json);
   state.digest = ordered_json{state.order, json["actionStates"], errors}.dump(-1, ' ', false,
                                                                               ordered_json::error_handler_t::replace);
@@ -119,7 +121,7 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
   const bool is_newest = state.seconds > newest_ || (state.seconds == newest_ && state.header > newest_header_);
   // Late ones tell nothing about now, but may tell that an action came to its end.
   const bool ours = state.order == job_.id;
-  if (is_new && (ours || state.rejects == job_.id) && state.digest != last_actions_) {
+  if (is_new && (ours || state.refusals.count(job_.id) > 0) && state.digest != last_actions_) {
     log_.append_state(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
     last_actions_ = state.digest;
   }
@@ -133,7 +135,12 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
     status_ = ExchangeStatus::accepted;
     std::map<std::string, int> counts;
     std::set<std::string> known;
+    failed_.clear();
     for (const auto& [id, status] : state.actions) ++counts[status], known.insert(id);
+    for (const JobItem& item : job_.items)
+      if (const auto action = state.actions.find(vda_action_id(job_, item));
+          action != state.actions.end() && action->second == "FAILED")
+        failed_.push_back(item.id);
     progress_.clear();
     for (const auto& [status, n] : counts)
       progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
@@ -143,8 +150,8 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
     return;
   }
   if (!is_newest) return;
-  if (state.rejects == job_.id) {
-    status_ = ExchangeStatus::rejected, reason_ = "the robot refuses the order: " + state.reason;
+  if (const auto refusal = state.refusals.find(job_.id); refusal != state.refusals.end()) {
+    status_ = ExchangeStatus::rejected, reason_ = "the robot refuses the order: " + refusal->second;
     return;
   }
   const bool was_sent = sent_at_ >= 0;

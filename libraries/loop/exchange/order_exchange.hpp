@@ -87,6 +87,8 @@ class OrderExchange {
   const std::string& reason() const { return reason_; }
   /// Actions in each state as the robot told last: "3 FINISHED, 1 RUNNING".
   std::string progress() const { return progress_; }
+  /// Items of the job that the robot says FAILED of.
+  const std::vector<std::string>& failed() const { return failed_; }
 
  private:
   void take(const std::string& payload, bool is_new, double now);
@@ -100,6 +102,7 @@ class OrderExchange {
   ExchangeTimes times_;
   ExchangeStatus status_ = ExchangeStatus::asking;
   std::string reason_, progress_, last_actions_;
+  std::vector<std::string> failed_;
   bool asked_ = false, answered_ = false;  ///< since start, connection or the last order
   double asked_at_ = 0, heard_at_ = 0, sent_at_ = -1;
   std::string other_order_;  ///< the last that was sent and is not this one

@@ -51,7 +51,7 @@ class Program : public Ipopt::TNLP {
 
   bool eval_f(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Number& value) override {
     const Eigen::Map<const Eigen::VectorXd> at(x, n);
-    value = at.dot(0.5 * (program_.quadratic * at) + program_.linear);
+    value = at.dot(0.5 * (program_.quadratic * at) + program_.linear) + program_.constant;
     return true;
   }
   bool eval_grad_f(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Number* gradient) override {

@@ -6,13 +6,14 @@
 
 namespace plumbline::loop {
 
-/// minimise 1/2 x'Qx + c'x subject to low <= A x <= high, x_low <= x <= x_high. Q symmetric (both triangles) and
+/// minimise 1/2 x'Qx + c'x + constant subject to low <= A x <= high, x_low <= x <= x_high. Q symmetric (both triangles) and
 /// positive semidefinite; infinities: no limit; low == high: an equation.
 struct ConvexProgram {
   Eigen::SparseMatrix<double> quadratic;  ///< Q
   Eigen::VectorXd linear;                 ///< c
   Eigen::SparseMatrix<double, Eigen::RowMajor> rows;
   Eigen::VectorXd low, high, x_low, x_high;
+  double constant = 0;
 };
 
 struct ConvexOptimum {

@@ -34,6 +34,9 @@ struct Bracket {
   Eigen::Vector3d deviation = Eigen::Vector3d::Constant(kUnknown);  ///< as-built minus design (14); nan: not measured
   BracketType type;
   bool fixed = false;  ///< planned as it stands: a panel hangs on it, or it was set; `deviation` is that of the hook
+  std::string basis;   ///< hash of its own measurement by the last campaign; empty: of `deviation`
+  int campaigns = 0;   ///< that `deviation` rests on; 0: not combined
+  Eigen::Vector3d difference_sigma = Eigen::Vector3d::Zero();  ///< to the place of campaigns before [m]; 0: unknown
   bool measured() const { return deviation.allFinite(); }
 };
 
@@ -76,13 +79,17 @@ struct Joint {
 
 /// Standard deviations beside those of the measured anchors [m].
 struct ErrorModel {
-  double setting = 0.0005;      ///< of a bracket as it is set against what was asked, each direction
-  double station = 0;           ///< common to all brackets that one robot sets on one floor, each direction
-  double edge = 0.0005;         ///< of an edge of a panel, within its plane
-  double face = 0.0005;         ///< of a panel's face out of its plane
-  double guard_factor = 1.645;  ///< k
-  double slip_share = 0;        ///< of brackets that slip on tightening, besides `setting`
-  double slip = 0.002;          ///< how far these slip, each direction
+  double setting = 0.0005;       ///< of a bracket as it is set against what was asked, each direction
+  double station = 0;            ///< common to all brackets that one robot sets on one floor, each direction
+  double edge = 0.0005;          ///< of an edge of a panel, within its plane
+  double face = 0.0005;          ///< of a panel's face out of its plane
+  double guard_factor = 1.645;   ///< k
+  double slip_share = 0;         ///< of brackets that slip on tightening, besides `setting`
+  double slip = 0.002;           ///< how far these slip, each direction
+  double knock_share = 0;        ///< of plates that were knocked before they were measured first: no campaign tells
+  double knock = 0.003;          ///< how far, each direction
+  double control_share = 0;      ///< of storeys whose control was knocked before it was measured from
+  double control_knock = 0.006;  ///< how far, in height
 };
 
 struct Facade {
@@ -90,6 +97,7 @@ struct Facade {
   std::vector<Panel> panels;
   std::vector<Joint> joints;
   Eigen::MatrixXd covariance;  ///< of the deviations, 3n x 3n [m²], order of the brackets; what was not measured: any
+  Eigen::MatrixXd own;         ///< likewise, without what all campaigns share (control); empty: unknown
   ErrorModel errors;
 };
 

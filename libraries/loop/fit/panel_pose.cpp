@@ -138,22 +138,39 @@ std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& va
 
 Eigen::MatrixXd ValueErrors::covariance() const {
   Eigen::MatrixXd all = covariance_when(-1);
-  for (std::size_t b = 0; b < slip.size(); ++b)
-    if (slip_share * slip[b] > 0) {
-      const Eigen::MatrixXd of_bracket = rows.middleCols<3>(3 * static_cast<Eigen::Index>(b));
-      all += slip_share * slip[b] * of_bracket * of_bracket.transpose();
-    }
+  for (const RareEvent& event : rare) all += event.share * event.shift * event.shift.transpose();
   return all;
 }
 
-Eigen::MatrixXd ValueErrors::covariance_when(int slipped) const {
+Eigen::MatrixXd ValueErrors::covariance_when(int event) const {
   Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
-  if (slipped >= 0) {
-    const Eigen::MatrixXd of_bracket = rows.middleCols<3>(3 * static_cast<Eigen::Index>(slipped));
-    all += slip[static_cast<std::size_t>(slipped)] * of_bracket * of_bracket.transpose();
+  if (event >= 0) {
+    const Eigen::MatrixXd& shift = rare[static_cast<std::size_t>(event)].shift;
+    all += shift * shift.transpose();
   }
   return 0.5 * (all + all.transpose());
 }
+
+namespace {
+
+/// Brackets that are still to be set slip; plates and control were knocked before anybody measured, or not.
+void add_rare_events(const Facade& facade, ValueErrors& errors) {
+  const ErrorModel& model = facade.errors;
+  std::map<int, Eigen::MatrixXd> heights;  // by storey
+  for (std::size_t i = 0; i < errors.brackets.size(); ++i) {
+    const Bracket& bracket = facade.brackets[errors.brackets[i]];
+    const Eigen::MatrixXd rows = errors.rows.middleCols<3>(3 * static_cast<Eigen::Index>(i));
+    if (model.slip_share * model.slip > 0 && !bracket.fixed)
+      errors.rare.push_back({model.slip_share, model.slip * rows});
+    if (model.knock_share * model.knock > 0) errors.rare.push_back({model.knock_share, model.knock * rows});
+    Eigen::MatrixXd& height = heights.try_emplace(bracket.floor, Eigen::MatrixXd::Zero(rows.rows(), 1)).first->second;
+    height += model.control_knock * rows.col(2);
+  }
+  if (model.control_share * model.control_knock > 0)
+    for (auto& [storey, shift] : heights) errors.rare.push_back({model.control_share, std::move(shift)});
+}
+
+}  // namespace
 
 ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,
                       const std::vector<PanelPose>& poses) {
@@ -171,14 +188,15 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
   for (auto& [which, at] : edge) at = edges++;
   const ErrorModel& errors = facade.errors;
   out.measured.resize(3 * n, 3 * n);
+  out.own.resize(3 * n, 3 * n);
   out.setting.setZero(3 * n, 3 * n), out.station.setZero(3 * n, 3 * n);
-  out.slip_share = errors.slip_share;
-  for (const std::size_t b : out.brackets)
-    out.slip.push_back(facade.brackets[b].fixed ? 0.0 : errors.slip * errors.slip);
+  const Eigen::MatrixXd& own = facade.own.size() > 0 ? facade.own : facade.covariance;
   for (const auto& [i, at_i] : place)
     for (const auto& [j, at_j] : place) {
       out.measured.block<3, 3>(3 * at_i, 3 * at_j) =
           facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
+      out.own.block<3, 3>(3 * at_i, 3 * at_j) =
+          own.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
       if (facade.brackets[i].fixed || facade.brackets[j].fixed) continue;
       if (i == j) out.setting.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.setting * errors.setting);
       if (facade.brackets[i].floor == facade.brackets[j].floor)
@@ -194,6 +212,7 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
       made(v, edge.at(which)) = factor * (which % 5 == 4 ? errors.face : errors.edge);
   }
   out.made = made * made.transpose();
+  add_rare_events(facade, out);
   return out;
 }
 

@@ -62,13 +62,19 @@ struct ValueErrors {
   std::vector<std::size_t> brackets;       ///< that the values rest on
   Eigen::MatrixXd rows;                    ///< values x 3 brackets: d(value)/d(movement), in the frame
   Eigen::MatrixXd measured;                ///< 3n x 3n joint covariance of the deviations [m²]
+  Eigen::MatrixXd own;                     ///< likewise, without what all campaigns share
   Eigen::MatrixXd setting, station, made;  ///< setting, station: 3n x 3n [m²]; made: values x values [m²]
-  std::vector<double> slip;  ///< by bracket: variance of one that slips, each direction [m²]; 0: it hangs
-  double slip_share = 0;     ///< of brackets that slip
-  /// Of the values [m²], slips with their share: their second moment, though not their tails.
+  /// Something rare and large that no standard deviation says: a bracket that slips on tightening, a plate that was
+  /// knocked before it was measured, control likewise.
+  struct RareEvent {
+    double share = 0;       ///< how often
+    Eigen::MatrixXd shift;  ///< values x k: what k independent standard normal numbers do to the values [m]
+  };
+  std::vector<RareEvent> rare;
+  /// Of the values [m²], rare events with their share: their second moment, though not their tails.
   Eigen::MatrixXd covariance() const;
-  /// Of the values if no bracket slips but that at this place of `brackets` (-1: none) [m²].
-  Eigen::MatrixXd covariance_when(int slipped) const;
+  /// Of the values if nothing rare happens but that at this place of `rare` (-1: nothing) [m²].
+  Eigen::MatrixXd covariance_when(int event) const;
 };
 ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,
                       const std::vector<PanelPose>& poses);

@@ -10,6 +10,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// cannot follow all.
 constexpr double kHoldWeight = 1e3;
 
+/// The axis of the bracket that a hook holds, as 1, 2, 3 with the sign of its direction; 0: none.
+int axis_of(const Bracket& bracket, const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d along = bracket.axes.transpose() * direction;
+  for (int c = 0; c < 3; ++c)
+    if (std::abs(std::abs(along[c]) - 1) < 1e-9) return along[c] > 0 ? c + 1 : -(c + 1);
+  return 0;
+}
+
 }  // namespace
 
 SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPose>& poses,
@@ -31,37 +39,65 @@ SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPo
     }
     known_.back() = pose.solve * moved;
   }
-  for (const Bracket& bracket : facade.brackets) {
-    setting_at_.push_back(bracket.measured() && !bracket.fixed ? unknowns_ : -1);
-    if (setting_at_.back() >= 0) unknowns_ += 3;
-  }
-  add_hooks();
+  choose_settings();
+  for (std::size_t j = 0; j < facade.panels.size(); ++j)
+    for (std::size_t i = 0; twist_at_[j] >= 0 && i < poses[j].held.size(); ++i)
+      add_hook(j, static_cast<Eigen::Index>(i));
   linear_.assign(static_cast<std::size_t>(unknowns_), 0.0);
   for (const JudgedValue& value : judged) value_rows_.push_back(row_of(value));
   add_squares(judged, weights);
 }
 
-void SettingsProgram::add_hooks() {
-  for (std::size_t j = 0; j < facade_.panels.size(); ++j) {
-    if (twist_at_[j] < 0) continue;
-    const PanelPose& pose = poses_[j];
-    for (std::size_t i = 0; i < pose.held.size(); ++i) {
-      const Bracket& bracket = facade_.brackets[pose.held[i].bracket];
-      const auto row = static_cast<int>(right_sides_.size());
-      for (int c = 0; c < 6; ++c)
-        equations_.emplace_back(row, static_cast<int>(twist_at_[j]) + c, pose.hooks(static_cast<Eigen::Index>(i), c));
-      if (const Eigen::Index at = setting_at_[pose.held[i].bracket]; at >= 0) {
-        const Eigen::Vector3d along = bracket.axes.transpose() * pose.held[i].direction;
-        for (int c = 0; c < 3; ++c)
-          if (std::abs(along[c]) > 1e-12) equations_.emplace_back(row, static_cast<int>(at) + c, -along[c]);
-      } else {
-        equations_.emplace_back(row, static_cast<int>(unknowns_), 1.0);
-        squares_.emplace_back(static_cast<int>(unknowns_), static_cast<int>(unknowns_), 2 * kHoldWeight);
-        ++unknowns_;
-      }
-      right_sides_.push_back(1e3 * pose.held[i].direction.dot(bracket.deviation));
+/// Settings are unknowns only of brackets that a hook holds across their axes, as at a corner of two facades. A
+/// direction that nothing holds stays unset.
+void SettingsProgram::choose_settings() {
+  settings_.resize(facade_.brackets.size());
+  for (const Bracket& bracket : facade_.brackets) is_set_.push_back(bracket.measured() && !bracket.fixed);
+  std::vector<bool> across(facade_.brackets.size(), false);
+  for (std::size_t j = 0; j < facade_.panels.size(); ++j)
+    for (std::size_t i = 0; twist_at_[j] >= 0 && i < poses_[j].held.size(); ++i) {
+      const PanelPose::Held& held = poses_[j].held[i];
+      if (axis_of(facade_.brackets[held.bracket], held.direction) == 0) across[held.bracket] = true;
+    }
+  for (std::size_t b = 0; b < across.size(); ++b)
+    for (Term& term : settings_[b])
+      if (is_set_[b] && across[b]) term = {{{unknowns_++, 1.0}}, 0, true};
+}
+
+/// The hook's end of the panel moves by what its anchor is off and is set by.
+void SettingsProgram::add_hook(std::size_t panel, Eigen::Index held) {
+  const PanelPose::Held& hook = poses_[panel].held[static_cast<std::size_t>(held)];
+  const Bracket& bracket = facade_.brackets[hook.bracket];
+  const double deviation = 1e3 * hook.direction.dot(bracket.deviation);
+  Row movement;
+  for (Eigen::Index c = 0; c < 6; ++c) movement.emplace_back(twist_at_[panel] + c, poses_[panel].hooks(held, c));
+  const int axis = axis_of(bracket, hook.direction);
+  const double sign = axis < 0 ? -1 : 1;
+  if (is_set_[hook.bracket] && axis != 0) {
+    Term& term = settings_[hook.bracket][static_cast<std::size_t>(std::abs(axis) - 1)];
+    if (!term.is_told) {
+      term = {movement, -sign * deviation, true};
+      for (auto& [at, factor] : term.row) factor *= sign;
+      return;
     }
   }
+  const auto row = static_cast<int>(right_sides_.size());
+  double right = deviation;
+  for (const auto& [at, factor] : movement) equations_.emplace_back(row, static_cast<int>(at), factor);
+  if (is_set_[hook.bracket]) {
+    const Eigen::Vector3d along = bracket.axes.transpose() * hook.direction;
+    for (int c = 0; c < 3; ++c) {
+      const Term& term = settings_[hook.bracket][static_cast<std::size_t>(c)];
+      if (std::abs(along[c]) <= 1e-9) continue;
+      for (const auto& [at, factor] : term.row) equations_.emplace_back(row, static_cast<int>(at), -along[c] * factor);
+      right += along[c] * term.constant;
+    }
+  } else {
+    equations_.emplace_back(row, static_cast<int>(unknowns_), 1.0);
+    squares_.emplace_back(static_cast<int>(unknowns_), static_cast<int>(unknowns_), 2 * kHoldWeight);
+    ++unknowns_;
+  }
+  right_sides_.push_back(right);
 }
 
 std::pair<SettingsProgram::Row, double> SettingsProgram::row_of(const JudgedValue& value) const {
@@ -80,6 +116,7 @@ std::pair<SettingsProgram::Row, double> SettingsProgram::row_of(const JudgedValu
 
 /// weight * (row x + constant)².
 void SettingsProgram::add_square(const Row& row, double constant, double weight) {
+  constant_ += weight * constant * constant;
   for (const auto& [i, a] : row) {
     linear_[static_cast<std::size_t>(i)] += 2 * weight * constant * a;
     for (const auto& [j, b] : row) squares_.emplace_back(static_cast<int>(i), static_cast<int>(j), 2 * weight * a * b);
@@ -104,9 +141,8 @@ void SettingsProgram::add_squares(const std::vector<JudgedValue>& judged, const 
         add_square(row, 0, weights.pose / 4);
       }
   }
-  for (const Eigen::Index at : setting_at_)
-    for (int c = 0; at >= 0 && c < 3; ++c)
-      squares_.emplace_back(static_cast<int>(at) + c, static_cast<int>(at) + c, 2 * weights.setting);
+  for (const auto& terms : settings_)
+    for (const Term& term : terms) add_square(term.row, term.constant, weights.setting);
 }
 
 ConvexProgram SettingsProgram::with(const std::vector<Limit>& limits) const {
@@ -133,28 +169,37 @@ ConvexProgram SettingsProgram::with(const std::vector<Limit>& limits) const {
       for (const auto& [j, a] : value_rows_[static_cast<std::size_t>(limit.value)].first)
         rows.emplace_back(at, static_cast<int>(j), a);
     } else {
-      rows.emplace_back(at, static_cast<int>(setting_at_[static_cast<std::size_t>(limit.bracket)]) + limit.direction,
-                        1.0);
+      const Term& term = settings_[static_cast<std::size_t>(limit.bracket)][static_cast<std::size_t>(limit.direction)];
+      constant = term.constant;
+      for (const auto& [j, a] : term.row) rows.emplace_back(at, static_cast<int>(j), a);
     }
     rows.emplace_back(at, excess, std::isfinite(limit.high) ? -1.0 : 1.0);
     program.linear[excess] = limit.value >= 0 ? kTolerancePrice : kRangePrice;
     program.low[at] = limit.low - constant, program.high[at] = limit.high - constant;
   }
+  program.constant = constant_;
   program.rows.resize(m, n), program.rows.setFromTriplets(rows.begin(), rows.end());
   return program;
 }
 
-double SettingsProgram::at(const Limit& limit, const Eigen::VectorXd& x) const {
-  if (limit.value < 0) return x[setting_at_[static_cast<std::size_t>(limit.bracket)] + limit.direction];
-  const auto& [row, constant] = value_rows_[static_cast<std::size_t>(limit.value)];
-  double sum = constant;
-  for (const auto& [i, a] : row) sum += a * x[i];
+double SettingsProgram::value_of(const Term& term, const Eigen::VectorXd& x) const {
+  double sum = term.constant;
+  for (const auto& [i, a] : term.row) sum += a * x[i];
   return sum;
 }
 
+double SettingsProgram::at(const Limit& limit, const Eigen::VectorXd& x) const {
+  if (limit.value < 0)
+    return value_of(settings_[static_cast<std::size_t>(limit.bracket)][static_cast<std::size_t>(limit.direction)], x);
+  const auto& [row, constant] = value_rows_[static_cast<std::size_t>(limit.value)];
+  return value_of({row, constant, true}, x);
+}
+
 Eigen::Vector3d SettingsProgram::setting(std::size_t bracket, const Eigen::VectorXd& x) const {
-  const Eigen::Index at = setting_at_[bracket];
-  return at < 0 ? Eigen::Vector3d::Zero() : Eigen::Vector3d(1e-3 * x.segment<3>(at));
+  Eigen::Vector3d setting = Eigen::Vector3d::Zero();
+  for (std::size_t c = 0; is_set_[bracket] && c < 3; ++c)
+    setting[static_cast<Eigen::Index>(c)] = 1e-3 * value_of(settings_[bracket][c], x);
+  return setting;
 }
 
 }  // namespace plumbline::loop

@@ -56,28 +56,35 @@ Eigen::Index worst_of(const Region& region, const Eigen::MatrixXd& covariance) {
   return worst;
 }
 
-/// By which slips lower the probability that all is inside: p when nothing slips is multiplied by what each bracket's
-/// slipping leaves of it. True to the first order of their share; where two slip at once, as if they lay apart.
-/// A normal distribution of the same variance says more than is true: slips are few and large.
+/// By which rare events lower the probability that all is inside: p when none happens is multiplied by what each one
+/// leaves of it. True to the first order of their share; where two happen at once, as if they lay apart.
+/// A normal distribution of the same variance says more than is true: they are few and large.
 double slip_factor(const Region& region, double inside) {
   const ValueErrors& errors = region.errors;
   double factor = 1;
-  for (std::size_t b = 0; b < errors.slip.size(); ++b) {
-    if (!(errors.slip_share * errors.slip[b] > 0) || !(inside > 1e-6)) continue;
-    const double slipped = region.inside(errors.covariance_when(static_cast<int>(b)), kAdvicePrecision);
-    factor *= 1 - errors.slip_share * (1 - std::min(1.0, slipped / inside));
+  for (std::size_t i = 0; i < errors.rare.size() && inside > 1e-6; ++i) {
+    const double after = region.inside(errors.covariance_when(static_cast<int>(i)), kAdvicePrecision);
+    factor *= 1 - errors.rare[i].share * (1 - std::min(1.0, after / inside));
   }
   return factor;
 }
 
-/// Covariance of the values after one more measurement of a bracket (conditioning; nothing else changes).
+/// Covariance of the values after one more measurement of a bracket on the same control (conditioning; nothing else
+/// changes).
 Eigen::MatrixXd after_measuring(const Region& region, std::size_t bracket, double sigma) {
   ValueErrors errors = region.errors;
   const auto at = 3 * static_cast<Eigen::Index>(bracket);
-  const Eigen::MatrixXd column = errors.measured.middleCols<3>(at);
-  const Eigen::Matrix3d innovation = errors.measured.block<3, 3>(at, at) + sigma * sigma * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd column = errors.own.middleCols<3>(at);
+  const Eigen::Matrix3d innovation = errors.own.block<3, 3>(at, at) + sigma * sigma * Eigen::Matrix3d::Identity();
   errors.measured -= column * innovation.ldlt().solve(column.transpose());
   return errors.covariance_when(-1);
+}
+
+/// p_in when no campaign adds an error of its own any more.
+double after_many_campaigns(const Region& region, double slips) {
+  ValueErrors errors = region.errors;
+  errors.measured -= errors.own;
+  return slips * region.inside(errors.covariance_when(-1), kAdvicePrecision);
 }
 
 Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance, Eigen::Index worst,
@@ -131,10 +138,12 @@ std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOp
              " if the estimate stays";
   else
     words += "; no single measurement decides it";
+  if (gate.p_repeated >= options.go) words += "; more campaigns take p to " + number("%.2f", gate.p_repeated);
   if (gate.robot_sigma > 0)
     words += "; a robot that sets to " + number("%.2f mm", 1e3 * gate.robot_sigma) + " would do";
   else if (gate.slips < options.go)
-    words += "; brackets that slip on tightening take p to " + number("%.2f", gate.slips) + " of what it would be";
+    words += "; brackets that slip on tightening, and what is knocked, take p to " + number("%.2f", gate.slips) +
+             " of what it would be";
   else if (gate.robot_sigma == 0)
     words += "; no robot is precise enough";
   return words;
@@ -183,6 +192,7 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
       value_words(facade, fit, region.values[static_cast<std::size_t>(worst)], std::sqrt(covariance(worst, worst)));
   if (gate.verdict == GateVerdict::hold) {
     gate.measure = best_measurement(region, unslipped, worst, gate, options.measurement_sigma);
+    if (facade.own.size() > 0) gate.p_repeated = after_many_campaigns(region, gate.slips);
     gate.robot_sigma = robot_that_would_do(region, facade.errors.setting, gate.slips, options);
     gate.reason += hold_words(facade, gate, options);
   }
@@ -204,6 +214,7 @@ std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const Ga
     if (!values[j].empty()) gate = judge_region(facade, fit, region_of(facade, fit, std::move(values[j])), options);
     if (!why_not.empty()) {
       if (gate.verdict == GateVerdict::go) gate.verdict = GateVerdict::hold;
+      gate.p_repeated = kUnknown;
       gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
     }
     for (const Relaxation& relaxed : fit.relaxations) {

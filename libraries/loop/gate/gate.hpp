@@ -29,7 +29,9 @@ struct PanelGate {
   /// Of HOLD: standard deviation of a setting with which it would be GO [m]; 0: not even a perfect robot; nan: not the
   /// robot's.
   double robot_sigma = kUnknown;
-  double slips = 1;  ///< factor of p_in by brackets that slip on tightening
+  /// Of HOLD: p_in after many more campaigns on the same control, if the estimate stays; nan: not told.
+  double p_repeated = kUnknown;
+  double slips = 1;  ///< factor of p_in by brackets that slip on tightening, and by knocked plates and control
   std::string reason;
 };
 

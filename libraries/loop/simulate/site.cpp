@@ -28,6 +28,7 @@ ErrorModel SimulatedSite::stated_errors() const {
   errors.setting = r.repeatability, errors.slip_share = r.slip_share, errors.slip = r.slip;
   errors.station = std::hypot(r.station, r.calibration);
   errors.edge = options_.edge, errors.face = options_.face;
+  errors.knock_share = options_.faults.tag_bumped, errors.control_share = options_.faults.control_knocked;
   return errors;
 }
 
@@ -71,12 +72,14 @@ Facade SimulatedSite::measure(int round) {
       seen_[b] = bracket.deviation;
     }
   }
+  facade.own = facade.covariance;  // zero
   for (std::size_t i = 0; i < facade.brackets.size(); ++i)
     for (std::size_t j = 0; j < facade.brackets.size(); ++j) {
       const int a = facade.brackets[i].floor, b = facade.brackets[j].floor;
       auto block = facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
       if (i == j) block.diagonal().array() += s.single * s.single;
       if (a == b) block.diagonal().array() += s.set_up * s.set_up;
+      facade.own.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j)) = block;
       block(2, 2) += std::min(a, b) * s.control_walk * s.control_walk;
     }
   return facade;
@@ -132,6 +135,7 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
 ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
   ActualsT actuals;
   std::vector<int> hung(static_cast<std::size_t>(options_.tower.floors) + 1, 0);
+  const int on_a_floor = static_cast<int>(design_.panels.size()) / options_.tower.floors;
   for (const auto& item : state.items) {
     if (item->status != ItemStatus::released) continue;
     if (item->kind == "bracket") {
@@ -149,18 +153,18 @@ ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
     else
       actual->measured = item->expected + luck.normal3(0.001), not_hung_.erase(item->id);
     actuals.items.push_back(std::move(actual));
-    ++hung[static_cast<std::size_t>(item->floor)];
+    hung[static_cast<std::size_t>(item->floor)] += loads_.insert(item->id).second;
   }
   for (int floor = 1; floor <= options_.tower.floors; ++floor)
-    if (hung[static_cast<std::size_t>(floor)] > 0) hang(floor);
+    hang(floor, static_cast<double>(hung[static_cast<std::size_t>(floor)]) / on_a_floor);
   return actuals;
 }
 
 void SimulatedSite::mend_plate(const std::string& id) { plate_off_[bracket(id)].setZero(); }
 
-void SimulatedSite::hang(int floor) {
+void SimulatedSite::hang(int floor, double share) {
   for (std::size_t b = 0; b < truth_.size(); ++b)
-    truth_[b].z() -= options_.shortening * std::min(floor, design_.brackets[b].floor);
+    truth_[b].z() -= share * options_.shortening * std::min(floor, design_.brackets[b].floor);
 }
 
 void SimulatedSite::set_to_design() {

@@ -46,7 +46,7 @@ struct Faults {
 struct SiteOptions {
   TowerOptions tower;
   double as_built = 0.004;      ///< of anchors against the design, each axis [m]
-  double shortening = 0.00001;  ///< a hung floor g lowers floor f by this times min(f, g) [m]
+  double shortening = 0.00001;  ///< a floor g that hangs whole lowers floor f by this times min(f, g) [m]
   SurveyErrors survey;
   RobotErrors robot;
   Faults faults;
@@ -74,7 +74,8 @@ class SimulatedSite {
   void set_to_design();
   /// Sets a bracket by hand of a robot, with its errors, within its range.
   void set(std::size_t bracket, const Eigen::Vector3d& setting, int round);
-  void hang(int floor);
+  /// Panels of a floor hang: what it carries now lowers all floors.
+  void hang(int floor, double share = 1);
   /// A person has looked at a bracket: a plate that was knocked is put back.
   void mend_plate(const std::string& bracket);
   /// Whether a panel hangs; a person who looks hangs it if it does not.
@@ -104,6 +105,7 @@ class SimulatedSite {
   std::map<std::string, std::size_t> bracket_at_;
   Eigen::Vector3d arm_;
   std::vector<PlantedFault> planted_;
+  std::set<std::string> loads_;     ///< panels that the building carries
   std::set<std::string> not_hung_;  ///< panels that were reported as hung and are not
 };
 

@@ -6,6 +6,7 @@
 
 #include "loop/job/job.hpp"
 #include "loop/state/plan_artifact.hpp"
+#include "loop/state/rounds_estimate.hpp"
 
 namespace plumbline::loop {
 
@@ -36,13 +37,11 @@ Facade part_of(const Facade& whole, int from, int to) {
     joint.a = panel_at[joint.a], joint.b = panel_at[joint.b];
     if (joint.a < whole.panels.size() && joint.b < whole.panels.size()) part.joints.push_back(joint);
   }
-  const auto n = static_cast<Eigen::Index>(brackets.size());
-  part.covariance.resize(3 * n, 3 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      part.covariance.block<3, 3>(3 * i, 3 * j) =
-          whole.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(brackets[static_cast<std::size_t>(i)]),
-                                       3 * static_cast<Eigen::Index>(brackets[static_cast<std::size_t>(j)]));
+  std::vector<Eigen::Index> rows;
+  for (const std::size_t b : brackets)
+    for (Eigen::Index k = 0; k < 3; ++k) rows.push_back(3 * static_cast<Eigen::Index>(b) + k);
+  part.covariance = whole.covariance(rows, rows);
+  if (whole.own.size() > 0) part.own = whole.own(rows, rows);
   return part;
 }
 
@@ -55,7 +54,7 @@ void add_other_brackets(InstallationPlanT& plan, const Facade& measured) {
   for (const Bracket& bracket : measured.brackets)
     if (!planned.count(bracket.id)) others.brackets.push_back(bracket);
   const auto n = static_cast<Eigen::Index>(others.brackets.size());
-  others.covariance.setZero(3 * n, 3 * n);
+  others.covariance.setZero(3 * n, 3 * n);  // for their standard deviations
   for (std::size_t b = 0, i = 0; b < measured.brackets.size(); ++b)
     if (!planned.count(measured.brackets[b].id)) {
       const auto from = 3 * static_cast<Eigen::Index>(b), to = 3 * static_cast<Eigen::Index>(i++);
@@ -215,8 +214,39 @@ void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std:
   for (const std::string& id : rejected) site.hang_what_does_not(id), accept_item(state, id);
 }
 
+/// A campaign, and the plan for floors `from` to `to` on it and on those before.
+InstallationPlanT plan_on(const Facade& measured, int from, int to, const LoopStateT& state, bool& is_limited) {
+  Facade all = measured;
+  RoundsEstimate rounds = combine_rounds(all, &state);
+  Facade facade = part_of(all, from, to);
+  apply_state(facade, state);
+  const Fit fit = plan_settings(facade);
+  InstallationPlanT plan = plan_artifact(facade, fit, judge_plan(facade, fit));
+  add_other_brackets(plan, all);
+  plan.estimate = std::move(rounds.estimate), plan.consistency = std::move(rounds.words);
+  is_limited = !fit.relaxations.empty();
+  return plan;
+}
+
+/// All floors by the last campaigns: what was verified while the building was lower and lighter is verified by what it
+/// is now.
+void look_at_all_floors(SimulatedSite& site, LoopStateT& state, int& round) {
+  constexpr int kMostCampaigns = 4;
+  const MachineOptions options;
+  for (int again = 0; again < kMostCampaigns; ++again) {
+    state.round = ++round;
+    bool is_limited = false;
+    apply_plan(state, plan_on(site.measure(round), 1, site.design().panels.back().floor, state, is_limited), options);
+    close_round(state);
+    const bool is_sure = std::none_of(state.items.begin(), state.items.end(), [](const auto& item) {
+      return item->kind == "panel" && item->status == ItemStatus::relocalised;
+    });
+    if (is_sure) return;
+  }
+}
+
 std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
-  constexpr int kMostRounds = 14;  // of one floor
+  constexpr int kMostRounds = 20;  // of one floor
   LoopStateT state;
   const MachineOptions options;
   std::set<std::string> in_doubt;
@@ -225,17 +255,12 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
     std::set<std::string> limited;
     for (int again = 0; again < kMostRounds; ++again) {
       state.round = ++round;
-      const Facade measured = site.measure(round);
-      Facade facade = part_of(measured, std::max(1, floor - 1), floor);
-      apply_state(facade, state);
-      const Fit fit = plan_settings(facade);
-      InstallationPlanT plan = plan_artifact(facade, fit, judge_plan(facade, fit));
-      add_other_brackets(plan, measured);
+      bool is_limited = false;
+      const InstallationPlanT plan = plan_on(site.measure(round), std::max(1, floor - 1), floor, state, is_limited);
       apply_plan(state, plan, options);
       note_jobs(plan, state);
       for (const auto& panel : plan.panels)
-        if (panel->floor == floor && panel->gate == GateDecision::no_go && !fit.relaxations.empty())
-          limited.insert(panel->id);
+        if (panel->floor == floor && panel->gate == GateDecision::no_go && is_limited) limited.insert(panel->id);
       for (const auto& item : state.items)
         result.settings += item->kind == "bracket" && item->status == ItemStatus::released;
       apply_actuals(state, site.execute(state, round));
@@ -251,6 +276,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
       result.infeasible += item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&
                            limited.count(item->id) > 0;
   }
+  look_at_all_floors(site, state, round);
   result.rounds = round, result.journal = state.journal;
   count_planted(site, state, result);
   return count_verified(site, state, result);

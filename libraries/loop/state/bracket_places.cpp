@@ -15,7 +15,9 @@ Eigen::Vector3d from_axes(const BracketSettingT& bracket, const Eigen::Vector3d&
 }  // namespace
 
 Eigen::Vector3d doubt_of(const BracketSettingT& bracket, double tolerance) {
-  return (4 * std::sqrt(2.0) * bracket.sigma).cwiseMax(tolerance);
+  const bool is_known = (bracket.difference_sigma.array() > 0).all();
+  return (4 * (is_known ? bracket.difference_sigma : Eigen::Vector3d(std::sqrt(2.0) * bracket.sigma)))
+      .cwiseMax(tolerance);
 }
 
 Eigen::Vector3d along_axes(const BracketSettingT& bracket, const Eigen::Vector3d& v) {

@@ -9,7 +9,7 @@
 namespace plumbline::loop {
 
 /// What a difference between two measurements must exceed to mean something: the tolerance, or four of its standard
-/// deviations. Each axis of the frame [m].
+/// deviations, without what campaigns share where the plan tells that. Each axis of the frame [m].
 Eigen::Vector3d doubt_of(const BracketSettingT& bracket, double tolerance);
 
 /// Along right, up, out [m].

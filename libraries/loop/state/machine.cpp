@@ -265,9 +265,29 @@ bool accept_item(LoopStateT& state, const std::string& id) {
   return found;
 }
 
+std::string look_word(const LoopStateT& state, const std::string& name) {
+  return name + "@" + std::to_string(state.round);
+}
+
+std::string accept_look(LoopStateT& state, const std::string& word) {
+  const auto at = word.rfind('@');
+  const std::string name = word.substr(0, at), round = at == std::string::npos ? "" : word.substr(at + 1);
+  const bool is_round = !round.empty() && round.find_first_not_of("0123456789") == std::string::npos;
+  if (is_round && round == std::to_string(state.round))
+    return accept_item(state, name) ? std::string()
+                                    : "'" + name +
+                                          "' is no rejected bracket or panel of the state, no panel that nobody has "
+                                          "seen hang and no control that it reports as moved";
+  const std::string wanted = "'" + look_word(state, is_round ? name : word) + "'";
+  return is_round ? "'" + word + "' is of round " + round + ", the state is after round " +
+                        std::to_string(state.round) + ": if somebody has looked since, say " + wanted
+                  : "'" + word + "' says no round: if somebody has looked after round " + std::to_string(state.round) +
+                        ", say " + wanted;
+}
+
 void close_round(LoopStateT& state) {
   state.verified = state.given_up = 0;
-  bool open = state.to_plan;
+  bool open = state.to_plan || state.to_measure;
   const bool blocked = !control_without_floor(state).empty();
   const auto in_doubt = [&](int floor) {
     return std::count(state.moved_control.begin(), state.moved_control.end(), control_of_floor(floor)) > 0;

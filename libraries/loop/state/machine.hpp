@@ -64,6 +64,14 @@ void recall(LoopStateT& state, const std::vector<std::string>& moved_control, co
 /// alone: a person has seen it. False if it is none of these.
 bool accept_item(LoopStateT& state, const std::string& id);
 
+/// accept_item() of what a person looked at after this state's last round: "F01-C02-R1@4" of round 4, as next_words()
+/// asks for it. A name alone, or of another round, accepts nothing: left in a command it would accept what nobody has
+/// looked at. Why nothing is accepted; empty: it is.
+std::string accept_look(LoopStateT& state, const std::string& word);
+
+/// "F01-C02-R1@4": what accept_look() takes after this state's last round.
+std::string look_word(const LoopStateT& state, const std::string& name);
+
 /// Counts, `done`, `next`.
 void close_round(LoopStateT& state);
 

@@ -3,6 +3,8 @@
 #include <map>
 #include <vector>
 
+#include "loop/state/machine.hpp"
+
 namespace plumbline::loop {
 namespace {
 
@@ -56,16 +58,19 @@ void add(const LoopItemT& item, Floor& floor, Counts& counts) {
 }
 
 std::string step_words(const LoopStateT& state, const Counts& counts) {
+  if (!state.doubts.empty())
+    return "mend the measurement, it decides nothing: " + state.doubts.front() + "; then measure and run again";
   if (!state.moved_control.empty())
     return "look at the " + state.moved_control.front() +
-           ", then measure again; if it is in order, run with reported.with.accept=['" + state.moved_control.front() +
-           "']";
+           ", then measure again; if it is in order, run with reported.with.accept=['" +
+           look_word(state, state.moved_control.front()) + "']";
   if (counts.released > 0) return "give the job to the robots, then measure and run again";
   if (counts.measured > 0) return "measure, then run again";
+  if (state.to_measure) return "measure once more, then run again: what waits is likely to fit as it stands";
   if (state.to_plan) return "run again with this state: brackets are to be planned anew, by the same measurement";
   if (counts.rejected > 0 || counts.unseen > 0)
-    return "somebody looks at what is named below; then run with reported.with.accept=['NAME'] for each that is in "
-           "order";
+    return "somebody looks at what is named below; then run with reported.with.accept=['" + look_word(state, "NAME") +
+           "'] for each that is in order";
   if (counts.waiting > 0)
     return "nothing may be hung as it stands: do what the lines below ask for, then measure and run again";
   return counts.panels > 0 && counts.hang == counts.panels ? "nothing: every panel hangs within its limits"
@@ -92,6 +97,7 @@ std::string next_words(const LoopStateT& state) {
                      std::to_string(counts.waiting) + " panels wait, " + std::to_string(counts.rejected) +
                      " are for a person, " + std::to_string(counts.unseen) + " nobody has seen hang\n";
   text += "next: " + step_words(state, counts) + "\n";
+  for (const std::string& doubt : state.doubts) text += "the measurement is in doubt: " + doubt + "\n";
   for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
   for (const auto& [number, floor] : floors) {
     const std::string begin = "floor " + std::to_string(number) + ": ";

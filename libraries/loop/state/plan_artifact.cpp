@@ -6,6 +6,7 @@
 #include <map>
 
 #include "loop/state/hash.hpp"
+#include "loop/state/rounds_estimate.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -17,16 +18,10 @@ std::string holds_words(const std::array<bool, 3>& holds) {
   return words;
 }
 
-/// Of the anchor's own measurement, to a micrometre: what is measured or designed elsewhere does not change it.
+/// Hash of the anchor's own measurement by this campaign.
 std::string own_basis(const Facade& facade, std::size_t index) {
-  const Bracket& bracket = facade.brackets[index];
-  if (!bracket.measured()) return {};
-  const Eigen::Vector3d measured = bracket.design + bracket.deviation;
-  std::vector<double> numbers(measured.begin(), measured.end());
-  const auto at = 3 * static_cast<Eigen::Index>(index);
-  for (Eigen::Index i = 0; i < 3; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) numbers.push_back(1e4 * facade.covariance(at + i, at + j));
-  return sha256_hex(numbers, 1e-6).substr(0, 16);
+  const std::string& basis = facade.brackets[index].basis;
+  return basis.empty() ? basis_of_bracket(facade, index) : basis;
 }
 
 std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
@@ -40,6 +35,7 @@ std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const st
   out->asked = fit.asked[index], out->setting = fit.settings[index];
   out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
   out->fixed = bracket.fixed, out->basis = own_basis(facade, index);
+  out->difference_sigma = bracket.difference_sigma, out->campaigns = bracket.campaigns;
   return out;
 }
 
@@ -65,17 +61,18 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
     out->measure = facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id;
     out->p_in_measured = gate.measure.p_in;
   }
-  out->robot_sigma = gate.robot_sigma;
+  out->robot_sigma = gate.robot_sigma, out->p_in_repeated = gate.p_repeated;
   return out;
 }
 
+/// Of what this campaign measured, and of the design that it is held against.
 std::string basis_of(const Facade& facade) {
-  std::vector<double> numbers;
-  for (const Bracket& bracket : facade.brackets)
-    for (int k = 0; k < 3; ++k) numbers.push_back(bracket.deviation[k]);
-  for (Eigen::Index i = 0; i < facade.covariance.rows(); ++i)
-    for (Eigen::Index j = 0; j <= i; ++j) numbers.push_back(1e3 * facade.covariance(i, j));
-  return sha256_hex(numbers, 1e-8);
+  std::string text;
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+    const Eigen::Vector3d& design = facade.brackets[b].design;
+    text += own_basis(facade, b) + sha256_hex({design.x(), design.y(), design.z()}, 1e-6);
+  }
+  return sha256_hex(text);
 }
 
 }  // namespace
@@ -167,6 +164,7 @@ std::string installation_words(const InstallationPlanT& plan) {
   }
   part("NO_GO", forbidden);
   part("HOLD", waiting);
+  part("Campaigns beside each other", plan.consistency);
   part("Not planned", plan.notes);
   return text;
 }

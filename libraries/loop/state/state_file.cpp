@@ -15,7 +15,22 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
+
+Json json_of(const AnchorEstimateT& estimate) {
+  return {{"ids", estimate.ids},
+          {"floors", estimate.floors},
+          {"places", estimate.places},
+          {"own", estimate.own},
+          {"campaigns", estimate.campaigns}};
+}
+
+std::unique_ptr<AnchorEstimateT> estimate_of(const Json& json) {
+  auto out = std::make_unique<AnchorEstimateT>();
+  json.at("ids").get_to(out->ids), json.at("floors").get_to(out->floors), json.at("places").get_to(out->places);
+  json.at("own").get_to(out->own), json.at("campaigns").get_to(out->campaigns);
+  return out;
+}
 
 Json numbers_or_null(const Eigen::Vector3d& v) {
   Json list = Json::array();
@@ -102,10 +117,13 @@ std::string state_json(const LoopStateT& state) {
            {"given_up", state.given_up},
            {"done", state.done},
            {"to_plan", state.to_plan},
+           {"to_measure", state.to_measure},
+           {"doubts", state.doubts},
            {"next", state.next},
            {"items", Json::array()},
            {"journal", state.journal}};
   for (const auto& item : state.items) out["items"].push_back(json_of(*item));
+  if (state.estimate) out["estimate"] = json_of(*state.estimate);
   // As it is read back: what is no UTF-8 was replaced on the way.
   out = Json::parse(dumped(out));
   const std::string seal = sha256_hex(dumped(out));
@@ -132,6 +150,8 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     json.at("verified").get_to(state.verified), json.at("given_up").get_to(state.given_up);
     json.at("done").get_to(state.done), json.at("to_plan").get_to(state.to_plan);
     json.at("next").get_to(state.next);
+    json.at("to_measure").get_to(state.to_measure), json.at("doubts").get_to(state.doubts);
+    if (json.contains("estimate")) state.estimate = estimate_of(json["estimate"]);
     json.at("journal").get_to(state.journal);
     for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
     check_items(state);

@@ -12,9 +12,9 @@
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/kept_network.hpp"
 #include "survey/doctor/find_causes.hpp"
-#include "survey/doctor/network_words.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/model/reduced_readings.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -71,7 +71,7 @@ void Adjuster::refuse_local_defects(const NetworkProblem& problem, const Solutio
 }
 
 void Adjuster::add_statistics(Pass& pass) const {
-  pass.cofactors = least_squares::cofactor_matrix(pass.solution);
+  pass.cofactors = least_squares::Cofactors(pass.solution, options_.largest_whole);
   least_squares::ReliabilityOptions reliability;
   reliability.alpha0 = options_.alpha0;
   reliability.power = options_.power;

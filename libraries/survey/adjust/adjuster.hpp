@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "survey/model/network_model.hpp"
+#include "survey/network/network_model.hpp"
 
 namespace plumbline::survey {
 
@@ -17,7 +17,7 @@ namespace plumbline::survey {
 struct Pass {
   NetworkProblem problem;
   least_squares::Solution solution;
-  Eigen::MatrixXd cofactors;
+  least_squares::Cofactors cofactors;
   least_squares::Reliability reliability;
 };
 
@@ -75,15 +75,21 @@ class Adjuster {
 
   /// The plausible common error that explains more of the misfit than any single observation does; none: 0
   /// observations.
-  CommonError largest_common_error(const Pass& pass) const;
+  CommonError largest_common_error(const Pass& pass) const { return largest_common_error(pass, common_errors(pass)); }
+  CommonError largest_common_error(const Pass& pass, std::vector<CommonError> errors) const;
+  /// Hypotheses to be tested together, each with its rows of the problem and their coefficients.
+  struct Hypothesis {
+    CommonError error;  ///< kind and set-up; the test fills the rest
+    std::vector<std::pair<int, double>> rows;
+  };
   std::vector<CommonError> common_errors(const Pass& pass) const;
-  std::vector<CommonError> target_height_errors(const Pass& pass) const;
-  void add_circle_errors(const Pass& pass, std::vector<CommonError>& errors) const;
-  CommonError test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const;
+  std::vector<Hypothesis> target_heights(const Pass& pass) const;
+  std::vector<Hypothesis> circles(const Pass& pass) const;
+  std::vector<CommonError> test(const Pass& pass, const std::vector<Hypothesis>& hypotheses) const;
   std::string describe(const CommonError& error) const;
   /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
   double effect_of_instrument_height(const Pass& pass, int row) const;
-  void report_common_error(const Pass& pass, NetworkResult& result) const;
+  void report_common_error(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result) const;
 
   /// True if a point that had controlled observations has none any more.
   bool makes_uncontrolled(const Pass& before, const Pass& after) const;

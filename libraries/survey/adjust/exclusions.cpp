@@ -5,7 +5,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "least_squares/problem/reliability.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -51,7 +51,8 @@ KeptNetwork::Estimate KeptNetwork::estimate() {
 
 std::vector<KeptNetwork::Conspicuous> KeptNetwork::conspicuous(const Eigen::MatrixXd& cofactors, double variance,
                                                                double critical) const {
-  const auto reliability = least_squares::compute_reliability(problem_.problem, solution_, cofactors / variance, {});
+  const auto reliability = least_squares::compute_reliability(
+      problem_.problem, solution_, least_squares::Cofactors(Eigen::MatrixXd(cofactors / variance)), {});
   std::vector<Conspicuous> found;
   for (size_t r = 0; r < problem_.rows.size(); ++r) {
     const double w = reliability.rows[r].w / std::sqrt(variance);

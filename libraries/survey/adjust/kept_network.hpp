@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "survey/model/network_model.hpp"
+#include "survey/network/network_model.hpp"
 
 namespace plumbline::survey {
 

@@ -4,6 +4,7 @@
 
 #include "geometry/statistics.hpp"
 #include "survey/adjust/adjuster.hpp"
+#include "survey/doctor/network_doctor.hpp"
 
 namespace plumbline::survey {
 
@@ -149,12 +150,12 @@ NetworkResult Adjuster::report(Pass& pass) {
   for (size_t g = 0; g < components.size() && g < kGroups; ++g)
     if (components[g].rows > 0) result.groups.push_back({kGroupNames[g], state_.sigma_factors[g], components[g]});
   report_rows(pass, result);
-  report_common_error(pass, result);
   const std::vector<CommonError> common = common_errors(pass);
+  report_common_error(pass, common, result);
   if (m_.datum == DatumMode::weighted || m_.datum == DatumMode::file)
     result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors, options_.alpha0);
   result.cofactors = std::move(pass.cofactors);
-  if (result.variance_factor != 1) result.cofactors *= result.variance_factor;
+  if (result.variance_factor != 1) result.cofactors.multiply(result.variance_factor);
   report_points(pass, result);
   if (m_.map) {
     std::vector<Eigen::Vector3d> places;
@@ -173,41 +174,6 @@ NetworkResult Adjuster::report(Pass& pass) {
   if (tell_missing_map(m_, options_, scale_of_all(common), result) && result.validity == Validity::sound)
     result.verdict += "; lengths are those of a plane, though the coordinates look like a map's";
   return result;
-}
-
-bool NetworkResult::compares_known_points() const {
-  return std::any_of(known_points.begin(), known_points.end(), [](const KnownPoint& k) { return k.rank > 0; });
-}
-
-const ResultPoint& NetworkResult::point(const std::string& id) const {
-  for (const ResultPoint& p : points)
-    if (p.id == id) return p;
-  throw std::out_of_range("no point '" + id + "' in the network");
-}
-
-Eigen::Matrix3d NetworkResult::covariance(const ResultPoint& a, const ResultPoint& b) const {
-  Eigen::Matrix3d c;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const bool exist = !std::isnan(a.position[i]) && !std::isnan(b.position[j]);
-      const bool both = a.unknowns[i] >= 0 && b.unknowns[j] >= 0;
-      c(i, j) = !exist ? kNotGiven : both ? cofactors(a.unknowns[i], b.unknowns[j]) : 0.0;
-    }
-  return c;
-}
-
-Eigen::Matrix3d NetworkResult::relative_covariance(const ResultPoint& a, const ResultPoint& b) const {
-  const Eigen::Matrix3d ab = covariance(a, b);
-  return covariance(a, a) + covariance(b, b) - ab - ab.transpose();
-}
-
-Eigen::MatrixXd NetworkResult::full_covariance() const {
-  const auto n = static_cast<Eigen::Index>(points.size());
-  Eigen::MatrixXd full(3 * n, 3 * n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      full.block<3, 3>(3 * i, 3 * j) = covariance(points[static_cast<size_t>(i)], points[static_cast<size_t>(j)]);
-  return full;
 }
 
 }  // namespace plumbline::survey

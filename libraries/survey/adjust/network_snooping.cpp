@@ -192,7 +192,7 @@ least_squares::RowStatistics Adjuster::removed_statistics(const Pass& pass, int 
       const int unknown = pass.solution.unknowns(block->parameters[k], static_cast<int>(c));
       if (unknown >= 0) a[unknown] += storage[k][c];
     }
-  const double network = a.dot(pass.cofactors * a);
+  const double network = a.dot(pass.cofactors.times(a));
   const double total = std::sqrt(result.sigma * result.sigma + network);
   result.sigma_adjusted = std::sqrt(network);
   result.redundancy_number = result.controlled = result.sigma * result.sigma / (total * total);

@@ -11,7 +11,7 @@
 
 #include "plumbline/stop.hpp"
 #include "survey/adjust/adjuster.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -111,41 +111,65 @@ std::string Adjuster::describe(const CommonError& e) const {
   return text + " (w = " + fixed_digits(e.w, 1) + ")";
 }
 
-/// One hypothesis: `rows` of the problem, each with its coefficient c.
-CommonError Adjuster::test_common_error(const Pass& pass, const std::vector<std::pair<int, double>>& rows) const {
-  const least_squares::Linearisation& lin = pass.solution.linearisation;
-  Eigen::VectorXd atc = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
+namespace {
+
+/// What the rows say of an error c that they have in common: c'Pv, c'Pc, and A'Pc.
+struct CommonTest {
   double numerator = 0, own = 0;
-  std::size_t b = 0;
+  least_squares::Functional network;
+};
+
+CommonTest common_test(const Pass& pass, const std::vector<std::pair<int, double>>& rows, Eigen::VectorXd& atc) {
+  const least_squares::Linearisation& lin = pass.solution.linearisation;
+  CommonTest test;
+  atc.setZero(pass.solution.unknowns.count());
+  const auto block_of = [&](int row) {  // the last that begins at the row or before
+    return static_cast<std::size_t>(std::upper_bound(lin.blocks.begin(), lin.blocks.end(), row,
+                                                     [](int r, const auto& block) { return r < block.row; }) -
+                                    lin.blocks.begin() - 1);
+  };
   for (std::size_t i = 0; i < rows.size();) {  // rows ascend, so do blocks
-    while (lin.blocks[b].row + lin.blocks[b].rows <= rows[i].first) ++b;
+    const std::size_t b = block_of(rows[i].first);
     const auto& block = lin.blocks[b];
     Eigen::VectorXd c = Eigen::VectorXd::Zero(block.rows);
     for (; i < rows.size() && rows[i].first < block.row + block.rows; ++i)
       c[rows[i].first - block.row] = rows[i].second;
     c = pass.problem.problem.residuals[b]->whitening() * c;
-    numerator += c.dot(lin.residuals.segment(block.row, block.rows));
-    own += c.squaredNorm();
+    test.numerator += c.dot(lin.residuals.segment(block.row, block.rows));
+    test.own += c.squaredNorm();
     const Eigen::VectorXd part = lin.jacobian_of(block).transpose() * c;
     for (int k = 0; k < block.column_count; ++k)
       atc[lin.columns[static_cast<std::size_t>(block.column_begin + k)]] += part[k];
   }
-  std::vector<int> touched;
   for (int k = 0; k < static_cast<int>(atc.size()); ++k)
-    if (atc[k] != 0) touched.push_back(k);
-  double network = 0;
-  for (const int j : touched)
-    for (const int i : touched) network += atc[i] * pass.cofactors(i, j) * atc[j];
-  CommonError result;
-  result.observations = static_cast<int>(rows.size());
-  const double information = own - network;
-  // The network cannot tell this error from its unknowns: a scale in a free network, the height of a free station. What
-  // is left of it there is noise of linearisation and of weak ties.
-  if (!(information > 1e-3 * own)) return result;
-  result.w = numerator / std::sqrt(information);
-  result.size = -numerator / information;
-  result.sigma = 1 / std::sqrt(information);
-  return result;
+    if (atc[k] != 0) test.network.emplace_back(k, atc[k]);
+  return test;
+}
+
+}  // namespace
+
+std::vector<CommonError> Adjuster::test(const Pass& pass, const std::vector<Hypothesis>& hypotheses) const {
+  std::vector<CommonTest> tests;
+  std::vector<least_squares::Functional> functionals;
+  Eigen::VectorXd work;
+  for (const Hypothesis& h : hypotheses) {
+    tests.push_back(common_test(pass, h.rows, work));
+    functionals.push_back(std::move(tests.back().network));
+  }
+  const Eigen::VectorXd network = pass.cofactors.variances(functionals);
+  std::vector<CommonError> errors;
+  for (std::size_t k = 0; k < hypotheses.size(); ++k) {
+    CommonError& result = errors.emplace_back(hypotheses[k].error);
+    result.observations = static_cast<int>(hypotheses[k].rows.size());
+    const double information = tests[k].own - network[static_cast<Eigen::Index>(k)];
+    // The network cannot tell this error from its unknowns: a scale in a free network, the height of a free station.
+    // What is left of it there is noise of linearisation and of weak ties.
+    if (!(information > 1e-3 * tests[k].own)) continue;
+    result.w = tests[k].numerator / std::sqrt(information);
+    result.size = -tests[k].numerator / information;
+    result.sigma = 1 / std::sqrt(information);
+  }
+  return errors;
 }
 
 double Adjuster::effect_of_instrument_height(const Pass& pass, int row) const {
@@ -184,20 +208,19 @@ std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
     if (o.kind != "horizontal_distance")
       hypotheses[{Kind::height, own}].emplace_back(r, effect_of_instrument_height(pass, row));
   }
-  std::vector<CommonError> errors = target_height_errors(pass);
-  for (const auto& [hypothesis, rows] : hypotheses) {
+  std::vector<Hypothesis> all = target_heights(pass);
+  for (auto& [hypothesis, rows] : hypotheses) {
     if (rows.size() < 3) continue;
-    stop_point();
-    CommonError error = test_common_error(pass, rows);
+    CommonError error;
     error.kind = hypothesis.first, error.set_up = hypothesis.second;
-    errors.push_back(error);
+    all.push_back({error, std::move(rows)});
   }
-  return errors;
+  return test(pass, all);
 }
 
 /// A pole set to another length than noted: all sights of a set-up with this height noted, where it has others too
 /// (with one height alone it is the instrument's that may be wrong).
-std::vector<CommonError> Adjuster::target_height_errors(const Pass& pass) const {
+std::vector<Adjuster::Hypothesis> Adjuster::target_heights(const Pass& pass) const {
   std::map<int, std::map<double, std::vector<std::pair<int, double>>>> by_height;  // set-up -> height noted -> rows
   for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
     const int row = pass.problem.rows[static_cast<size_t>(r)];
@@ -208,19 +231,19 @@ std::vector<CommonError> Adjuster::target_height_errors(const Pass& pass) const 
     const double height = m_.observations[static_cast<size_t>(row)].observation.target_height;
     by_height[own][std::isnan(height) ? 0 : height].emplace_back(r, -effect_of_instrument_height(pass, row));
   }
-  std::vector<CommonError> errors;
+  std::vector<Hypothesis> all;
   for (const auto& [set_up, heights] : by_height)
     for (const auto& [height, rows] : heights) {
       if (heights.size() < 2 || rows.size() < 4) continue;  // two sights
-      CommonError error = test_common_error(pass, rows);
+      CommonError error;
       error.kind = CommonError::Kind::target, error.set_up = set_up, error.target_height = height;
-      errors.push_back(error);
+      all.push_back({error, rows});
     }
-  return errors;
+  return all;
 }
 
 /// A step in the directions of a set-up, in the order they were read. Many tests, so only where a direction fails.
-void Adjuster::add_circle_errors(const Pass& pass, std::vector<CommonError>& errors) const {
+std::vector<Adjuster::Hypothesis> Adjuster::circles(const Pass& pass) const {
   constexpr size_t kFewest = 3;                                // on either side: fewer are as well wrong one by one
   std::map<int, std::vector<std::pair<int, int>>> directions;  // set-up -> first reading, row of the problem
   std::set<int> failing;
@@ -231,6 +254,7 @@ void Adjuster::add_circle_errors(const Pass& pass, std::vector<CommonError>& err
     directions[set_up].emplace_back(m_.observations[static_cast<size_t>(row)].members.front(), r);
     if (std::abs(pass.reliability.rows[static_cast<size_t>(r)].w) > critical_w()) failing.insert(set_up);
   }
+  std::vector<Hypothesis> all;
   for (const int set_up : failing) {
     auto& list = directions.at(set_up);
     std::sort(list.begin(), list.end());
@@ -238,20 +262,21 @@ void Adjuster::add_circle_errors(const Pass& pass, std::vector<CommonError>& err
       std::vector<std::pair<int, double>> rows;
       for (size_t i = k; i < list.size(); ++i) rows.emplace_back(list[i].second, 1.0);
       std::sort(rows.begin(), rows.end());
-      CommonError error = test_common_error(pass, rows);
+      CommonError error;
       error.kind = CommonError::Kind::circle, error.set_up = set_up;
       error.first = pass.problem.rows[static_cast<size_t>(list[k].second)];
-      errors.push_back(error);
+      all.push_back({error, std::move(rows)});
     }
   }
+  return all;
 }
 
-CommonError Adjuster::largest_common_error(const Pass& pass) const {
+CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors) const {
   double single = critical_removal();
   for (size_t r = 0; r < pass.problem.rows.size(); ++r)
     if (pass.problem.rows[r] >= 0) single = std::max(single, std::abs(pass.reliability.rows[r].w));
-  std::vector<CommonError> errors = common_errors(pass);
-  add_circle_errors(pass, errors);
+  const std::vector<CommonError> turned = test(pass, circles(pass));
+  errors.insert(errors.end(), turned.begin(), turned.end());
   CommonError worst;
   for (const CommonError& error : errors) {
     if (std::abs(error.size) > largest_plausible(error.kind) ||
@@ -321,8 +346,9 @@ bool Adjuster::estimate(Pass& pass, const CommonError& error) {
   }
 }
 
-void Adjuster::report_common_error(const Pass& pass, NetworkResult& result) const {
-  const CommonError error = largest_common_error(pass);
+void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonError>& common,
+                                   NetworkResult& result) const {
+  const CommonError error = largest_common_error(pass, common);
   if (error.observations == 0) return;
   result.findings.push_back({Finding::Severity::warning,
                              describe(error) + ". This explains the misfit better than any single observation; mend it "

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

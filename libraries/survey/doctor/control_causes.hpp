@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "survey/adjust/adjust_network.hpp"
+#include "survey/model/adjust_options.hpp"
 #include "survey/start/set_up_chain.hpp"
 
 namespace plumbline::survey {

@@ -9,9 +9,10 @@
 
 #include "plumbline/stop.hpp"
 #include "survey/doctor/control_causes.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/doctor/survey_sample.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/start/set_up_chain.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -118,26 +119,29 @@ class Causes {
 
  private:
   bool of_angles(int set_up) {
-    std::optional<Cause> best;
+    // Each trial lays out all set-ups anew: of a large job those that hang together most closely are enough, and what
+    // they say is tried on the whole by the caller.
+    const SurveySample sample = sample_of(survey_, set_up, kMostReadings);
+    const double as_it_is = sample.is_whole() ? share_of(as_it_is_, set_up) : share_with(sample.survey, sample.set_up);
+    const AngleMistake* best = nullptr;
     double most = 0;
     for (const AngleMistake& mistake : kAngleMistakes) {
       stop_point();
-      SurveyObservations mended = without_mistake(survey_, mistake, set_up);
-      const double share = share_with(mended, set_up);
-      if (share < kFits || share <= most) continue;
-      most = share;
-      const std::string owner = set_up < 0 ? "all " : "the ";
-      const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[static_cast<size_t>(set_up)].id;
-      std::string what = mistake.what;
-      what.insert(std::min(what.find(" are "), what.size()), of);
-      best = Cause{owner + what + ": so " + percent(share) + " of the sights to common points agree, as they are, " +
-                       percent(share_of(as_it_is_, set_up)),
-                   {},
-                   std::move(mended),
-                   control_};
+      const double share = share_with(without_mistake(sample.survey, mistake, sample.set_up), sample.set_up);
+      if (share >= kFits && share > most) most = share, best = &mistake;
     }
-    if (best) found_.push_back(std::move(*best));
-    return best.has_value();
+    if (!best) return false;
+    const std::string owner = set_up < 0 ? "all " : "the ";
+    const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[static_cast<size_t>(set_up)].id;
+    std::string what = best->what;
+    what.insert(std::min(what.find(" are "), what.size()), of);
+    found_.push_back(Cause{owner + what + ": so " + percent(most) +
+                               " of the sights to common points agree, as they are, " + percent(as_it_is) +
+                               sample.in_words(),
+                           {},
+                           without_mistake(survey_, *best, set_up),
+                           control_});
+    return true;
   }
 
   static double share_of(const Agreement& a, int set_up) {
@@ -248,6 +252,7 @@ class Causes {
   }
 
   static constexpr double kSamePlace = 0.05;  // [m]
+  static constexpr size_t kMostReadings = 4000;
   const SurveyObservations& survey_;
   const AdjustOptions& options_;
   const ControlPoints& control_;

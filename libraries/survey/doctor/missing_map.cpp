@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "survey/doctor/network_words.hpp"
-#include "survey/model/network_model.hpp"
+#include "survey/doctor/network_doctor.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

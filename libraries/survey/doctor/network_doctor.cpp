@@ -1,4 +1,6 @@
 // Says in words what the numbers mean: which observations nothing controls, where the network hangs on a single point.
+#include "survey/doctor/network_doctor.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -6,8 +8,7 @@
 #include <set>
 
 #include "geometry/statistics.hpp"
-#include "survey/doctor/network_words.hpp"
-#include "survey/model/network_model.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -57,8 +58,10 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
   std::vector<const ResultRow*> failing;
   for (const ResultRow& row : r.rows)
     if (row.flagged) failing.push_back(&row);
-  std::stable_sort(failing.begin(), failing.end(), [](const ResultRow* a, const ResultRow* b) {
-    return a->removed != b->removed ? a->removed : std::abs(a->statistics.w) > std::abs(b->statistics.w);
+  // Two readings of one condition have the same w: they come in the order of the file, not in that of its last digit.
+  const auto size = [](const ResultRow* row) { return std::round(1e6 * std::abs(row->statistics.w)); };
+  std::stable_sort(failing.begin(), failing.end(), [&](const ResultRow* a, const ResultRow* b) {
+    return a->removed != b->removed ? a->removed : size(a) > size(b);
   });
   const auto removed = std::count_if(failing.begin(), failing.end(), [](const ResultRow* row) { return row->removed; });
   // One of many readings fails by chance; a warning is for what the largest of them all would hardly reach.

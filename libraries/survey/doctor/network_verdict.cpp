@@ -5,8 +5,8 @@
 #include <string>
 
 #include "geometry/statistics.hpp"
-#include "survey/doctor/network_words.hpp"
-#include "survey/model/network_model.hpp"
+#include "survey/doctor/network_doctor.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -83,7 +83,7 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
                                                : "the readings contradict each other") +
                 " (" + sigma0 + "); mend what the findings name and adjust again";
     const double factor = std::max(1.0, r.sigma0 * r.sigma0 / r.variance_factor);
-    r.cofactors *= factor;
+    r.cofactors.multiply(factor);
     r.variance_factor *= factor;
   } else if (r.degrees_of_freedom == 0) {
     r.validity = Validity::doubtful;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -11,7 +12,8 @@
 
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/epochs/epoch_axes.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -321,17 +323,27 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
   for (const Epoch& e : laid)
     for (const std::string& id : e.ids)
       if (known.insert(id).second) ids.push_back(id);
+  NotCompared not_compared;
   for (const std::string& id : ids) {
     stop_point();
-    std::vector<Seen> seen;
-    std::vector<Index> axes = {0, 1, 2};
+    std::vector<Seen> all, seen;
+    std::vector<std::array<Measured, 3>> measured;
+    std::vector<size_t> numbers;
     for (size_t k = 0; k < laid.size(); ++k)
       if (const Index row = row_of(laid[k], id); row >= 0) {
-        seen.push_back({k, epochs[k].time, laid[k].coordinates.segment<3>(row),
-                        laid[k].covariance.block<3, 3>(row, row), before[k].segment<3>(row)});
-        std::erase_if(axes, [&](Index c) { return !std::isfinite(seen.back().at[c]) || !(seen.back().before[c] > 0); });
+        all.push_back({k, epochs[k].time, laid[k].coordinates.segment<3>(row), laid[k].covariance.block<3, 3>(row, row),
+                       before[k].segment<3>(row)});
+        numbers.push_back(k);
+        auto& of = measured.emplace_back();
+        for (Index c = 0; c < 3; ++c)
+          of[static_cast<size_t>(c)] = !std::isfinite(all.back().at[c]) ? Measured::missing
+                                       : all.back().before[c] > 0       ? Measured::yes
+                                                                        : Measured::held;
       }
-    if (seen.size() < 2 || axes.empty()) {
+    const auto [axes, compared] = compared_axes(measured);
+    not_compared.add(id, measured, numbers, {axes, compared});
+    for (const size_t k : compared) seen.push_back(all[k]);
+    if (axes.empty()) {
       series.seen_once.push_back(id);
       continue;
     }
@@ -344,6 +356,9 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     add_velocity(seen, axes, directions, options, series.degrees_of_freedom, point);
     series.points.push_back(std::move(point));
   }
+  std::vector<std::string> names;
+  for (const DatedEpoch& e : epochs) names.push_back(e.name);
+  series.not_compared = not_compared.words(names);
   return series;
 }
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "geometry/statistics.hpp"
-#include "survey/doctor/network_words.hpp"
 #include "survey/epochs/compare_epochs.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

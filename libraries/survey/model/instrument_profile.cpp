@@ -13,7 +13,7 @@
 
 #include "base/text/one_document.hpp"
 #include "builtin_profiles.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

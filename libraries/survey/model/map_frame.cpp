@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "survey/doctor/network_words.hpp"
 #include "survey/model/observation_equations.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 

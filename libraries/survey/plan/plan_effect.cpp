@@ -51,7 +51,7 @@ class SightSearch {
  public:
   SightSearch(const PlanLayout& layout, const PlanPrediction& prediction, const PlanOptions& options, int lower,
               int upper)
-      : layout_(layout), network_(prediction.network), options_(options), q_(prediction.network.cofactors) {
+      : layout_(layout), network_(prediction.network), options_(options), q_(prediction.network.cofactors.whole()) {
     weights_ = Eigen::VectorXd::Zero(q_.rows());
     for (const auto& [m, w] : transfer_weights(layout.seen_on_floor(lower), layout.seen_on_floor(upper)))
       weights_[network_.point(layout.markers()[m].id).unknowns[2]] += w;
@@ -123,14 +123,14 @@ double height_sigma_with(const PlanLayout& layout, const PlanPrediction& predict
                          const PlanLayout& trial, const HeightWeights& weights) {
   stop_point();
   const NetworkResult& network = prediction.network;
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(network.cofactors.rows());
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(network.cofactors.size());
   for (const auto& [m, weight] : weights) w[network.point(layout.markers()[m].id).unknowns[2]] += weight;
   const size_t s = trial.set_ups().size() - 1;
   std::vector<size_t> seen;
   for (size_t m = 0; m < trial.markers().size(); ++m)
     if (trial.planned(s, m) && known(network, trial.markers()[m].id)) seen.push_back(m);
   const auto k = static_cast<Index>(seen.size());
-  const Eigen::VectorXd effect = network.cofactors * w;
+  const Eigen::VectorXd effect = network.cofactors.times(w);
   if (k < 2) return std::sqrt(std::max(0.0, w.dot(effect)));
   Eigen::MatrixXd markers = Eigen::MatrixXd::Zero(3 * k, 3 * k), set_up = Eigen::MatrixXd::Zero(3 * k, 4);
   std::vector<int> at;
@@ -156,7 +156,7 @@ double height_sigma_with(const PlanLayout& layout, const PlanPrediction& predict
   const Eigen::MatrixXd a = (qr.householderQ().transpose() * markers).bottomRows(3 * k - 4);
   const Eigen::VectorXd g = a * effect(at);
   const Eigen::MatrixXd sum =
-      a * network.cofactors(at, at) * a.transpose() + Eigen::MatrixXd::Identity(3 * k - 4, 3 * k - 4);
+      a * network.cofactors.joint(at) * a.transpose() + Eigen::MatrixXd::Identity(3 * k - 4, 3 * k - 4);
   return std::sqrt(std::max(0.0, w.dot(effect) - g.dot(sum.llt().solve(g))));
 }
 

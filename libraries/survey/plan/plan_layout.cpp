@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 #include <sstream>
@@ -182,6 +183,7 @@ void PlanLayout::add_sighting(SurveyObservations& s, int set_up, const PlannedMa
 
 AdjustOptions PlanLayout::adjustment() const {
   AdjustOptions options;
+  options.largest_whole = std::numeric_limits<int>::max();  // sights that might be added are tried against all of it
   options.curvature = Switch::off;
   options.datum = DatumMode::inner;
   for (size_t m : seen_on_floor(floors_.front())) options.datum_points.push_back(markers_[m].id);

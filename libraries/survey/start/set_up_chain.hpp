@@ -1,6 +1,6 @@
 // Set-ups as rigid figures of polar coordinates, chained by the markers they share with robust fits, so that a swapped
 // name or a gross reading neither carries a figure away nor hides. The chain is both the start of the adjustment and
-// what the check of the set-ups (doctor/check_set_ups) compares each of them with.
+// what the check of the set-ups (check_set_ups.hpp) compares each of them with.
 #pragma once
 
 #include <Eigen/Core>

@@ -75,7 +75,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 }  // namespace
 
 struct EvaluateAccuracy : Node {
-  static constexpr Info info{"evaluate.accuracy", "metric", 3,
+  static constexpr Info info{"evaluate.accuracy", "metric", 4,
                              "Anchor, floor and column accuracy of a model: (1)-(3) and (9)-(13); the metrics files"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
@@ -93,9 +93,10 @@ struct EvaluateAccuracy : Node {
   Param<double> confidence{"confidence", 0.95, "1", between(0.5, 0.9999), "level of all intervals and tests"};
   Param<bool> drift_on_control{"drift_on_control", false, "D(F) on control anchors too, marked as no evidence"};
   Param<std::string> correlation{
-      "correlation", "from_control", one_of("from_control", "independent"),
+      "correlation", "from_control", one_of("from_control", "independent", "same"),
       "from_control: the model was adjusted to this survey's control anchors with their covariance, "
-      "(5); also right for (6) where the image block is much more precise than the survey"};
+      "(5); also right for (6) where the image block is much more precise than the survey. same: the model is this "
+      "survey, of anchors that were measured by total station alone, and nothing is compared"};
   Param<double> mounting_sigma{
       "mounting_sigma", 0.0, "m", between(0, 0.1),
       "of a plate's place on its anchor, each axis: part of what is expected against the truth, "
@@ -121,7 +122,8 @@ struct EvaluateAccuracy : Node {
     for (const auto& plate : listed.plates)
       if (plate->role == "tie") inputs.ties.push_back(plate->anchor);
     inputs.model = point_set(model.unpack(), "model");
-    inputs.survey = point_set(survey.unpack(), "survey");
+    inputs.model_is_survey = *correlation == "same";
+    if (!inputs.model_is_survey) inputs.survey = point_set(survey.unpack(), "survey");
     inputs.mounting_sigma = *mounting_sigma;
     if (truth) inputs.truth = point_set(truth.unpack(), "truth");
     AccuracyT result = evaluate_accuracy(inputs, options());

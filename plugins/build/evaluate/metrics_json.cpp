@@ -257,6 +257,7 @@ Json to_json(const FloorDeviationT& f) {
           {"panels_pass", f.panels_passed},
           {"panels_undecided", f.panels_undecided},
           {"panels_fail", f.panels_failed},
+          {"pass_together", f.pass_together},
           {"verdict", EnumNameToleranceVerdict(f.verdict)}};
 }
 
@@ -268,6 +269,7 @@ Json to_json(const DeviationT* d) {
           {"fail", d->failed},
           {"not_measured", d->not_measured},
           {"risk", d->risk},
+          {"pass_together", d->pass_together},
           {"not_judged", d->not_judged},
           {"requests", list(d->requests)},
           {"common_shift", d->common_shift ? d->common_shift->words : ""},

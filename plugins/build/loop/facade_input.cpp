@@ -1,5 +1,6 @@
 #include "build/loop/facade_input.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -79,7 +80,7 @@ class Builder {
                                "; say what they can be set by, such as '*: right=20mm, up=15mm, out=25mm'");
   }
 
-  void add_covariance(const PointsT& model) {
+  void add_covariance(const PointsT& model, const std::vector<std::string>& control) {
     const std::size_t n = in_.facade.brackets.size();
     in_.facade.covariance = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(n), 3 * static_cast<Eigen::Index>(n));
     const Eigen::MatrixXd all = unpack_symmetric(model.covariance, 3 * model.points.size(), "the model");
@@ -100,6 +101,7 @@ class Builder {
         if (at[i] >= 0 && at[j] >= 0)
           in_.facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j)) =
               all.block<3, 3>(3 * at[i], 3 * at[j]);
+    add_own(all, point, at, control);
     // Where plates sit on their anchors is part of the judged covariance, and not of the model's.
     for (std::size_t b = 0; b < n; ++b)
       if (anchors_[b]->covariance.size() == 9)
@@ -157,6 +159,32 @@ class Builder {
   FacadeInput take() { return std::move(in_); }
 
  private:
+  /// The covariance of the measured anchors if control were known: that of the readings alone. What is left is the same
+  /// for all campaigns on that control, and a little more: control as it was adjusted with these readings.
+  void add_own(const Eigen::MatrixXd& all, const std::map<std::string, Eigen::Index>& point,
+               const std::vector<Eigen::Index>& at, const std::vector<std::string>& control) {
+    std::vector<Eigen::Index> known, anchors;
+    std::size_t found = 0;
+    for (const std::string& id : control)
+      if (const auto place = point.find(id); place != point.end()) {
+        ++found;
+        for (Eigen::Index k = 0; k < 3; ++k) known.push_back(3 * place->second + k);
+      }
+    if (found == 0) return;
+    for (const Eigen::Index place : at)
+      for (Eigen::Index k = 0; k < 3; ++k) anchors.push_back(place < 0 ? 0 : 3 * place + k);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_control(all(known, known));
+    const double largest = std::max(0.0, of_control.eigenvalues().maxCoeff());
+    Eigen::MatrixXd across = all(anchors, known) * of_control.eigenvectors();
+    for (std::size_t b = 0; b < at.size(); ++b)
+      if (at[b] < 0) across.middleRows<3>(3 * static_cast<Eigen::Index>(b)).setZero();
+    Eigen::MatrixXd own = in_.facade.covariance;
+    for (Eigen::Index i = 0; i < across.cols(); ++i)
+      if (const double value = of_control.eigenvalues()[i]; value > 1e-9 * largest && value > 0)
+        own -= across.col(i) * across.col(i).transpose() / value;
+    in_.facade.own = 0.5 * (own + own.transpose());
+  }
+
   Eigen::Matrix3d axes_of(const FacadeFrameT* frame) const {
     return only_axes_.allFinite() ? only_axes_ : confirmed_axes(frame);
   }
@@ -269,10 +297,10 @@ std::pair<std::string, std::vector<std::string>> parse_dependence(const std::str
 }
 
 FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const DesignT& design, const LoopStateT* state,
-                      const FacadeRules& rules) {
+                      const FacadeRules& rules, const std::vector<std::string>& control) {
   Builder builder(deviation, design, state, rules);
   builder.add_brackets();
-  builder.add_covariance(model);
+  builder.add_covariance(model, control);
   builder.add_panels();
   builder.add_joints();
   builder.add_state();

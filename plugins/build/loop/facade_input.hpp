@@ -37,7 +37,9 @@ struct FacadeInput {
 /// what it concerns is noted and not planned. `state`: what hangs already is not set any more, what was set before is
 /// no range any more. Throws std::runtime_error that says what is missing: no direction of any anchor, no covariance,
 /// an anchor that no bracket rule selects, a dependence on an unknown panel.
+/// `control`: points of the model that all campaigns rest on; what the anchors' covariance owes to them is no part of
+/// Facade::own. Where none of them is in the model, what campaigns share is not known, and Facade::own stays empty.
 FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const DesignT& design, const LoopStateT* state,
-                      const FacadeRules& rules);
+                      const FacadeRules& rules, const std::vector<std::string>& control = {});
 
 }  // namespace plumbline::loop

@@ -2,6 +2,7 @@
 
 #include "loop/gate/gate.hpp"
 #include "loop/state/plan_artifact.hpp"
+#include "loop/state/rounds_estimate.hpp"
 
 namespace plumbline::loop {
 
@@ -14,7 +15,8 @@ FacadeRules PlanInstallation::rules() {
     auto& known = rules.after[panel];
     known.insert(known.end(), before.begin(), before.end());
   }
-  rules.errors = {*setting_sigma, *station_sigma, *edge_sigma, *face_sigma, *guard_factor, *slip_share, *slip_sigma};
+  rules.errors = {*setting_sigma, *station_sigma, *edge_sigma,  *face_sigma,    *guard_factor, *slip_share,
+                  *slip_sigma,    *knock_share,   *knock_sigma, *control_share, *control_sigma};
   rules.step_tolerance = *step_tolerance;
   if (!facade_normal->empty()) {
     if (facade_normal->size() != 3)
@@ -28,8 +30,11 @@ FacadeRules PlanInstallation::rules() {
 void PlanInstallation::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
+  std::vector<std::string> known;
+  if (control)
+    for (const auto* point : *control->points()) known.push_back(point->id()->str());
   FacadeInput input =
-      facade_of(deviation.unpack(), model.unpack(), design.unpack(), state ? &before : nullptr, rules());
+      facade_of(deviation.unpack(), model.unpack(), design.unpack(), state ? &before : nullptr, rules(), known);
   const std::vector<std::string> faults = faults_of(input.facade);
   if (!faults.empty()) {
     std::string text = "this facade cannot be planned:";
@@ -40,14 +45,23 @@ void PlanInstallation::run(Context& context) {
   if (brackets->empty())
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
+  const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
+  RoundsEstimate rounds;
+  if (!is_in_doubt) rounds = combine_rounds(input.facade, state ? &before : nullptr, {*drift_per_storey});
+  if (control && input.facade.own.size() == 0 && rounds.words.empty() && !is_in_doubt)
+    rounds.words.push_back("none of the " + std::to_string(known.size()) +
+                           " points of 'control' is in the model: what campaigns share is not known, and each counts "
+                           "alone");
   const Fit fit = plan_settings(input.facade, {*pose_weight, *gap_weight, *step_weight, *setting_weight});
   const std::vector<PanelGate> gates =
       judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
+  result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
+  for (const std::string& line : result.consistency) context.warn(line);
   result.go_probability = *go_probability,
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";
   // A measurement that contradicts itself proves nothing, here neither.
-  if (deviation->doubts() && deviation->doubts()->size() > 0) {
+  if (is_in_doubt) {
     for (const auto* doubt : *deviation->doubts()) result.doubts.push_back(doubt->str());
     result.hold += result.go, result.go = 0;
     for (auto& panel : result.panels)

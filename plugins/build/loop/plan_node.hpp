@@ -21,6 +21,9 @@ struct PlanInstallation : Node {
   In<Design> design{"design", frame("frame=?F"), "the design"};
   Optional<LoopState> state{"state", frame("frame=?F"),
                             "the round before: what hangs already is data, and what was set is range no more"};
+  Optional<Points> control{"control", frame("frame=?S"),
+                           "points of the model that all campaigns rest on: with them, anchors that did not move since "
+                           "the state's campaigns are one estimate; without, this campaign counts alone"};
   Param<std::vector<std::string>> brackets{
       "brackets", std::vector<std::string>{},
       "what brackets can be set by: 'class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm'; later "
@@ -45,6 +48,15 @@ struct PlanInstallation : Node {
       "of brackets that slip on tightening, besides setting_sigma: few and large, which no standard "
       "deviation says"};
   Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far these slip, each direction"};
+  Param<double> knock_share{"knock_share", 0.0, "1", between(0, 1),
+                            "of plates that were knocked before they were measured first, which no campaign tells"};
+  Param<double> knock_sigma{"knock_sigma", 0.003, "m", between(0, 0.1), "how far, each direction"};
+  Param<double> control_share{"control_share", 0.0, "1", between(0, 1),
+                              "of storeys whose control was knocked before anything was measured from it"};
+  Param<double> control_sigma{"control_sigma", 0.006, "m", between(0, 0.1), "how far, in height"};
+  Param<double> drift_per_storey{
+      "drift_per_storey", 0.00002, "m", between(0, 0.01),
+      "how far a storey may sink or rise against the one below from campaign to campaign: loads, temperature"};
   Param<double> edge_sigma{"edge_sigma", 0.0005, "m", between(0, 0.1), "of a panel's edges, by manufacture"};
   Param<double> face_sigma{"face_sigma", 0.0005, "m", between(0, 0.1),
                            "of a panel's face out of plane, by manufacture"};

@@ -21,11 +21,9 @@ void UpdateState::run(Context& context) {
   }
   if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");
   for (const std::string& id : *accept)
-    if (!accept_item(state, id))
-      // In a pipeline with rounds the name may be rejected in a later one: no error.
-      context.warn("'accept' names '" + id +
-                   "', which is no rejected bracket or panel of the state and no control that it reports as moved: "
-                   "nothing is accepted");
+    if (const std::string objection = accept_look(state, id); !objection.empty())
+      // It may be left from a round before: no error.
+      context.warn("'accept': " + objection + ": nothing is accepted");
   context.metric("reports_taken", static_cast<double>(taken), "1");
   context.metric("reports_refused", static_cast<double>(refused), "1");
   after.commit(state);
@@ -52,7 +50,7 @@ void ReleaseState::run(Context& context) {
     context.warn(control +
                  " moved: nothing there is verified or released; look at it, measure again, and if it is in "
                  "order give accept=['" +
-                 control + "'] to update.state");
+                 look_word(state, control) + "'] to update.state");
   // The loop ends here: whoever started it reads this first.
   if (state.done) context.warn("next: " + next_step(state) + " (next.txt)");
   int panels = 0, hanging = 0, released = 0, reworks = 0;

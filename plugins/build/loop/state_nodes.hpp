@@ -21,8 +21,10 @@ struct UpdateState : Node {
       "control points that moved since work was released (compare_epochs names them): all of it becomes stale"};
   Param<std::vector<std::string>> accept{
       "accept", std::vector<std::string>{},
-      "what a person has looked at: rejected brackets or panels are planned again; 'control of "
-      "floor 3': its next measurement is the reference"};
+      "what a person has looked at after which round, as next.txt asks for it: 'F01-C02-R1@4' is planned again, a "
+      "panel "
+      "was seen hanging; 'control of floor 3@4': its next measurement is the reference. Of another round than the "
+      "state's last one nothing is accepted"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state with these reports"};
   void run(Context& context) override;
 };

@@ -155,7 +155,7 @@ SurveyedSite survey_by_readings(const Campaign& campaign) {
     site.points.push_back({&anchor, point.position});
     unknowns.insert(unknowns.end(), point.unknowns.begin(), point.unknowns.end());
   }
-  site.covariance = network.cofactors(unknowns, unknowns);
+  site.covariance = network.cofactors.joint(unknowns);
   return site;
 }
 

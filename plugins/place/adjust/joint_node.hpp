@@ -13,8 +13,9 @@
 #include "artifacts/survey_observations.hpp"
 #include "artifacts/transform.hpp"
 #include "photo/joint/joint_adjustment.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "survey/model/several_instruments.hpp"
+#include "survey/start/merge_surveys.hpp"
 #include "tag_adjuster_node.hpp"
 
 namespace plumbline::block {

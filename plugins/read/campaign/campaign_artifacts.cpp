@@ -1,11 +1,12 @@
 #include "campaign_artifacts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "geometry/packed_symmetric.hpp"
 #include "survey/files/survey_format.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::campaign {
 
@@ -48,7 +49,9 @@ PlatesT to_artifact(const std::vector<PlateEntry>& entries) {
     plate->tag_id = e.tag_id;
     plate->tag_size = e.tag_size;
     plate->tag_centre_in_plate = e.tag_centre_in_plate;
-    plate->nominal_rotation = upright_plate(e.facing_azimuth);
+    // A plate that lies flat says nothing of where its anchor faces.
+    plate->nominal_rotation =
+        std::isnan(e.facing_azimuth) ? Eigen::Quaterniond::Identity() : upright_plate(e.facing_azimuth);
     plate->batch = e.batch;
     plate->role = e.role;
     plate->floor = e.floor;

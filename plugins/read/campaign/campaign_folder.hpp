@@ -119,7 +119,8 @@ struct PlateEntry {
 /// What the columns of plates.csv may be called, with the name used for each here: German ones, too.
 const std::map<std::string, std::string>& plate_column_names();
 /// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice. With
-/// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out.
+/// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out; with
+/// CampaignUse::measured all of the tag, role (control) and azimuth (nan).
 /// A column that is none of the table's is left out, and `warnings` says so; one that is nearly called like one of them
 /// is an error.
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown,

@@ -197,20 +197,21 @@ std::string role_of(const std::string& text) {
 
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use,
                                      std::vector<std::string>* warnings) {
-  const bool needed = use != CampaignUse::photographs;
+  const bool needed = use != CampaignUse::photographs, tagged = use != CampaignUse::measured;
+  const bool site = needed && tagged;
   const Table table(csv, shown,
                     {{"anchor", Quantity::text, true},
-                     {"role", Quantity::text, needed},
+                     {"role", Quantity::text, site},
                      {"floor", Quantity::whole, needed},
                      {"column", Quantity::whole, false},
                      {"row", Quantity::whole, false},
-                     {"tag_family", Quantity::text, true},
-                     {"tag_id", Quantity::whole, true},
-                     {"tag_size", Quantity::length, needed},
-                     {"tag_x", Quantity::length, needed},
-                     {"tag_y", Quantity::length, needed},
-                     {"tag_z", Quantity::length, needed},
-                     {"facing_azimuth", Quantity::angle, needed},
+                     {"tag_family", Quantity::text, tagged},
+                     {"tag_id", Quantity::whole, tagged},
+                     {"tag_size", Quantity::length, site},
+                     {"tag_x", Quantity::length, site},
+                     {"tag_y", Quantity::length, site},
+                     {"tag_z", Quantity::length, site},
+                     {"facing_azimuth", Quantity::angle, site},
                      {"mounting_x", Quantity::length, false},
                      {"mounting_y", Quantity::length, false},
                      {"mounting_z", Quantity::length, false},
@@ -223,15 +224,16 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
     PlateEntry p;
     p.anchor = table.text(row, "anchor");
     p.role = role_of(table.text(row, "role"));
-    if (p.role.empty() && !needed) p.role = "control";
+    if (p.role.empty() && !site) p.role = "control";
     p.floor = needed || table.has("floor") ? table.whole(row, "floor") : 1;
     p.column = table.whole(row, "column");
     p.row = table.whole(row, "row");
     p.tag_family = table.text(row, "tag_family");
     p.tag_id = table.whole(row, "tag_id");
-    p.tag_size = needed || table.has("tag_size") ? table.number(row, "tag_size") : std::nan("");
+    p.tag_size = site || table.has("tag_size") ? table.number(row, "tag_size") : std::nan("");
     p.tag_centre_in_plate = {table.number(row, "tag_x"), table.number(row, "tag_y"), table.number(row, "tag_z")};
-    p.facing_azimuth = table.number(row, "facing_azimuth");
+    // Without one nothing is said of where it faces: north would be a lie.
+    p.facing_azimuth = tagged || table.has("facing_azimuth") ? table.number(row, "facing_azimuth") : std::nan("");
     p.batch = table.text(row, "batch");
     const bool mounted[] = {table.has("mounting_x"), table.has("mounting_y"), table.has("mounting_z")};
     if (mounted[0] || mounted[1] || mounted[2]) {
@@ -247,7 +249,7 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
     }
     if (!(p.tag_size > 0) && !std::isnan(p.tag_size)) table.fail(row, "the tag size must be positive");
     if (!anchors.insert(p.anchor).second) table.fail(row, "anchor '" + p.anchor + "' has a plate already");
-    if (!tags.insert({p.tag_family, p.tag_id}).second) {
+    if (!p.tag_family.empty() && !tags.insert({p.tag_family, p.tag_id}).second) {
       table.fail(row, "tag " + std::to_string(p.tag_id) + " of " + p.tag_family + " hangs at another anchor already");
     }
     plates.push_back(std::move(p));

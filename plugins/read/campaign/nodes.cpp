@@ -16,9 +16,10 @@ namespace {
 using namespace plumbline;
 namespace fs = std::filesystem;
 
-std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context) {
+std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context,
+                                              campaign::CampaignUse use = campaign::CampaignUse::site) {
   std::vector<std::string> warnings;
-  auto entries = campaign::parse_plates(campaign::read_text(path), path, campaign::CampaignUse::site, &warnings);
+  auto entries = campaign::parse_plates(campaign::read_text(path), path, use, &warnings);
   for (const std::string& warning : warnings) context.warn(warning);
   return entries;
 }
@@ -210,7 +211,7 @@ struct ReadSurveyEpochs : Node {
 };
 
 struct ReadMeasuredCampaign : Node {
-  static constexpr Info info{"read.measured_campaign", "", 1,
+  static constexpr Info info{"read.measured_campaign", "", 2,
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
                              "plates and design; photographs in it are left alone"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
@@ -234,7 +235,9 @@ struct ReadMeasuredCampaign : Node {
     SurveyObservationsT readings;
     std::vector<campaign::PlateEntry> entries;
     if (!site.description.plates.empty())
-      site.problems.attempt([&] { entries = read_plates(site.root / site.description.plates, context); });
+      site.problems.attempt([&] {
+        entries = read_plates(site.root / site.description.plates, context, campaign::CampaignUse::measured);
+      });
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });

@@ -73,9 +73,13 @@ struct CameraFile {
 
 class Sorter {
  public:
-  Sorter(const fs::path& root, Names files) : root_(root) {
+  Sorter(const fs::path& root, Names files, const Names& readable) : root_(root) {
     std::sort(files.begin(), files.end());
-    for (const std::string& file : files) sort(file);
+    for (const std::string& file : files)
+      if (std::find(readable.begin(), readable.end(), file) != readable.end())
+        survey_.push_back(file);
+      else
+        sort(file);
   }
 
   Proposal propose() {
@@ -327,6 +331,8 @@ class Sorter {
 
 }  // namespace
 
-Proposal propose_campaign(const fs::path& root, Names files) { return Sorter(root, std::move(files)).propose(); }
+Proposal propose_campaign(const fs::path& root, Names files, const Names& readable) {
+  return Sorter(root, std::move(files), readable).propose();
+}
 
 }  // namespace plumbline::campaign

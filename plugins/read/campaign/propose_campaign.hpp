@@ -13,7 +13,8 @@ struct Proposal {
 };
 
 /// `files`: what lies in the folder at `root`, as relative paths with forward slashes. Never throws for what the files
-/// hold.
-Proposal propose_campaign(const std::filesystem::path& root, std::vector<std::string> files);
+/// hold. `readable`: survey files that readers of other plugins know as theirs.
+Proposal propose_campaign(const std::filesystem::path& root, std::vector<std::string> files,
+                          const std::vector<std::string>& readable = {});
 
 }  // namespace plumbline::campaign

@@ -4,6 +4,7 @@
 
 #include "artifacts/input_files_text.hpp"
 #include "propose_campaign.hpp"
+#include "reader_files_node.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -21,7 +22,11 @@ void ProposeCampaign::run(Context& context) {
   const FolderT given = folder.unpack();
   std::vector<std::string> names;
   for (const auto& entry : given.files) names.push_back(entry->path);
-  const Proposal proposal = propose_campaign(context.resolve(given.uri), names);
+  std::vector<std::string> readable;
+  const SurveyReadingsT known = given_by(readings);
+  for (const auto& file : known.files) readable.push_back(file->path);
+  for (const auto& file : known.unnamed) readable.push_back(file->path);
+  const Proposal proposal = propose_campaign(context.resolve(given.uri), names, readable);
   std::string text;
   for (const std::string& line : proposal.found) text += "  " + line + "\n";
   if (!text.empty()) text = "Recognised:\n" + text;

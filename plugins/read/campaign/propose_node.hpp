@@ -4,6 +4,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
+#include "artifacts/survey_readings.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::campaign {
@@ -11,6 +12,8 @@ namespace plumbline::campaign {
 struct ProposeCampaign : Node {
   static constexpr Info info{"campaign.propose", "", 1, "Proposes a campaign.yaml for what lies in a folder"};
   In<Folder> folder{"folder", "a folder with photographs, survey files, tables and a design"};
+  Optional<SurveyReadings> readings{"readings", frame("frame=building"),
+                                    "survey files that readers of other plugins know as theirs: parts/readers.yaml"};
   Out<File> description{"campaign", "campaign.yaml with a comment behind each line; what is missing is a comment"};
   Out<File> summary{"summary", "what was recognised, and what has to be mended, as text"};
   void run(Context& context) override;

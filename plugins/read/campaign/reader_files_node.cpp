@@ -44,7 +44,7 @@ void FilesForReader::run(Context& context) {
       taken.commit(file);
       offer.files.push_back(std::make_unique<ReadSurveyFileT>());
       offer.files.back()->path = path, offer.files.back()->reader = *reader;
-    } else if (!among(description.unused, path)) {
+    } else {  // also what `unused` sets aside: the campaign tells which it is
       offer.unnamed.push_back(std::make_unique<UnnamedSurveyFileT>());
       offer.unnamed.back()->path = path, offer.unnamed.back()->reader = *reader;
     }

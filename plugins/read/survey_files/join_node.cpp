@@ -1,7 +1,7 @@
 #include "join_node.hpp"
 
 #include "artifacts/survey_artifact.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey_files {
 

@@ -79,9 +79,10 @@ void write_built_cells(Markup& html, const Entry& entry) {
 
 void write_row(Markup& html, const Entry& entry, bool with_truth, bool with_design) {
   const AnchorAccuracyT* a = entry.measured;
-  Scope row(html, "tr");
-  html.element("th", {{"scope", "row"}}, entry.id());
   const int floor = entry.built ? entry.built->floor : a->floor;
+  const PlacedRow row(html, floor, entry.built ? facade_of(entry.built->facade) : "",
+                      entry.built ? entry.built->verdict : ToleranceVerdict::not_measured);
+  html.element("th", {{"scope", "row"}}, entry.id());
   html.element("td", floor > 0 ? std::to_string(floor) : unknown);
   if (with_design) write_built_cells(html, entry);
   html.element("td", {{"class", "text"}}, a ? EnumNameAnchorUse(a->use) : unknown);
@@ -168,7 +169,10 @@ void write_anchors(Markup& html, const ReportInput& input) {
                std::string(with_design ? "Built: as-built against the design, in all judged directions. " : "") +
                    "Measured: model against survey in height, ±" + tolerance(accuracy.tau) +
                    ". Within: probability that the true deviation is inside the tolerance.");
-  if (with_design) folded(html, "Every number of every anchor", [&] { write_all_numbers(html, *input.deviation); });
+  if (with_design && many(*input.deviation))
+    html.element("p", {{"class", "note"}}, "Every number of every anchor stands in metrics.csv and stake_out.csv.");
+  else if (with_design)
+    folded(html, "Every number of every anchor", [&] { write_all_numbers(html, *input.deviation); });
 }
 
 }  // namespace plumbline::report

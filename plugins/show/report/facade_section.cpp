@@ -262,6 +262,54 @@ std::string words_of_behind(Behind behind) {
                "show differently, is black.";
 }
 
+/// Verdicts in the order of drawing: what is to be mended lies above what is in order.
+constexpr ToleranceVerdict kDrawn[] = {ToleranceVerdict::pass, ToleranceVerdict::not_measured,
+                                       ToleranceVerdict::undecided, ToleranceVerdict::fail};
+
+std::string move_to(double x, double y) { return "M" + px(x) + " " + px(y); }
+
+/// Thousands of anchors and panels as one shape for each verdict, without names: the tables and the view in space have
+/// these.
+/// True if something stands behind them.
+bool draw_many(Markup& html, const Elevation& e, const View& view, const ReportInput& input) {
+  Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
+  const bool behind = draw_behind(html, e, view.behind, input);
+  std::map<ToleranceVerdict, std::string> quads, marks;
+  std::string arrows;
+  for (const Quad& quad : view.panels) {
+    std::string& path = quads[quad.verdict];
+    for (std::size_t i = 0; i < quad.corners.size(); ++i) {
+      const Eigen::Vector2d at = e.drawn(quad.corners[i]);
+      path += i == 0 ? move_to(at.x(), at.y()) : "L" + px(at.x()) + " " + px(at.y());
+    }
+    path += "z";
+  }
+  const double scale = e.exaggeration * e.pixels_per_metre;
+  for (const Spot& s : e.spots) {
+    const double x = e.x(s.along), y = e.y(s.height), r = s.verdict == ToleranceVerdict::fail ? 3 : 2.2;
+    std::string& path = marks[s.verdict];
+    path += move_to(x - r, y + r);
+    if (s.verdict == ToleranceVerdict::undecided)
+      path += "h" + px(2 * r) + "L" + px(x) + " " + px(y - r);
+    else
+      path += "h" + px(2 * r) + "v" + px(-2 * r) + "h" + px(-2 * r);
+    path += "z";
+    if (s.difference.allFinite() && s.verdict != ToleranceVerdict::pass)
+      arrows += move_to(x, y) + "l" + px(scale * e.sight.right.dot(s.difference)) + " " +
+                px(-scale * e.sight.up.dot(s.difference));
+  }
+  for (const ToleranceVerdict verdict : kDrawn)
+    if (const auto found = quads.find(verdict); found != quads.end())
+      html.empty("path", {{"class", std::string("quad ") + verdict_class(verdict)}, {"d", found->second}});
+  draw_storeys(html, e);
+  draw_scale_arrow(html, e);
+  html.empty("path", {{"class", "shaft thin"}, {"d", arrows}});
+  for (const ToleranceVerdict verdict : kDrawn)
+    if (const auto found = marks.find(verdict); found != marks.end())
+      html.empty("path", {{"class", std::string("symbol thin ") + verdict_class(verdict)}, {"d", found->second}});
+  return behind;
+}
+
 void write_legend(Markup& html) {
   Scope legend(html, "div", {{"class", "legend"}});
   const auto item = [&](ToleranceVerdict verdict, bool hollow, const std::string& text) {
@@ -279,19 +327,20 @@ void write_legend(Markup& html) {
   item(ToleranceVerdict::pass, true, "hollow: control anchor");
 }
 
-void write_elevation(Markup& html, const ReportInput& input, const View& view) {
+void write_elevation(Markup& html, const ReportInput& input, const View& view, bool many) {
   const Elevation e = layout(input.accuracy, view);
   if (e.spots.empty()) return;
   Scope figure(html, "figure");
   html.element("h3", view.question);
-  const bool behind = draw_elevation(html, e, view, input);
+  const bool behind = many ? draw_many(html, e, view, input) : draw_elevation(html, e, view, input);
   if (behind && view.behind == Behind::heat) draw_heat_bar(html, heat_range(*input.surfaces));
   const Eigen::Vector3d& right = e.sight.right;
   html.element("figcaption",
                "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
-                   " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) +
-                   "); numbers: " + view.number + " in mm. " +
-                   (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ") +
+                   " (the arrow at the right edge stands for " + tolerance(scale_deviation(e)) + ")" +
+                   (many ? ", of those that do not pass. Names and numbers stand in the tables. "
+                         : "; numbers: " + view.number + " in mm. " +
+                               (e.prefixes.empty() ? "" : "Names without the part that a floor has in common. ")) +
                    (e.sight.unrolled.empty() ? "Drawn along the facade, " : "Unrolled along the facade, ") +
                    (std::abs(right.x()) >= std::abs(right.y()) ? "x " : "y ") +
                    (right.x() + right.y() >= 0 || std::max(right.x(), right.y()) > 0.7 ? "increasing" : "decreasing") +
@@ -408,16 +457,18 @@ void write_facade(Markup& html, const ReportInput& input) {
   Scope views(html, "div", {{"class", "views"}});
   const View model = model_view(input.accuracy);
   if (!input.deviation || input.deviation->facades.empty()) {
-    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false));
-    return write_elevation(html, input, model);
+    const bool of_many = input.deviation && many(*input.deviation);
+    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false), of_many);
+    return write_elevation(html, input, model, of_many);
   }
   const DeviationT& deviation = *input.deviation;
+  const bool of_many = many(deviation);
   for (const auto& facade : deviation.facades) {
-    write_elevation(html, input, built_view(deviation, facade.get(), false));
-    write_elevation(html, input, built_view(deviation, facade.get(), true));
-    write_elevation(html, input, only(model, *facade, deviation));
+    write_elevation(html, input, built_view(deviation, facade.get(), false), of_many);
+    write_elevation(html, input, built_view(deviation, facade.get(), true), of_many);
+    write_elevation(html, input, only(model, *facade, deviation), of_many);
   }
-  write_elevation(html, input, built_view(deviation, nullptr, false));
+  write_elevation(html, input, built_view(deviation, nullptr, false), of_many);
 }
 
 }  // namespace plumbline::report

@@ -17,6 +17,8 @@ namespace {
 
 /// What fits on the first screen; the rest is folded.
 constexpr std::size_t kFirstRows = 8;
+/// Of thousands, what is listed with words of what to do.
+constexpr std::size_t kMostRows = 308;
 
 /// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign, and outward where it is confirmed.
 std::string found_on(const std::string& axis, double value, double u, double tolerance, bool outward_known) {
@@ -80,7 +82,7 @@ double deciding_u(const AnchorDeviationT& anchor, const JudgedAxisT& axis, const
 struct Task {
   int floor;
   ToleranceVerdict verdict;
-  std::string what, found, todo, facade = {};
+  std::string what, found, todo, facade = {}, of_facade = {};  ///< the second also of the only one
 };
 
 Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
@@ -170,6 +172,7 @@ std::vector<Task> tasks_of(const DeviationT& deviation) {
   // Of a building of several facades whoever is sent somewhere is told to which.
   const auto add = [&](const auto& element) {
     tasks.push_back(task_of(element, deviation));
+    tasks.back().of_facade = facade_of(element.facade);
     if (deviation.facades.size() > 1 && element.facade)
       tasks.back().facade = element.facade->facade.empty() ? unknown : element.facade->facade;
   };
@@ -196,7 +199,7 @@ void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from,
   Scope body(html, "tbody");
   for (std::size_t i = from; i < to; ++i) {
     const Task& task = tasks[i];
-    Scope row(html, "tr");
+    const PlacedRow row(html, task.floor, task.of_facade, task.verdict);
     html.element("th", {{"scope", "row"}}, task.what);
     if (facades) html.element("td", {{"class", "words"}}, task.facade.empty() ? unknown : task.facade);
     html.element("td", {{"data-head", "Floor"}}, task.floor > 0 ? std::to_string(task.floor) : unknown);
@@ -218,6 +221,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
                              "undecided", "fail",         "not measured"};
   if (with_panels) heads.insert(heads.end(), {"Panels pass", "undecided", "fail"});
   if (deviation.surfaces) heads.insert(heads.end(), {"Surfaces open", "fail"});
+  heads.push_back("All at once, at least");
   table_head(html, heads);
   Scope body(html, "tbody");
   for (auto floor = deviation.floors.rbegin(); floor != deviation.floors.rend(); ++floor) {
@@ -234,6 +238,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
       for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) html.element("td", std::to_string(n));
     if (deviation.surfaces)
       for (const int n : {f.surfaces_open, f.surfaces_failed}) html.element("td", std::to_string(n));
+    html.element("td", std::isfinite(f.pass_together) ? percent(f.pass_together) : std::string(unknown));
   }
 }
 
@@ -315,6 +320,11 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
           : " Its uncertainty holds where the plate sits on its anchor, which nothing measures: " + d.mounting + ".";
   if (std::isfinite(d.weakest_pass))
     sure += " The weakest pass is in order with a probability of " + percent(d.weakest_pass) + ".";
+  if (d.pass_together > 0)
+    sure +=
+        " Each anchor and panel is judged by itself, and a floor by its worst: that all of them are within "
+        "tolerance at once has a probability of at least " +
+        percent(d.pass_together) + ".";
   lines.push_back(sure);
   const AccuracyComparisonT* c = comparison(input.accuracy, AnchorUse::check, AccuracyReference::survey);
   if (c && c->anchors > 0)
@@ -385,13 +395,20 @@ void write_installation(Markup& html, const ReportInput& input) {
       if (group->significant) html.element("p", group->words);
     for (const std::string& line : confidence_of(input)) html.element("p", line);
   }
+  write_filter(html, d);
   const std::vector<Task> tasks = tasks_of(d);
   if (!tasks.empty()) {
     html.element("h3", "Where not, and what to do: first to mend first");
     write_tasks(html, tasks, 0, std::min(kFirstRows, tasks.size()));
-    if (tasks.size() > kFirstRows)
-      folded(html, std::to_string(tasks.size() - kFirstRows) + " more",
-             [&] { write_tasks(html, tasks, kFirstRows, tasks.size()); });
+    if (tasks.size() > kFirstRows) {
+      const std::size_t listed = many(d) ? std::min(kMostRows, tasks.size()) : tasks.size();
+      folded(html,
+             std::to_string(listed - kFirstRows) + " more" +
+                 (listed < tasks.size() ? " of " + std::to_string(tasks.size() - kFirstRows) +
+                                              "; the tables of panels and anchors below and stake_out.csv hold all"
+                                        : ""),
+             [&] { write_tasks(html, tasks, kFirstRows, listed); });
+    }
   }
   write_floors_overview(html, d);
   write_facades_overview(html, d);

@@ -259,7 +259,7 @@ void write_reworks(Markup& html, const std::vector<LoopChange>& changes) {
   Scope body(html, "tbody");
   for (const LoopChange* change : wrong)
     table_row(html, {std::to_string(change->round + 1), left(change->item), left(change->from), left(change->to),
-                     left(change->why)});
+                     sentence(change->why)});
 }
 
 /// What the anchors' heights would be without what was set, and are: by floor, so that drift shows.
@@ -327,7 +327,7 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
       const char* gate = panel->gate == GateDecision::go ? "GO" : panel->gate == GateDecision::no_go ? "NO_GO" : "HOLD";
       table_row(html, {panel->id, floor_word(panel->floor), left(word_of(item.status)), left(gate),
                        std::isfinite(panel->p_in) ? fixed(panel->p_in, 3) : std::string(unknown),
-                       left(panel->decided_by), std::to_string(item.reworks), left(item.why)});
+                       sentence(panel->decided_by), std::to_string(item.reworks), sentence(item.why)});
     }
   }
   Scope wide(html, "div", {{"class", "wide"}});
@@ -344,7 +344,7 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
                      signed_mm(bracket->axes[0].dot(off), 1), signed_mm(bracket->axes[1].dot(off), 1),
                      signed_mm(bracket->axes[2].dot(off), 1), signed_mm(item.setting.x(), 1),
                      signed_mm(item.setting.y(), 1), signed_mm(item.setting.z(), 1),
-                     mm(std::abs(bracket->axes[1].cwiseAbs().dot(bracket->sigma)), 1), left(item.why)});
+                     mm(std::abs(bracket->axes[1].cwiseAbs().dot(bracket->sigma)), 1), sentence(item.why)});
   }
 }
 

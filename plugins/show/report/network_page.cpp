@@ -70,10 +70,36 @@ void fill_coordinates(const SurveyNetworkT& network, NetworkPage& page) {
   }
 }
 
+void add_relative(const PointT& from, const PointT& to, const Eigen::Matrix3d& c, NetworkPage& page) {
+  constexpr double factor_1d = 1.959964, factor_2d = 2.447747;  // 95 %
+  if (!c.allFinite()) return;
+  NetworkPage::Relative& row = page.relative.emplace_back();
+  row.from = from.id, row.to = to.id;
+  row.distance = (to.position - from.position).norm();
+  row.plan_95 = confidence_ellipse(c.topLeftCorner<2, 2>(), factor_2d).major;
+  row.sigma_height = std::sqrt(c(2, 2)), row.height_95 = factor_1d * row.sigma_height;
+}
+
+void sort_relative(NetworkPage& page) {
+  std::stable_sort(page.relative.begin(), page.relative.end(),
+                   [](const auto& a, const auto& b) { return a.height_95 > b.height_95; });
+}
+
+/// Of a network without a joint covariance, what the adjustment kept of pairs.
+void fill_neighbours(const SurveyNetworkT& network, const PointsT& points, NetworkPage& page) {
+  std::map<std::string, const PointT*> by_name;
+  for (const auto& p : points.points) by_name[p->id] = p.get();
+  for (const auto& entry : network.covariances)
+    if (!entry->to.empty())
+      add_relative(*by_name.at(entry->from), *by_name.at(entry->to),
+                   unpack_symmetric(entry->values, 3, "the points " + entry->from + " and " + entry->to), page);
+  sort_relative(page);
+}
+
 /// Every marker with its four nearest, weakest height first.
 void fill_relative(const SurveyNetworkT& network, const PointsT& points, NetworkPage& page) {
-  constexpr double factor_1d = 1.959964, factor_2d = 2.447747;  // 95 %
-  if (points.covariance.empty() || network.validity == "invalid") return;
+  if (network.validity == "invalid") return;
+  if (points.covariance.empty()) return fill_neighbours(network, points, page);
   const Eigen::MatrixXd covariance = unpack_symmetric(points.covariance, 3 * points.points.size(), "the points");
   std::set<std::string> stations;
   for (const auto& s : network.set_ups) stations.insert(s->station);
@@ -86,16 +112,10 @@ void fill_relative(const SurveyNetworkT& network, const PointsT& points, Network
   }
   for (const auto& [i, j] : neighbours(positions, 4)) {
     const int a = markers[static_cast<std::size_t>(i)], b = markers[static_cast<std::size_t>(j)];
-    const Eigen::Matrix3d c = relative_covariance(covariance, a, b);
-    if (!c.allFinite()) continue;
-    NetworkPage::Relative& row = page.relative.emplace_back();
-    row.from = points.points[static_cast<std::size_t>(a)]->id, row.to = points.points[static_cast<std::size_t>(b)]->id;
-    row.distance = (positions[static_cast<std::size_t>(j)] - positions[static_cast<std::size_t>(i)]).norm();
-    row.plan_95 = confidence_ellipse(c.topLeftCorner<2, 2>(), factor_2d).major;
-    row.sigma_height = std::sqrt(c(2, 2)), row.height_95 = factor_1d * row.sigma_height;
+    add_relative(*points.points[static_cast<std::size_t>(a)], *points.points[static_cast<std::size_t>(b)],
+                 relative_covariance(covariance, a, b), page);
   }
-  std::stable_sort(page.relative.begin(), page.relative.end(),
-                   [](const auto& a, const auto& b) { return a.height_95 > b.height_95; });
+  sort_relative(page);
 }
 
 void fill_tests(const NetworkTestsT& tests, NetworkPage& page) {

@@ -198,11 +198,21 @@ std::string flags_of(const NetworkPage::Observation& o) {
   return flags;
 }
 
-/// First rows open, the rest behind a click: `row(i)` writes one.
+/// First rows open, more of them behind a click: `row(i)` writes one. A page grows with what is found, not with what
+/// was measured: of a large network those behind `most` stand `elsewhere`.
+struct LongTable {
+  std::vector<Cell> head;
+  std::size_t rows;
+  std::string noun;  ///< of a row
+  std::size_t most;
+  std::string elsewhere;
+};
+
 template <typename Row>
-void write_long_table(Markup& html, const std::vector<Cell>& head, std::size_t rows, const std::string& rest,
-                      const Row& row) {
+void write_long_table(Markup& html, const LongTable& table_of, const Row& row) {
   constexpr std::size_t shown = 25;
+  const auto& [head, all, noun, most, elsewhere] = table_of;
+  const std::size_t rows = std::min(all, most);
   const auto write_rows = [&](std::size_t first, std::size_t last) {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
@@ -213,9 +223,16 @@ void write_long_table(Markup& html, const std::vector<Cell>& head, std::size_t r
   write_rows(0, std::min(shown, rows));
   if (rows <= shown) return;
   Scope details(html, "details");
-  html.element("summary", "The other " + count(static_cast<long>(rows - shown), rest, rest + "s"));
+  const std::string of_all = rows < all ? "The next " : "The other ";
+  html.element("summary", of_all + count(static_cast<long>(rows - shown), noun, noun + "s"));
   write_rows(shown, rows);
+  if (rows < all)
+    html.element("p", {{"class", "note"}},
+                 count(static_cast<long>(all - rows), "further " + noun + " is", "further " + noun + "s are") + " in " +
+                     elsewhere + ".");
 }
+
+constexpr std::size_t kMostRows = 2000;
 
 void write_observations(Markup& html, const NetworkPage& n) {
   html.element("h3", "Observations, most suspect first");
@@ -231,8 +248,15 @@ void write_observations(Markup& html, const NetworkPage& n) {
     const auto size = [](const auto* o) { return std::isfinite(o->w) ? std::abs(o->w) : -1; };
     return a->removed != b->removed ? a->removed : size(a) > size(b);
   });
-  write_long_table(html, {"Observation", "Observed [gon, m]", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")},
-                   order.size(), "observation", [&](std::size_t i) {
+  const auto suspect =
+      std::count_if(order.begin(), order.end(), [](const auto* o) { return o->removed || o->flagged; });
+  write_long_table(html,
+                   {{"Observation", "Observed [gon, m]", "v", "σ", "r", "w", "MDB", "Effect [mm]", left("Flags")},
+                    order.size(),
+                    "observation",
+                    std::max(kMostRows, static_cast<std::size_t>(suspect)),
+                    "network.json"},
+                   [&](std::size_t i) {
                      const NetworkPage::Observation& o = *order[i];
                      table_row(html, {name_of(o), reading_of(o), size_of(o, o.residual, false),
                                       positive_size_of(o, o.sigma), fixed(o.redundancy_number, 2), signed_fixed(o.w, 2),
@@ -253,9 +277,13 @@ void write_points(Markup& html, const NetworkPage& n) {
                           : "E east, N north, H height."));
   write_long_table(
       html,
-      {"Point", x + " [m]", y + " [m]", z + " [m]", "σ " + x.substr(0, 1) + " [mm]", "σ " + y.substr(0, 1) + " [mm]",
-       "σ " + z.substr(0, 1) + " [mm]", "Plan 95\u00A0% [mm]", "Height 95\u00A0% [mm]"},
-      n.coordinates.size(), "point", [&](std::size_t i) {
+      {{"Point", x + " [m]", y + " [m]", z + " [m]", "σ " + x.substr(0, 1) + " [mm]", "σ " + y.substr(0, 1) + " [mm]",
+        "σ " + z.substr(0, 1) + " [mm]", "Plan 95\u00A0% [mm]", "Height 95\u00A0% [mm]"},
+       n.coordinates.size(),
+       "point",
+       kMostRows,
+       "coordinates.csv"},
+      [&](std::size_t i) {
         const NetworkPage::Coordinates& p = n.coordinates[i];
         table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
                          mm(p.sigma.x()), mm(p.sigma.y()), mm(p.sigma.z()), mm(p.plan_95), mm(p.height_95)});

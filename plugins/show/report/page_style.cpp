@@ -85,7 +85,9 @@ svg image{opacity:.75}.heat{opacity:.85}.heat polygon{stroke:none}
 .ellipse{fill:var(--band);stroke:var(--blue);stroke-width:1.3;fill-opacity:.75}.bar{stroke:var(--blue);stroke-width:2}
 .sight{fill:none;stroke:var(--line);stroke-width:1}.sight.suspect{stroke:var(--fail-fill);stroke-width:2.4}.station{fill:var(--fg)}.datum-ring{fill:none;stroke:var(--fg);stroke-width:1.4}.dot{fill:var(--fg)}
 .slider{display:flex;flex-wrap:wrap;gap:8px 16px;align-items:center;padding:10px 14px;border:1px solid var(--line);border-radius:6px;background:var(--panel);margin:10px 0}
-.slider[hidden]{display:none}.slider input{flex:1 1 260px;accent-color:var(--blue)}.slider output{font-weight:600}
+.symbol.thin{stroke-width:.5}.shaft.thin{stroke-width:.8;fill:none}
+.filter{position:sticky;top:0;z-index:2}.filter input{flex:1 1 10em;min-width:0}.filter select{max-width:14em}
+.more{margin:6px 0}@media screen{tr.later,tr[hidden]{display:none!important}}.slider[hidden]{display:none}.slider input{flex:1 1 260px;accent-color:var(--blue)}.slider output{font-weight:600}
 details summary{cursor:pointer;color:var(--link);margin:8px 0}
 code{font-size:.86em;overflow-wrap:anywhere}
 .facts td{white-space:normal;text-align:left;overflow-wrap:anywhere}.facts th{text-align:left;vertical-align:top;width:16em}
@@ -128,6 +130,43 @@ const char* const page_script = R"js(
     // A name that begins with a digit is no number.
     return Number.isNaN(number) || /^[A-Za-z]/.test(text) || (cell && cell.tagName === "TH" && !/^[-+0-9.\u2212]+$/.test(text)) ? text : number;
   };
+  // Rows of anchors and panels: those that are asked for, and of many the first.
+  const filter = document.getElementById("filter"), placed = [...document.querySelectorAll("tr[data-floor]")];
+  const tables = [...new Set(placed.map(row => row.closest("table")))], shown = 200, all = new Set();
+  const choice = name => { const box = document.getElementById("filter-" + name); return box ? box.value : ""; };
+  const sift = () => {
+    const name = choice("name").trim().toLowerCase(), asked = ["facade", "floor", "verdict"].map(key => [key, choice(key)]);
+    const any = name !== "" || asked.some(([, value]) => value !== "");
+    const found = new Set();
+    for (const table of tables) {
+      let n = 0;
+      for (const row of table.tBodies[0].rows) {
+        const fits = (name === "" || row.cells[0].textContent.toLowerCase().includes(name)) &&
+          asked.every(([key, value]) => value === "" || row.dataset[key] === value);
+        if (fits) found.add(row.cells[0].textContent.replace(/^(Anchor|Panel) /, ""));
+        row.hidden = !fits;
+        row.classList.toggle("later", fits && ++n > shown && !all.has(table));
+      }
+      const button = more.get(table);
+      button.hidden = n <= shown || all.has(table);
+      button.textContent = "Show all " + n + " rows";
+      const fold = table.closest("details.fold");
+      if (any && fold && n > 0) fold.open = true;
+    }
+    document.getElementById("filter-count").textContent = any ? found.size + " found" : "";
+  };
+  const more = new Map(tables.map(table => {
+    const button = document.createElement("button");
+    button.className = "more screen"; button.hidden = true;
+    button.addEventListener("click", () => { all.add(table); sift(); });
+    table.parentElement.after(button);
+    return [table, button];
+  }));
+  if (filter && placed.length > 20) {
+    filter.hidden = false;
+    filter.addEventListener("input", sift);
+    sift();
+  }
   for (const table of document.querySelectorAll("table.sortable")) {
     const heads = [...table.tHead.rows[0].cells], body = table.tBodies[0];
     heads.forEach((head, column) => {
@@ -143,6 +182,7 @@ const char* const page_script = R"js(
           return up ? order : -order;
         });
         body.append(...rows);
+        if (more.has(table) && filter && !filter.hidden) sift();
       };
       head.addEventListener("click", sort);
       head.addEventListener("keydown", event => { if (event.key === "Enter") sort(); });

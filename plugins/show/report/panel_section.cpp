@@ -48,7 +48,7 @@ void write_list(Markup& html, const std::vector<std::string>& texts) {
 }
 
 void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
-  Scope row(html, "tr");
+  const PlacedRow row(html, panel.floor, facade_of(panel.facade), panel.verdict);
   html.element("th", {{"scope", "row"}}, panel.name.empty() ? panel.guid : panel.name);
   {
     Scope td(html, "td", {{"class", "text"}, {"data-panel", std::to_string(index)}});

@@ -35,6 +35,8 @@ void table_row(Markup& html, const std::vector<Cell>& cells) {
       html.element("th", {{"scope", "row"}}, cells[i].text);
     else if (cells[i].left)
       html.element("td", {{"class", "text"}}, cells[i].text);
+    else if (cells[i].sentence)
+      html.element("td", {{"class", "words"}}, cells[i].text);
     else
       html.element("td", cells[i].text);
   }

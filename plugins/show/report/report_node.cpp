@@ -20,6 +20,7 @@
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
 #include "show/report/calibration_page_node.hpp"
+#include "show/report/excel_node.hpp"
 #include "show/report/format.hpp"
 #include "show/report/image_block_page_node.hpp"
 #include "show/report/installation_page_node.hpp"
@@ -205,4 +206,5 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
-                 plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces)
+                 plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
+                 plumbline::report::ReportExcel)

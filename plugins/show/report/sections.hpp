@@ -34,11 +34,17 @@ struct Cell {
   Cell(const char* content) : text(content) {}
   Cell(std::string content) : text(std::move(content)) {}
   std::string text;
-  bool left = false;
+  bool left = false, sentence = false;
 };
 inline Cell left(std::string text) {
   Cell cell(std::move(text));
   cell.left = true;
+  return cell;
+}
+/// A cell whose words go on in the next line where there is no room.
+inline Cell sentence(std::string text) {
+  Cell cell(std::move(text));
+  cell.sentence = true;
   return cell;
 }
 /// One row; the first cell is its heading.
@@ -49,6 +55,22 @@ void table_head(Markup& html, const std::vector<Cell>& labels);
 void folded(Markup& html, const std::string& summary, const std::function<void()>& content);
 /// Cell with a verdict; a dash where there is none.
 void verdict_cell(Markup& html, ToleranceVerdict verdict);
+
+/// Anchors and panels that are more than anybody reads one by one: drawings are of shapes without names, and lists give
+/// what is to be mended first; every number stands in metrics.csv and stake_out.csv.
+bool many(const DeviationT& deviation);
+/// Opens the row of an anchor or panel, which the page's search goes by; ends with the scope.
+class PlacedRow {
+ public:
+  PlacedRow(Markup& html, int floor, const std::string& facade, ToleranceVerdict verdict);
+
+ private:
+  Scope row_;
+};
+/// Name of its facade; empty if it is in none that is known.
+std::string facade_of(const std::unique_ptr<FacadeFrameT>& frame);
+/// Search and selection by facade, floor and verdict, for all rows of PlacedRow; hidden without scripts.
+void write_filter(Markup& html, const DeviationT& deviation);
 
 /// First screen: can we install, where not and what to do, how sure. Nothing without a design.
 void write_installation(Markup& html, const ReportInput& input);

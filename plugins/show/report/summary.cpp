@@ -143,6 +143,11 @@ std::string installation_text(const DeviationT& deviation) {
   }
   text += row("Anchors and panels pass from a probability of %.4g %% on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));
+  if (deviation.pass_together > 0)
+    text +=
+        row("Each is judged by itself, a floor by its worst: all of them are within tolerance at once with a "
+            "probability of at least %.1f %%.",
+            std::floor(1000 * deviation.pass_together) / 10);
   return text;
 }
 
@@ -154,8 +159,7 @@ std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation)
       row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard "
           "uncertainties (1 sigma).",
           mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
-  text += comparisons_text(accuracy);
-  if (!accuracy.comparisons.empty()) text += floors_text(*accuracy.comparisons.front());
+  if (!accuracy.comparisons.empty()) text += comparisons_text(accuracy) + floors_text(*accuracy.comparisons.front());
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";
   return text;
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "building/ifc/enlarged_surfaces.hpp"
 #include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
@@ -31,8 +32,9 @@ void ReportSurfaces::run(Context& context) {
   if (orthophoto) pictures = read_pictures(context, orthophoto.unpack());
   FileT file;
   file.name = "surfaces.html", file.media_type = "text/html";
-  const std::string html =
-      render_surface_page(surfaces.unpack(), surface_judgement ? &judged : nullptr, *title, pictures);
+  SurfacesT measured = surfaces.unpack();
+  ifc::enlarge(measured, judged.covariance_factor);
+  const std::string html = render_surface_page(measured, surface_judgement ? &judged : nullptr, *title, pictures);
   file.content.assign(html.begin(), html.end());
   out.commit(file);
 }

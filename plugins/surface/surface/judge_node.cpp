@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "building/ifc/enlarged_surfaces.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/surfaces.hpp"
 #include "building/judgement/trust.hpp"
@@ -76,8 +77,9 @@ void JudgeSurfaces::run(Context& context) {
   if (design) facts = facts_of(design.unpack(), properties);
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   SurfacesT measured = surfaces.unpack();
-  judgement::enlarge(measured, trust.factor);
+  ifc::enlarge(measured, trust.factor);
   SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk);
+  result.covariance_factor = trust.factor;
   if (!trust.doubts.empty()) judgement::leave_open(result);
   for (const std::string& doubt : trust.doubts) context.warn("not to be trusted, and nothing is decided: " + doubt);
   for (const std::string& misfit : trust.misfits) context.warn(misfit);

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <set>
 
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
+#include "tables.hpp"
 
 namespace plumbline::survey {
 
@@ -51,6 +54,35 @@ std::string instruments_in_words(const plumbline::survey::SurveyObservations& su
   return text;
 }
 
+/// Each marker with its nearest four, as the tables have them, and what else is wanted.
+std::vector<std::pair<size_t, size_t>> chosen_pairs(const NetworkResult& r, const std::vector<std::string>& wanted) {
+  constexpr int kNeighbours = 4;
+  std::vector<std::string> ids;
+  std::vector<Eigen::Vector3d> positions;
+  std::set<std::string> stations;
+  for (const ResultPoint& p : r.points) ids.push_back(p.id), positions.push_back(p.position);
+  for (const ResultSetUp& s : r.set_ups) stations.insert(s.station);
+  std::vector<std::pair<size_t, size_t>> pairs = neighbouring_markers(ids, positions, stations, kNeighbours);
+  for (const std::string& text : wanted) {
+    const auto [a, b] = split_pair(text);
+    const auto number = [&](const std::string& id) {
+      const auto at = std::find(ids.begin(), ids.end(), id);
+      if (at == ids.end()) throw std::runtime_error("the pair '" + text + "': no point '" + id + "' in the network");
+      return static_cast<size_t>(at - ids.begin());
+    };
+    pairs.emplace_back(number(a), number(b));
+  }
+  return pairs;
+}
+
+std::string without_joint_covariance(const NetworkResult& r) {
+  return "the covariance is that of each point and of neighbouring markers (" + std::to_string(r.unknowns) +
+         " unknowns): `points` has no joint one, covariance=full makes it (" +
+         std::to_string(72 * r.points.size() * r.points.size() >> 20U) + " MiB), pairs=[...] that of further pairs" +
+         (r.cofactors.is_whole() ? ""
+                                 : "; the effect of an undetected blunder is that on the points of its own reading");
+}
+
 }  // namespace
 
 AdjustOptions AdjustNode::options() const {
@@ -79,6 +111,7 @@ AdjustOptions AdjustNode::options() const {
   o.map = *map;
   o.geoid_height = *geoid_height;
   o.centring_per_set_up = *centring == "set_up";
+  if (*covariance == "full") o.largest_whole = std::numeric_limits<int>::max();
   return o;
 }
 
@@ -111,8 +144,17 @@ void AdjustNode::run(Context& context) {
   context.metric("sigma0", result.sigma0, "1");
   context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
   context.metric("invalid", result.validity == Validity::invalid ? 1 : 0, "1");
-  points.commit(to_points_artifact(result));
+  const bool joint = *covariance != "neighbours" && result.cofactors.is_whole();
   SurveyNetworkT tables = to_network_artifact(result, o);
+  if (!joint) {
+    add_covariances(result, chosen_pairs(result, *pairs), tables);
+    result.findings.push_back({Finding::Severity::note, without_joint_covariance(result), {}});
+    context.info(result.findings.back().text);
+    auto note = std::make_unique<NetworkFindingT>();
+    note->severity = "note", note->text = result.findings.back().text;
+    tables.findings.push_back(std::move(note));
+  }
+  points.commit(to_points_artifact(result, joint));
   tables.stochastic_model = stochastic_model(survey, o);
   tables.instrument = instruments_in_words(survey);
   tables.date = survey.info.date;

@@ -70,7 +70,14 @@ struct AdjustNode : ProfiledNode {
                          "are true; plane: likewise, and coordinates that look like a map's are none"};
   Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200),
                              "of the geoid above the map's ellipsoid, for the reduction of lengths from the heights"};
-  Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance"};
+  Param<std::string> covariance{
+      "covariance", "automatic", one_of("automatic", "full", "neighbours"),
+      "of `points`: joint of all of them; of networks with more than 4000 unknowns (automatic) that of each and of "
+      "neighbouring markers, in `network`; full: joint however many there are, which takes 8 bytes times their square"};
+  Param<std::vector<std::string>> pairs{
+      "pairs", std::vector<std::string>{},
+      "further pairs of points, each as 'A B' or 'A;B', whose covariance is wanted where it is not joint"};
+  Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance; see `covariance`"};
   Out<SurveyNetwork> network{"network", frame("frame=?S"), "the whole result: statistics, tests, every observation"};
 
   AdjustOptions options() const;  ///< without the profile, which may depend on the observations

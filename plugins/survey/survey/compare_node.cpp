@@ -9,11 +9,11 @@
 #include "ellipsoid_artifact.hpp"
 #include "geometry/statistics.hpp"
 #include "network_artifact.hpp"
-#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "survey/files/survey_layout.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
 

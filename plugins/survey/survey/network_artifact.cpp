@@ -144,12 +144,24 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
 
 }  // namespace
 
-PointsT to_points_artifact(const NetworkResult& r) {
+PointsT to_points_artifact(const NetworkResult& r, bool joint) {
   PointsT points;
   points.points = pack_points(r);
-  points.covariance = pack_symmetric(r.full_covariance());
+  if (joint) points.covariance = pack_symmetric(r.full_covariance());
   points.statistics = pack_statistics(r);
   return points;
+}
+
+void add_covariances(const NetworkResult& r, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
+                     SurveyNetworkT& network) {
+  const auto add = [&](const std::string& from, const std::string& to, const Eigen::Matrix3d& covariance) {
+    auto entry = std::make_unique<NetworkCovarianceT>();
+    entry->from = from, entry->to = to;
+    entry->values = pack_symmetric(covariance);
+    network.covariances.push_back(std::move(entry));
+  };
+  for (const ResultPoint& p : r.points) add(p.id, "", r.covariance(p, p));
+  for (const auto& [a, b] : pairs) add(r.points[a].id, r.points[b].id, r.relative_covariance(r.points[a], r.points[b]));
 }
 
 SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& options) {

@@ -8,8 +8,12 @@
 
 namespace plumbline::survey {
 
-/// All points with full covariance; components that do not exist are NaN.
-PointsT to_points_artifact(const NetworkResult& result);
+/// All points, with `joint` their full covariance; components that do not exist are NaN.
+PointsT to_points_artifact(const NetworkResult& result, bool joint);
+
+/// Covariances of each point and of the differences of pairs (numbers of points), for networks without a joint one.
+void add_covariances(const NetworkResult& result, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
+                     SurveyNetworkT& network);
 
 /// Points, statistics, tests, every observation, findings.
 SurveyNetworkT to_network_artifact(const NetworkResult& result, const AdjustOptions& options);

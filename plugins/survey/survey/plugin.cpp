@@ -1,4 +1,5 @@
 #include "adjust_node.hpp"
+#include "brief_node.hpp"
 #include "compare_node.hpp"
 #include "file_axes_node.hpp"
 #include "plan_node.hpp"
@@ -8,5 +9,5 @@
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, CompareEpochsNode, CheckControlNode, EpochSeriesNode,
+PLUMBLINE_PLUGIN("survey", "0.1.0", "MIT", AdjustNode, BriefNode, CompareEpochsNode, CheckControlNode, EpochSeriesNode,
                  FileAxesNode, PlanNode, SimulateSurveyNode, TablesNode)

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <stdexcept>
 
 #include "geometry/packed_symmetric.hpp"
@@ -60,8 +61,12 @@ void check(const PointsT& points) {
 
 }  // namespace
 
-std::string points_as_json(const PointsT& points) {
+std::string points_as_json(const PointsT& points, const SurveyNetworkT& network) {
   check(points);
+  std::map<std::string, const std::vector<double>*> own;  // of a network without a joint covariance
+  if (points.covariance.empty())
+    for (const auto& entry : network.covariances)
+      if (entry->to.empty()) own[entry->from] = &entry->values;
   std::string out = "{\n  \"frame\": \"E, N, H [m]\",\n  \"points\": [";
   for (std::size_t p = 0; p < points.points.size(); ++p) {
     const PointT& point = *points.points[p];
@@ -72,7 +77,8 @@ std::string points_as_json(const PointsT& points) {
     out += ", \"sigma\": ";
     write_vector(point.sigma, out);
     out += ", \"covariance\": ";
-    if (points.covariance.empty()) {
+    const auto single = own.find(point.id);
+    if (points.covariance.empty() && single == own.end()) {
       out += "null}";
       continue;
     }
@@ -80,7 +86,8 @@ std::string points_as_json(const PointsT& points) {
       out += i ? ", " : "[";
       Eigen::Vector3d row;
       for (std::size_t j = 0; j < 3; ++j)
-        row[static_cast<Eigen::Index>(j)] = element(points.covariance, 3 * p + i, 3 * p + j);
+        row[static_cast<Eigen::Index>(j)] =
+            single != own.end() ? element(*single->second, i, j) : element(points.covariance, 3 * p + i, 3 * p + j);
       write_vector(row, out);
     }
     out += "]}";

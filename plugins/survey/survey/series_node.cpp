@@ -8,8 +8,8 @@
 #include "artifacts/survey_artifact.hpp"
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey/doctor/check_control.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/epochs/check_control.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -112,6 +112,7 @@ void EpochSeriesNode::run(Context& context) {
     context.warn(result.variances);
   else
     context.info(result.variances);
+  for (const std::string& words : result.not_compared) context.warn(words);
   for (const std::string& id : result.contradicted)
     context.warn("point '" + id +
                  "' was named to carry the datum (stable), and has itself moved against most of the others beyond "

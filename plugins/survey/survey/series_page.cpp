@@ -4,7 +4,7 @@
 
 #include "base/text/xml_text.hpp"
 #include "series_files.hpp"
-#include "survey/doctor/network_words.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -139,6 +139,11 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
     out += "<div class=\"box bad\"><strong>Of them moved, against most other points: " +
            xml_escaped(join(s.contradicted, 20)) +
            "</strong><p>All movements below are against these points as if they had not.</p></div>";
+  if (!s.not_compared.empty()) {
+    out += "<div class=\"box bad\"><strong>Held or missing in an epoch:</strong><ul>";
+    for (const std::string& words : s.not_compared) out += "<li>" + xml_escaped(words) + "</li>";
+    out += "</ul></div>";
+  }
   if (!s.seen_once.empty())
     out += "<p class=\"n\">Not compared (seen in one epoch only, or held without error): " +
            xml_escaped(join(s.seen_once, 20)) + ".</p>";

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <stdexcept>
 
@@ -67,11 +68,48 @@ Matrix known(const Matrix& m) {
   return m.array().isNaN().select(0.0, m);
 }
 
-Eigen::MatrixXd covariance_of(const PointsT& points) {
-  Eigen::MatrixXd c = unpack_symmetric(points.covariance, 3 * points.points.size(), "the points");
-  if (c.size() == 0) throw std::runtime_error("'points' has no covariance");
-  return c;
-}
+/// Of points and of differences of points: from their joint covariance, or of a large network what it has of them.
+class Covariances {
+ public:
+  Covariances(const SurveyNetworkT& network, const PointsT& points)
+      : points_(points), joint_(unpack_symmetric(points.covariance, 3 * points.points.size(), "the points")) {
+    if (joint_.size() > 0) return;
+    if (network.covariances.empty()) throw std::runtime_error("'points' has no covariance");
+    std::map<std::string, int> index;
+    for (std::size_t i = 0; i < points.points.size(); ++i) index[points.points[i]->id] = static_cast<int>(i);
+    for (const auto& entry : network.covariances) {
+      const Eigen::Matrix3d c = unpack_symmetric(entry->values, 3, "point " + entry->from);
+      const int from = index.at(entry->from), to = entry->to.empty() ? from : index.at(entry->to);
+      if (!entries_.try_emplace({from, to}, c).second || from == to) continue;
+      pairs_.emplace_back(from, to);
+    }
+  }
+
+  bool is_joint() const { return joint_.size() > 0; }
+  const std::vector<std::pair<int, int>>& pairs() const { return pairs_; }  ///< those at hand, of no joint covariance
+  Eigen::Matrix3d own(int point) const {
+    return is_joint() ? Eigen::Matrix3d(joint_.block<3, 3>(3 * point, 3 * point)) : entry(point, point);
+  }
+  Eigen::Matrix3d relative(int a, int b) const { return is_joint() ? relative_covariance(joint_, a, b) : entry(a, b); }
+
+ private:
+  const Eigen::Matrix3d& entry(int a, int b) const {
+    const auto found = entries_.find({a, b});
+    if (found != entries_.end()) return found->second;
+    if (const auto back = entries_.find({b, a}); back != entries_.end()) return back->second;
+    const std::string from = points_.points[static_cast<std::size_t>(a)]->id,
+                      to = points_.points[static_cast<std::size_t>(b)]->id;
+    throw std::runtime_error("the pair '" + from + ";" + to +
+                             "': of a network of this size the adjustment keeps neighbouring markers and the pairs "
+                             "that it was asked for only; give it to the adjustment: network.with.pairs=[\"" +
+                             from + ";" + to + "\"]");
+  }
+
+  const PointsT& points_;
+  Eigen::MatrixXd joint_;
+  std::map<std::pair<int, int>, Eigen::Matrix3d> entries_;
+  std::vector<std::pair<int, int>> pairs_;
+};
 
 void write_precision(Table& table, const Eigen::Matrix3d& covariance) {
   const ConfidenceEllipse plan =
@@ -82,15 +120,9 @@ void write_precision(Table& table, const Eigen::Matrix3d& covariance) {
   table.millimetres(least_squares::confidence_factor(0.95, 1) * std::sqrt(covariance(2, 2)));
 }
 
-std::pair<std::string, std::string> split_pair(const std::string& text) {
-  const std::size_t at = text.find_first_of("; ");
-  if (at == std::string::npos || at == 0 || at + 1 == text.size())
-    throw std::runtime_error("the pair '" + text + "': expected two names, as in 'A B' or 'A;B'");
-  return {text.substr(0, at), text.substr(text.find_first_not_of(' ', at + 1))};
-}
-
 std::vector<std::pair<int, int>> chosen_pairs(const SurveyNetworkT& network, const PointsT& points,
-                                              const std::vector<std::string>& wanted, int neighbour_count) {
+                                              const std::vector<std::string>& wanted, int neighbour_count,
+                                              const Covariances& covariances) {
   std::map<std::string, int> index;
   for (std::size_t i = 0; i < points.points.size(); ++i) index[points.points[i]->id] = static_cast<int>(i);
   std::vector<std::pair<int, int>> pairs;
@@ -101,19 +133,15 @@ std::vector<std::pair<int, int>> chosen_pairs(const SurveyNetworkT& network, con
         throw std::runtime_error("the pair '" + text + "': no point '" + id + "' in the network");
     pairs.emplace_back(index[a], index[b]);
   }
-  const std::set<std::string> stations = stations_of(network);
-  std::vector<int> markers;
-  for (const auto& [id, i] : index)
-    if (!stations.contains(id)) markers.push_back(i);
-  if (markers.size() < 2) {
-    markers.clear();
-    for (const auto& [id, i] : index) markers.push_back(i);
+  if (!covariances.is_joint()) {
+    if (neighbour_count > 0) pairs.insert(pairs.end(), covariances.pairs().begin(), covariances.pairs().end());
+    return pairs;
   }
-  std::sort(markers.begin(), markers.end());
+  std::vector<std::string> ids;
   std::vector<Eigen::Vector3d> positions;
-  for (const int i : markers) positions.push_back(known(points.points[static_cast<std::size_t>(i)]->position));
-  for (const auto& [a, b] : neighbours(positions, neighbour_count))
-    pairs.emplace_back(markers[static_cast<std::size_t>(a)], markers[static_cast<std::size_t>(b)]);
+  for (const auto& point : points.points) ids.push_back(point->id), positions.push_back(point->position);
+  for (const auto& [a, b] : neighbouring_markers(ids, positions, stations_of(network), neighbour_count))
+    pairs.emplace_back(static_cast<int>(a), static_cast<int>(b));
   return pairs;
 }
 
@@ -123,11 +151,37 @@ void header(Table& table, std::initializer_list<const char*> names) {
 
 }  // namespace
 
+std::pair<std::string, std::string> split_pair(const std::string& text) {
+  const std::size_t at = text.find_first_of("; ");
+  if (at == std::string::npos || at == 0 || at + 1 == text.size())
+    throw std::runtime_error("the pair '" + text + "': expected two names, as in 'A B' or 'A;B'");
+  return {text.substr(0, at), text.substr(text.find_first_not_of(' ', at + 1))};
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> neighbouring_markers(const std::vector<std::string>& ids,
+                                                                      const std::vector<Eigen::Vector3d>& positions,
+                                                                      const std::set<std::string>& stations,
+                                                                      int count) {
+  std::vector<std::size_t> markers;
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (!stations.contains(ids[i])) markers.push_back(i);
+  if (markers.size() < 2) {
+    markers.resize(ids.size());
+    std::iota(markers.begin(), markers.end(), std::size_t{0});
+  }
+  std::vector<Eigen::Vector3d> places;
+  for (const std::size_t i : markers) places.push_back(known(positions[i]));
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (const auto& [a, b] : neighbours(places, count))
+    pairs.emplace_back(markers[static_cast<std::size_t>(a)], markers[static_cast<std::size_t>(b)]);
+  return pairs;
+}
+
 std::string coordinate_table(const SurveyNetworkT& network, const PointsT& points, const TableFormat& format) {
   if (network.points.size() != points.points.size())
     throw std::runtime_error("'network' has " + std::to_string(network.points.size()) + " points, 'points' " +
                              std::to_string(points.points.size()) + ": expected two outputs of one adjustment");
-  const Eigen::MatrixXd covariance = covariance_of(points);
+  const Covariances covariances(network, points);
   const std::set<std::string> stations = stations_of(network);
   const std::set<std::string> datum(network.datum_points.begin(), network.datum_points.end());
   Table table(format);
@@ -142,8 +196,7 @@ std::string coordinate_table(const SurveyNetworkT& network, const PointsT& point
     table.text(p.id);
     for (int k = 0; k < 3; ++k) table.number(p.position[k], 5);
     for (int k = 0; k < 3; ++k) table.millimetres(p.sigma[k]);
-    const auto at = static_cast<Eigen::Index>(3 * i);
-    write_precision(table, covariance.block<3, 3>(at, at));
+    write_precision(table, covariances.own(static_cast<int>(i)));
     table.text(stations.contains(p.id) ? "station" : "marker");
     table.text(datum.contains(p.id) ? "yes" : "no");
     table.end_row();
@@ -151,9 +204,37 @@ std::string coordinate_table(const SurveyNetworkT& network, const PointsT& point
   return std::move(table).out();
 }
 
+std::string observation_table(const SurveyNetworkT& network, const TableFormat& format) {
+  Table table(format);
+  header(table, {"kind", "set_up", "from", "to", "detail", "unit", "value", "residual_milli", "sigma_milli",
+                 "redundancy_number", "w", "mdb_milli", "effect_mm", "effect_on", "control", "flag", "file", "line"});
+  table.end_row();
+  for (const auto& o : network.observations) {
+    const bool angular =
+        o->kind == "direction" || o->kind == "zenith_angle" || o->kind == "angle" || o->kind == "azimuth";
+    const double unit = angular ? 200 / std::numbers::pi : 1;
+    for (const std::string* text : {&o->kind, &o->set_up, &o->from, &o->to, &o->detail}) table.text(*text);
+    table.text(angular ? "gon" : "m");
+    table.number(unit * o->value, 5);
+    table.number(1e3 * unit * o->residual, 3);
+    table.number(1e3 * unit * o->sigma, 3);
+    table.number(o->redundancy_number, 3);
+    table.number(o->w, 2);
+    table.number(1e3 * unit * o->mdb, 3);
+    table.millimetres(o->external_effect);
+    table.text(o->external_point);
+    table.text(o->control);
+    table.text(o->removed ? "removed" : o->flagged ? "suspect" : "");
+    table.text(o->file);
+    table.number(o->line, 0);
+    table.end_row();
+  }
+  return std::move(table).out();
+}
+
 std::string relative_table(const SurveyNetworkT& network, const PointsT& points, const std::vector<std::string>& wanted,
                            int neighbour_count, const TableFormat& format) {
-  const Eigen::MatrixXd covariance = covariance_of(points);
+  const Covariances covariances(network, points);
   Table table(format);
   header(table, {"from",
                  "to",
@@ -176,10 +257,10 @@ std::string relative_table(const SurveyNetworkT& network, const PointsT& points,
                  "cov_nh_mm2",
                  "cov_hh_mm2"});
   table.end_row();
-  for (const auto& [a, b] : chosen_pairs(network, points, wanted, neighbour_count)) {
+  for (const auto& [a, b] : chosen_pairs(network, points, wanted, neighbour_count, covariances)) {
     const PointT &from = *points.points[static_cast<std::size_t>(a)], &to = *points.points[static_cast<std::size_t>(b)];
     const Eigen::Vector3d d = to.position - from.position;
-    const Eigen::Matrix3d c = relative_covariance(covariance, a, b);
+    const Eigen::Matrix3d c = covariances.relative(a, b);
     table.text(from.id);
     table.text(to.id);
     for (int k = 0; k < 3; ++k) table.number(d[k], 5);

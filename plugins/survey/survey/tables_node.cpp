@@ -28,12 +28,16 @@ void TablesNode::run(Context&) {
   coordinates.commit(file_of("coordinates.csv", "text/csv", coordinate_table(result, all, format)));
   relative.commit(
       file_of("relative.csv", "text/csv", relative_table(result, all, *pairs, static_cast<int>(*neighbours), format)));
+  observations.commit(file_of("observations.csv", "text/csv", observation_table(result, format)));
   std::optional<InputFilesT> read, left;
   if (inputs) read = inputs.unpack();
   if (unread) left = unread.unpack();
   verdict.commit(file_of("verdict.txt", "text/plain",
                          verdict_text(result) + words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr)));
-  blocks.commit(file_of("points.json", "application/json", points_as_json(all)));
+  if (*full_covariance && all.covariance.empty())
+    throw std::runtime_error(
+        "'full_covariance' is wanted, and 'points' has no joint covariance: give covariance=full to the adjustment");
+  blocks.commit(file_of("points.json", "application/json", points_as_json(all, result)));
   covariance.commit(file_of("covariance.npy", "application/octet-stream", covariance_as_npy(all, *full_covariance)));
 }
 

@@ -29,6 +29,7 @@ struct TablesNode : Node {
       "full_covariance", false,
       "`covariance` holds the whole covariance of all points; otherwise nothing but its header"};
   Out<File> relative{"relative", "one row a pair of points: difference, its covariance, 95 % relative ellipse"};
+  Out<File> observations{"observations", "one row an observation: reading, residual, tests, where it stands"};
   Out<File> verdict{"verdict", "the verdict, the worst five readings and what to measure again, as text"};
   Out<File> blocks{"blocks", "every point with its 3 x 3 covariance, as JSON"};
   Out<File> covariance{"covariance",

@@ -17,8 +17,9 @@
 #include <optional>
 #include <sstream>
 
+#include "survey/adjust/adjust_network.hpp"
 #include "survey/files/survey_format.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/start/merge_surveys.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {

@@ -233,7 +233,7 @@ TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
   plumbline.bench_file("seeds: 1-10\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 0.5}}}\n");
   for (int time = 0; time < 2; ++time) {
     const Json counts = plumbline.run();
-    EXPECT_EQ(plumbline.answer.code, 1);
+    EXPECT_EQ(plumbline.answer.code, 0) << "a failed cell is a result";
     EXPECT_GT(counts["failed"], 0);
     EXPECT_LT(counts["failed"], 10);
     const Json summary = plumbline.summary();
@@ -247,6 +247,14 @@ TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
       EXPECT_EQ(row["failure_rates"].back()["failed"], row["choices"]["method"] == "weak" ? counts["failed"] : Json(0));
   }
   EXPECT_EQ(plumbline.run({"--retry"})["found"], 20 - plumbline.summary()["cells"]["failed"].get<int>());
+}
+
+TEST(Bench, AnAlternativeThatFailedInAllItsCellsWasNotMeasured) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-4\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 1}}}\n");
+  plumbline.run({"-q"});
+  EXPECT_EQ(plumbline.answer.code, 1);
+  EXPECT_THAT(plumbline.answer.err, HasSubstr("method=weak gave no result: all cells failed"));
 }
 
 TEST(Bench, ACrashIsAFailedCellAndTheOthersGoOn) {

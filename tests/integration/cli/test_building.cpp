@@ -1,6 +1,9 @@
 // Buildings of several facades from readings to orders: whoever is sent outward on one facade is sent outward on all,
 // and the shape of a building changes nothing for the anchors that all shapes have.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -90,6 +93,66 @@ TEST_F(Building, OfEveryShapeAllAreSentTheRightWay) {
             << shape << ": " << anchor << " " << length;
       }
     }
+  }
+}
+
+/// Lines of campaign.yaml without those keys (and what hangs under them).
+std::string without(const std::string& yaml, const std::vector<std::string>& keys) {
+  std::istringstream lines(yaml);
+  std::string line, kept;
+  bool leave = false;
+  while (std::getline(lines, line)) {
+    if (!line.empty() && line[0] != ' ')
+      leave = std::any_of(keys.begin(), keys.end(), [&](const auto& key) { return line.starts_with(key + ":"); });
+    if (!leave) kept += line + "\n";
+  }
+  return kept;
+}
+
+/// The same folder without its photographs, and without a word of tags: the anchors are judged by the total station.
+TEST_F(Building, MeasuredByTotalStationAloneIsJudgedLikeEveryOther) {
+  built("block");
+  const auto truth = table(program_.work() / "out-block1.0" / "truth" / "anchors.csv");
+  for (const bool azimuths : {true, false}) {
+    const auto folder = program_.work() / (azimuths ? "told" : "untold");
+    std::filesystem::copy(program_.work() / "out-block1.0" / "campaign", folder,
+                          std::filesystem::copy_options::recursive);
+    std::filesystem::remove(folder / "observations.csv"), std::filesystem::remove(folder / "camera.yaml");
+    const std::string yaml = read_file(folder / "campaign.yaml");
+    std::ofstream(folder / "campaign.yaml") << without(yaml, {"images", "observations", "camera"});
+    std::string plates = azimuths ? "anchor,floor,facing_azimuth_deg\n" : "anchor,floor\n";
+    for (const auto& [anchor, row] : table(folder / "plates.csv"))
+      plates += anchor + "," + row.at("floor") + (azimuths ? "," + row.at("facing_azimuth_deg") : "") + "\n";
+    const auto of_site = table(folder / "plates.csv");
+    std::ofstream(folder / "plates.csv") << plates;
+    const std::string out = azimuths ? "out-told" : "out-untold";
+    const Answer answer = program_({"run", std::string(source_dir()) + "/pipelines/site_survey.yaml",
+                                    "folder=" + folder.string(), "mounting_sigma=0", "epoch=2026-05", "--out", out});
+    EXPECT_EQ(answer.code, 0) << answer.out << answer.err;
+    EXPECT_TRUE(contains(answer.err, "measured by total station alone")) << answer.err;
+    const auto result = program_.work() / out;
+    const auto judged = table(result / "metrics.csv");
+    EXPECT_EQ(judged.size(), of_site.size());
+    int clear = 0, decided = 0;
+    for (const auto& [anchor, row] : judged) {
+      const double azimuth = number(of_site.at(anchor), "facing_azimuth_deg") * std::numbers::pi / 180;
+      const auto off = [&](const char* axis) {
+        return 1e3 * (number(truth.at(anchor), std::string(axis) + "_m") -
+                      number(truth.at(anchor), "design_" + std::string(axis) + "_m"));
+      };
+      const double outward = off("x") * std::sin(azimuth) + off("y") * std::cos(azimuth);
+      const double u = number(row, "design_out_of_plane_u_mm"), told = number(row, "design_out_of_plane_mm");
+      EXPECT_GT(u, 0) << anchor;
+      EXPECT_LT(std::abs(told - outward), 5 * u) << anchor;
+      clear += std::abs(outward) > 5 * u;
+      decided += row.at("design_verdict") == "pass" || row.at("design_verdict") == "fail";
+    }
+    EXPECT_GT(clear, static_cast<int>(judged.size()) / 4);
+    EXPECT_GT(decided, static_cast<int>(judged.size()) / 4);
+    EXPECT_TRUE(contains(read_file(result / "summary.txt"), "Installation: "));
+    EXPECT_TRUE(contains(read_file(result / "as_built.ifc"), "ASB_"));
+    EXPECT_TRUE(contains(read_file(result / "report.html"), "measured by total station alone"));
+    EXPECT_EQ(contains(read_file(result / "metrics.json"), "\"overall\": \"no_evidence\""), true);
   }
 }
 

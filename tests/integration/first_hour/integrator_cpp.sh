@@ -32,6 +32,9 @@ plumbline show both/run.jsonl:network.points > .said
 says '"T1"'
 step plumbline campaign check made/site
 says "survey: 2 files"
+cp -r made/site proposed && rm proposed/campaign.yaml
+step plumbline campaign init proposed
+says "survey: [survey/day2.tracker, survey/total_station.gsi]"
 step plumbline run survey_campaign folder=made/site --out network
 says "T1" network/coordinates.csv
 cp tracker.txt job.tracker
@@ -59,4 +62,4 @@ step plumbline run site.yaml folder=made/site --out result
 says "Took part: 6 photographs"
 plumbline show result/run.jsonl:network.points > .said
 says '"T1"'
-took 11 2
+took 12 2

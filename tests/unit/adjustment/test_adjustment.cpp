@@ -61,6 +61,26 @@ class ExponentialResidual : public ResidualBlock {
   double t_, l_;
 };
 
+/// v = A x - l of several scalars, each a block of parameters.
+class ChainResidual : public ResidualBlock {
+ public:
+  ChainResidual(Eigen::MatrixXd a, Eigen::VectorXd l) : a_(std::move(a)), l_(std::move(l)) {}
+  bool evaluate(const double* const* values, double* residuals, double* const* jacobians) const override {
+    for (Eigen::Index r = 0; r < a_.rows(); ++r) {
+      residuals[r] = -l_[r];
+      for (Eigen::Index k = 0; k < a_.cols(); ++k) {
+        residuals[r] += a_(r, k) * values[k][0];
+        if (jacobians[k]) jacobians[k][r] = a_(r, k);
+      }
+    }
+    return true;
+  }
+
+ private:
+  Eigen::MatrixXd a_;
+  Eigen::VectorXd l_;
+};
+
 Problem linear_problem(const Eigen::MatrixXd& a, const Eigen::VectorXd& l, const Eigen::MatrixXd& covariance) {
   Problem problem;
   problem.parameters.push_back({"x", std::vector<double>(a.cols(), 0.0), {}});
@@ -112,7 +132,7 @@ TEST(Adjustment, LinearModelWithFullCovarianceEqualsTheDenseFormula) {
   EXPECT_LT((cofactor_matrix(s) - q).norm(), 1e-14);
   EXPECT_NEAR(s.sum_of_squares(), v.dot(p * v), 1e-10);
 
-  const Reliability rel = compute_reliability(problem, s, cofactor_matrix(s), {});
+  const Reliability rel = compute_reliability(problem, s, Cofactors(s), {});
   const Eigen::MatrixXd qvv = c - a * q * a.transpose(), pqp = p * qvv * p;
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(rel.rows[i].redundancy_number, (qvv * p)(i, i), 1e-12);
@@ -145,7 +165,7 @@ TEST(Adjustment, FreeNetworkEqualsThePseudoInverse) {
   decomposition.compute(n);
   const Eigen::MatrixXd pseudo = decomposition.pseudoInverse();
   EXPECT_LT((cofactor_matrix(again) - pseudo).cwiseAbs().maxCoeff(), 1e-9 * pseudo.cwiseAbs().maxCoeff());
-  const Reliability rel = compute_reliability(problem, again, pseudo, {});
+  const Reliability rel = compute_reliability(problem, again, Cofactors(pseudo), {});
   for (size_t b = 0; b < rel.blocks.size(); ++b) {  // a block of one row is tested as the row is
     EXPECT_EQ(rel.blocks[b].rank, 1);
     EXPECT_NEAR(rel.blocks[b].statistic, rel.rows[b].w * rel.rows[b].w, 1e-9);
@@ -242,35 +262,39 @@ TEST(Adjustment, ConstantComponentsAreNoUnknowns) {
   EXPECT_EQ(s.datum.defect(), 0);
   EXPECT_EQ(problem.parameters[0].value[0], 0.0);
   EXPECT_EQ(problem.parameters[1].value[1], 0.0);
-  const Reliability rel = compute_reliability(problem, s, cofactor_matrix(s), {});
+  const Reliability rel = compute_reliability(problem, s, Cofactors(s), {});
   EXPECT_NEAR(rel.sum_of_redundancy_numbers, 1, 1e-9);
 }
 
-TEST(Adjustment, SparseInverseEqualsTheDenseInverse) {
-  // A chain long enough for several batches of right sides, with pins and a shift.
-  const int n = 61;
+/// A chain of `n` unknowns, each a block of its own; as many as make a sparse system.
+Problem chain(int n) {
   Problem problem;
-  problem.parameters.push_back({"x", std::vector<double>(n, 0.0), {}});
+  for (int i = 0; i < n; ++i) problem.parameters.push_back({"x" + std::to_string(i), {0.0}, {}});
   for (int i = 0; i + 2 < n; ++i) {
-    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(2, n);
-    a(0, i) = -1;
-    a(0, i + 1) = 1;
-    a(1, i) = -1;
-    a(1, i + 2) = 1.5;
-    auto block = std::make_unique<LinearResidual>(a, Eigen::Vector2d(1, 2));
+    Eigen::MatrixXd a(2, 3);
+    a << -1, 1, 0, -1, 0, 1.5;
+    auto block = std::make_unique<ChainResidual>(a, Eigen::Vector2d(1, 2));
     block->set_sigmas(Eigen::Vector2d(0.1 + 0.01 * i, 0.2));
-    block->parameters = {0};
+    block->parameters = {i, i + 1, i + 2};
     problem.residuals.push_back(std::move(block));
   }
+  return problem;
+}
+
+TEST(Adjustment, SparseInverseEqualsTheDenseInverse) {
+  // Long enough for several batches of right sides, with pins and a shift.
+  const int n = 161;
+  Problem problem = chain(n);
   const UnknownIndex unknowns(problem);
   Linearisation lin = prepare_linearisation(problem, unknowns);
   ASSERT_TRUE(linearise(problem, unknowns, true, lin));
-  NormalEquations normal(lin, n);
+  NormalEquations normal(lin, unknowns);
   normal.assemble(lin);
+  ASSERT_FALSE(normal.analysis()->is_dense());
   SparseFactor factor;
-  ASSERT_TRUE(factor.factorise(normal.scaled(), 1e-3, {4, 17}));
-  const Eigen::SparseMatrix<double> full = normal.scaled().selfadjointView<Eigen::Lower>();
-  Eigen::MatrixXd dense = full;
+  ASSERT_TRUE(factor.factorise(normal, 1e-3, {4, 17}));
+  Eigen::MatrixXd dense = normal.multiply_scaled(Eigen::MatrixXd::Identity(n, n));
+  EXPECT_LT((dense.diagonal().array() - 1).abs().maxCoeff(), 1e-14);
   for (int p : {4, 17}) {
     dense.row(p).setZero();
     dense.col(p).setZero();
@@ -280,6 +304,79 @@ TEST(Adjustment, SparseInverseEqualsTheDenseInverse) {
   EXPECT_LT((factor.inverse() * dense - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff(), 1e-9);
   const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, 11);
   EXPECT_LT((dense * factor.solve(b) - b).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// Everything that is asked of cofactors is the same whether they are whole or not, in a free network too.
+TEST(Adjustment, CofactorsOnDemandAreThoseOfTheWhole) {
+  for (const bool free : {true, false}) {
+    Problem problem = free ? trilateration() : chain(161);
+    SolverOptions options;
+    if (free) {
+      // As often as makes it sparse: squares side by side, the corner of each tied to the next by distances.
+      problem = Problem{};
+      const int squares = 30;
+      const auto add_distance = [&](int from, int to) {
+        const auto &a = problem.parameters[static_cast<size_t>(from)].value,
+                   &b = problem.parameters[static_cast<size_t>(to)].value;
+        auto block =
+            std::make_unique<DistanceResidual>(std::hypot(a[0] - b[0], a[1] - b[1]) + 1e-4 * ((from + to) % 3));
+        block->set_sigmas(Eigen::VectorXd::Constant(1, 0.001 * (1 + (from + to) % 4)));
+        block->parameters = {from, to};
+        problem.residuals.push_back(std::move(block));
+      };
+      for (int i = 0; i <= squares; ++i)
+        for (int k = 0; k < 2; ++k) {
+          problem.parameters.push_back({"P", {10.0 * i + 0.3 * k, 10.0 * k + 0.2 * (i % 3)}, {}});
+          const int last = static_cast<int>(problem.parameters.size()) - 1;
+          for (int before = std::max(0, last - 3 - k); before < last; ++before) add_distance(before, last);
+        }
+      for (int u = 0; u < 20; ++u) options.datum_unknowns.push_back(u);
+    } else {
+      for (int at : {0, 160}) {
+        auto block = std::make_unique<LinearResidual>(Eigen::MatrixXd::Ones(1, 1), Eigen::VectorXd::Ones(1));
+        block->set_sigmas(Eigen::VectorXd::Constant(1, 0.1));
+        block->parameters = {at};
+        problem.residuals.push_back(std::move(block));
+      }
+    }
+    const Solution s = solve(problem, options);
+    ASSERT_EQ(s.datum.defect(), free ? 3 : 0);
+    const Cofactors whole(s), sparse(s, 10);
+    ASSERT_TRUE(whole.is_whole());
+    ASSERT_FALSE(sparse.is_whole());
+    const Eigen::MatrixXd& q = whole.whole();
+    const int n = sparse.size();
+    const double size = q.cwiseAbs().maxCoeff();
+    const std::vector<int> met = {3, 2, 4}, apart = {n - 1, 0, n / 2};
+    EXPECT_TRUE(sparse.has(met));
+    EXPECT_FALSE(sparse.has(apart));
+    for (const auto& unknowns : {met, apart})
+      EXPECT_LT((sparse.joint(unknowns) - whole.joint(unknowns)).cwiseAbs().maxCoeff(), 1e-11 * size);
+    EXPECT_NEAR(sparse(n - 1, 1), q(n - 1, 1), 1e-11 * size);
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(n, -1, 2);
+    EXPECT_LT((sparse.times(x) - q * x).cwiseAbs().maxCoeff(), 1e-10 * (q * x).cwiseAbs().maxCoeff());
+    std::vector<Functional> functionals;
+    for (int k = 0; k < 130; ++k) functionals.push_back({{k % n, 1.0}, {(7 * k + 3) % n, -0.5}});
+    const Eigen::VectorXd a = whole.variances(functionals), b = sparse.variances(functionals);
+    EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-11 * size);
+    Cofactors scaled = sparse;
+    scaled.multiply(4);
+    EXPECT_DOUBLE_EQ(scaled(2, 3), 4 * sparse(2, 3));
+    EXPECT_THROW(scaled.whole(), std::logic_error);
+    ReliabilityOptions with_groups;
+    with_groups.groups.resize(static_cast<size_t>(n));
+    for (int u = 0; u < n; ++u) with_groups.groups[static_cast<size_t>(u)] = {u};
+    const Reliability ra = compute_reliability(problem, s, whole, with_groups),
+                      rb = compute_reliability(problem, s, sparse, with_groups);
+    for (size_t r = 0; r < ra.rows.size(); ++r) {
+      EXPECT_NEAR(ra.rows[r].redundancy_number, rb.rows[r].redundancy_number, 1e-9);
+      EXPECT_NEAR(ra.rows[r].w, rb.rows[r].w, 1e-6 * (1 + std::abs(ra.rows[r].w)));
+      if (!std::isfinite(ra.rows[r].mdb)) continue;
+      EXPECT_LE(rb.rows[r].external_effect, ra.rows[r].external_effect * (1 + 1e-6)) << "of its own points only";
+    }
+    EXPECT_NEAR(ra.sum_of_redundancy_numbers, s.degrees_of_freedom(), 1e-7);
+    EXPECT_NEAR(rb.sum_of_redundancy_numbers, s.degrees_of_freedom(), 1e-7);
+  }
 }
 
 TEST(Adjustment, CriticalValuesOfTheField) {

@@ -34,6 +34,7 @@ inline std::pair<InstallationPlanT, LoopStateT> loop_of(const ifc::Design& desig
   for (const ifc::Element& element : design.elements) {
     if (!element.is_anchor) continue;
     auto bracket = std::make_unique<BracketSettingT>();
+    bracket->difference_sigma.setZero();
     bracket->id = "anchor " + std::to_string(k), bracket->guid = element.guid, bracket->floor = 1;
     bracket->design = element.position, bracket->measured = element.position + Eigen::Vector3d(0.001, 0, -0.004);
     bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};

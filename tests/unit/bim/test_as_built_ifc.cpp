@@ -265,6 +265,36 @@ TEST_P(AsBuiltFile, JointsOfPanelsThatShareANameAreWritten) {
   EXPECT_TRUE(after.warnings.empty()) << after.warnings[0];
 }
 
+/// Verdicts that were given larger standard deviations for a misfit stand beside these, not beside smaller ones.
+TEST_P(AsBuiltFile, SurfacesHaveTheUncertaintiesThatTheyWereJudgedWith) {
+  const std::string before = design_bytes();
+  std::string guid, other;
+  for (const Element& element : read_design(step::File(before, "t.ifc"), {}).elements)
+    (element.name == "Panel 1" ? guid : other) = element.guid;
+  MeasuredSurfaces measured(guid);
+  measured.surfaces.panels[1]->face->guid = other;
+  JointFiguresT& joint = *measured.surfaces.joints[0];
+  auto place = std::make_unique<JointPlaceT>();
+  place->width = 0.012, place->width_sigma = 1e-4, place->step = 0.001, place->step_sigma = 2e-4;
+  joint.places.push_back(std::move(place));
+  joint.narrowest = joint.widest = joint.largest_step = 0;
+  measured.judgement.covariance_factor = 9;
+  AsBuiltIfcOptions options;
+  options.surfaces = &measured.surfaces, options.surface_judgement = &measured.judgement;
+  const Enriched after = enrich(before, options);
+  const step::File file(after.bytes, "t.ifc");
+  const auto found = properties_of(file);
+  const std::string surface = "Panel 1/ASB_PanelSurface/", along = "Panel 1/ASB_Joint_Panel 1_Panel 2/";
+  EXPECT_NEAR(number(found, surface + "Offset"), 3.5, 1e-9);
+  EXPECT_NEAR(number(found, surface + "OffsetUncertainty"), 3 * 0.2, 1e-9);
+  EXPECT_NEAR(number(found, surface + "TiltUpUncertainty"), 3 * 1e-4, 1e-9);
+  EXPECT_NEAR(number(found, surface + "BowUpUncertainty"), 3 * 0.2, 1e-9);
+  EXPECT_NEAR(found.at(surface + "GapUncertainties").items.at(0).items.at(0).number, 3 * 0.3, 1e-9);
+  EXPECT_NEAR(number(found, along + "NarrowestUncertainty"), 3 * 0.1, 1e-9);
+  EXPECT_NEAR(number(found, along + "WidestUncertainty"), 3 * 0.1, 1e-9);
+  EXPECT_NEAR(number(found, along + "LargestStepUncertainty"), 3 * 0.2, 1e-9);
+}
+
 TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
   const std::string before = design_bytes();
   std::string guid;
@@ -279,6 +309,7 @@ TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
   EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/Offset"), 3.5, 1e-9);
   EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/OffsetUncertainty"), 0.2, 1e-9);
   EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/BowUp"), 2, 1e-9);
+  EXPECT_NEAR(number(found, "Panel 1/ASB_PanelSurface/BowUpUncertainty"), 0.2, 1e-9);
   EXPECT_EQ(number(found, "Panel 1/ASB_PanelSurface/Points"), 480);
   EXPECT_EQ(found.at("Panel 1/ASB_PanelSurface/Verdict").items.at(0).items.at(0).text, "FAIL");
   EXPECT_EQ(found.at("Panel 1/ASB_PanelSurface/Quantities").items.at(0).items.at(0).text, "flatness(1m)");

@@ -8,8 +8,10 @@
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "building/ifc/bcf.hpp"
+#include "building/ifc/bcf_surroundings.hpp"
 #include "building/ifc/ifc_guid.hpp"
 #include "building/judgement/worst_first.hpp"
+#include "building/step/zip_writer.hpp"
 #include "measured.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
@@ -51,6 +53,57 @@ TEST(Bcf, HasATopicForEveryIssueWithViewpointAndSnapshot) {
       EXPECT_TRUE(uuid_from_text(name.substr(0, name.find('/')))) << name;
     }
   }
+}
+
+/// Of all panels and anchors, those that reach into a sphere are found, in their order.
+TEST(Bcf, WhatIsAroundATopicIsFoundByItsPlace) {
+  DeviationT deviation;
+  const auto panel_at = [&](const Eigen::Vector3d& centre, double half) {
+    auto panel = std::make_unique<PanelDeviationT>();
+    for (const double x : {-half, half})
+      for (const double z : {-half, half}) {
+        panel->corners.push_back(std::make_unique<PanelCornerT>());
+        panel->corners.back()->design = centre + Eigen::Vector3d(x, 0, z);
+      }
+    deviation.panels.push_back(std::move(panel));
+  };
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector3d place(3.1 * (i % 20) - 20, i % 3 ? 0 : -14, 2.9 * (i / 20) - 9);
+    panel_at(place, i == 77 ? 9 : 1.4);  // one is a whole wall
+    deviation.anchors.push_back(std::make_unique<AnchorDeviationT>());
+    deviation.anchors.back()->design = place;
+  }
+  const BcfSurroundings all(deviation);
+  for (const Eigen::Vector3d& centre : {Eigen::Vector3d(-20, 0, -9), Eigen::Vector3d(3, -2, 20)}) {
+    const auto around = all.around(centre, 6);
+    EXPECT_LT(around.panels.size(), 250u);
+    std::size_t found = 0;
+    for (const auto& panel : deviation.panels) {
+      double nearest = 1e300;
+      for (const auto& corner : panel->corners) nearest = std::min(nearest, (corner->design - centre).norm());
+      const auto at = std::find(around.panels.begin(), around.panels.end(), panel.get());
+      if (nearest <= 6) {
+        EXPECT_NE(at, around.panels.end());
+      }
+      if (at == around.panels.end()) continue;
+      EXPECT_EQ(at - around.panels.begin(), static_cast<std::ptrdiff_t>(found++)) << "their order";
+    }
+    for (const auto& anchor : deviation.anchors)
+      if ((anchor->design - centre).norm() <= 6) {
+        EXPECT_NE(std::find(around.anchors.begin(), around.anchors.end(), anchor.get()), around.anchors.end());
+      }
+    EXPECT_NE(std::find(around.panels.begin(), around.panels.end(), deviation.panels[77].get()), around.panels.end());
+  }
+}
+
+/// The count of entries in a ZIP has sixteen bits: more would be written as fewer.
+TEST(Bcf, AZipWithMoreEntriesThanItCanCountIsRefused) {
+  step::ZipWriter zip;
+  for (std::size_t i = 0; i < step::ZipWriter::kMostEntries; ++i) zip.add(std::to_string(i), "");
+  step::ZipWriter more = zip;
+  EXPECT_FALSE(zip.finish().empty());
+  more.add("one more", "");
+  EXPECT_THROW(more.finish(), std::runtime_error);
 }
 
 /// The same topics and views in both versions, and of 3.0 what its schemas ask for.

@@ -336,5 +336,17 @@ TEST(ControlCsv, SpeaksTheDialectsOfSurveyCsv) {
   EXPECT_EQ(parse_control("id,E,N,H\n\"#7\",1,2,3\n# out of use: G9,1,2,3\n", "k.csv").at(0).name, "#7");
 }
 
+/// Anchors measured by total station have no tags; and who gives no azimuth says nothing of where they face.
+TEST(Plates, OfAMeasuredCampaignNeedNoTagsAndMayKeepTheAzimuthToThemselves) {
+  const auto plates = parse_plates("anchor,floor\nA1,1\nA2,2\n", "p.csv", CampaignUse::measured);
+  ASSERT_EQ(plates.size(), 2u);
+  EXPECT_EQ(plates[1].floor, 2);
+  EXPECT_EQ(plates[0].role, "control");
+  EXPECT_TRUE(std::isnan(plates[0].facing_azimuth)) << "north would be a lie";
+  const auto told = parse_plates("anchor,floor,facing_azimuth_deg\nA1,1,90\n", "p.csv", CampaignUse::measured);
+  EXPECT_NEAR(told[0].facing_azimuth, M_PI / 2, 1e-12);
+  EXPECT_THROW(parse_plates("anchor,floor\nA1,1\n", "p.csv"), CampaignError) << "a site's table has tags";
+}
+
 }  // namespace
 }  // namespace plumbline::campaign

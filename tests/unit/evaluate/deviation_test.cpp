@@ -234,6 +234,31 @@ TEST(Deviation, NothingPassesOnAMeasurementThatContradictsItself) {
   EXPECT_EQ(result.failed, 0) << "what proves nothing to be in order proves nothing to be out of it";
 }
 
+/// A floor passes by its worst anchor; that all of them are in order at once is less probable, and is told.
+TEST(Deviation, AllAtOnceIsLessProbableThanEach) {
+  DeviationInputs inputs = grid(2, 4);
+  for (auto& p : inputs.model.positions) p.z() += 3.3 * mm;
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 1 * mm);
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_EQ(result.passed, 8);
+  double missed = 0;
+  for (const auto& floor : result.floors) {
+    EXPECT_EQ(floor->verdict, ToleranceVerdict::pass);
+    double of_floor = 0;
+    for (const auto& anchor : result.anchors)
+      if (anchor->floor == floor->floor) of_floor += 1 - anchor->pass_probability;
+    EXPECT_NEAR(floor->pass_together, 1 - of_floor, 1e-12);
+    EXPECT_LT(floor->pass_together, 0.95) << "each passes with more than 95 %";
+    missed += of_floor;
+  }
+  EXPECT_NEAR(result.pass_together, std::max(0.0, 1 - missed), 1e-12);
+  inputs.model.positions[2].setConstant(std::nan(""));
+  const DeviationT gap = judge_deviations(inputs, {});
+  EXPECT_TRUE(std::isnan(gap.pass_together)) << "of what was not measured nobody knows";
+  inputs = grid(2, 4), inputs.doubts = {"the survey: contradicts itself"};
+  EXPECT_TRUE(std::isnan(judge_deviations(inputs, {}).pass_together));
+}
+
 TEST(Mounting, RulesGoBeforeThePlateTableWhichGoesBeforeTheDefault) {
   const Mounting mounting{0.5 * mm,
                           {parse_mounting("class=IfcPlate: right=1mm, up=1mm, out=1mm"),

@@ -41,6 +41,27 @@ TEST(Formulas, FloorMeansAndCumulativeDrift) {
   EXPECT_EQ(c->floors[1]->drift_verdict, ToleranceVerdict::pass);
 }
 
+/// Measured by total station alone there is nothing to compare: no difference of zero is taken for evidence.
+TEST(Formulas, AModelThatIsTheSurveyIsComparedWithNothing) {
+  Inputs inputs = test::small_building(AnchorUse::check);
+  inputs.survey = {}, inputs.model_is_survey = true;
+  inputs.model.ids.push_back("mark 7"), inputs.model.positions.push_back({1, 2, 3}), inputs.model.covariance = {};
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_TRUE(accuracy.comparisons.empty());
+  ASSERT_EQ(accuracy.anchors.size(), inputs.anchors.size());
+  for (const auto& anchor : accuracy.anchors) {
+    EXPECT_EQ(anchor->survey, nullptr);
+    EXPECT_EQ(anchor->note, "");
+  }
+  std::string all;
+  for (const std::string& warning : accuracy.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("measured by total station alone"), std::string::npos) << all;
+  EXPECT_EQ(all.find("were not measured"), std::string::npos) << all;
+  EXPECT_EQ(all.find("mark 7"), std::string::npos) << all;
+  inputs.model.ids[0] = "another name";
+  EXPECT_EQ(evaluate_accuracy(inputs, {}).anchors[0]->note, "not surveyed");
+}
+
 TEST(Formulas, SlopeOfFloorMeans) {
   const AccuracyT accuracy = evaluate_small();
   const DriftSlopeT& slope = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->slope;

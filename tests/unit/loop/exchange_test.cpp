@@ -309,6 +309,43 @@ TEST(Exchange, AJobIsNotSentAfterItsTime) {
   EXPECT_EQ(in_time.status(), ExchangeStatus::unknown);
 }
 
+/// A state that refuses two orders refuses ours, whichever stands last.
+TEST(Exchange, EveryRefusalCounts) {
+  for (const bool last : {true, false}) {
+    Disk disk;
+    OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
+    Robot robot;
+    exchange.on_state(robot.state(101), 101);
+    ASSERT_EQ(exchange.due(102, utc_of(102)).size(), 1u);
+    const auto refusal = [](const std::string& id, const std::string& why) {
+      return json{{"errorType", "validationError"},
+                  {"errorLevel", "WARNING"},
+                  {"errorDescription", why},
+                  {"errorReferences", {{{"referenceKey", "orderId"}, {"referenceValue", id}}}}};
+    };
+    robot.errors = json::array({refusal("job-a", "no such map"), refusal("job-a", "no such tool")});
+    robot.errors.insert(last ? robot.errors.end() : robot.errors.begin(), refusal("job-b", "of another"));
+    exchange.on_state(robot.state(103), 103);
+    EXPECT_EQ(exchange.status(), ExchangeStatus::rejected);
+    EXPECT_EQ(exchange.reason(),
+              "the robot refuses the order: validationError: no such map; validationError: no such tool");
+  }
+}
+
+TEST(Exchange, WhatFailedIsNamed) {
+  Disk disk;
+  OrderExchange exchange(job_of("job-a", 2), robot_one(), disk);
+  Robot robot;
+  exchange.on_state(robot.state(101), 101);
+  for (const MqttMessage& message : exchange.due(102, utc_of(102))) robot.take(message, 102);
+  ASSERT_EQ(robot.actions.size(), 2u);
+  robot.actions[0].second = "FINISHED", robot.actions[1].second = "FAILED";
+  exchange.on_state(robot.state(103), 103);
+  EXPECT_EQ(exchange.status(), ExchangeStatus::finished);
+  ASSERT_EQ(exchange.failed().size(), 1u);
+  EXPECT_NE(robot.actions[1].first.find(exchange.failed()[0]), std::string::npos) << exchange.failed()[0];
+}
+
 TEST(Exchange, WhatIsNoStateOfThisRobotChangesNothing) {
   Disk disk;
   OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);

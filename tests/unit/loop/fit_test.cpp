@@ -65,7 +65,7 @@ double clp_value(const ConvexProgram& p) {
   clp.initialSolve(how);
   EXPECT_TRUE(clp.isProvenOptimal());
   const Eigen::Map<const Eigen::VectorXd> x(clp.primalColumnSolution(), columns.cols());
-  return x.dot(0.5 * (p.quadratic * x) + p.linear);
+  return x.dot(0.5 * (p.quadratic * x) + p.linear) + p.constant;
 }
 
 /// Not "no optimum", wherever Ipopt was.

@@ -123,6 +123,55 @@ TEST(Gate, SlipsAreStatedWithTheirTails) {
   EXPECT_GT(static_cast<double>(normal) / kDraws - found, 0.005);
 }
 
+/// Control of a floor that was knocked, and plates that were, before anything was measured: by draws of the truth.
+TEST(Gate, WhatWasKnockedBeforeTheFirstCampaignIsStated) {
+  Facade facade = random_facade({1, 2}, 5, 0.003, 0.0003, 0);
+  facade.errors.setting = 0.0003;
+  const Fit fit = plan_settings(facade);
+  const double unknocked = judge_plan(facade, fit)[0].p_in;
+  facade.errors.knock_share = 0.01, facade.errors.control_share = 0.05;
+  const double stated = judge_plan(facade, fit)[0].p_in;
+  constexpr int kDraws = 20000;
+  int inside = 0;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Random random(3, "knocks", static_cast<std::uint64_t>(draw));
+    std::vector<Eigen::Vector3d> done = fit.settings;
+    const double control = random.uniform() < 0.05 ? random.normal(0.006) : 0.0;
+    for (Eigen::Vector3d& setting : done) {
+      setting += random.normal3(std::hypot(0.0003, 0.0003)) + Eigen::Vector3d(0, control, 0);
+      if (random.uniform() < 0.01) setting += random.normal3(0.003);
+    }
+    const std::vector<double> values = values_of(facade, fit, done);
+    bool in = true;
+    for (std::size_t v = 0; v < values.size(); ++v) {
+      double value = values[v];
+      for (const auto& [at, factor] : fit.judged[v].edges)
+        value += factor * Random(4, "made " + std::to_string(draw), at).normal(0.0005);
+      for (const auto& [panel, row] : fit.judged[v].rows)
+        in = in && (panel != 0 || (value >= fit.judged[v].low && value <= fit.judged[v].high));
+    }
+    inside += in;
+  }
+  EXPECT_NEAR(stated, static_cast<double>(inside) / kDraws, 0.006);
+  EXPECT_GT(unknocked - stated, 0.015);
+}
+
+/// What control is off by stays, however often is measured on it.
+TEST(Gate, MoreCampaignsTellNothingOfControl) {
+  Facade facade = random_facade({1, 1}, 5, 0.001, 0.0012, 0);
+  facade.own = facade.covariance;
+  const auto gate = [&] { return judge_plan(facade, plan_settings(facade))[0]; };
+  const PanelGate own = gate();
+  ASSERT_EQ(own.verdict, GateVerdict::hold) << own.reason;
+  EXPECT_GT(own.p_repeated, 0.95);
+  EXPECT_GT(own.measure.p_in, own.p_in + 0.01);
+  facade.own.setZero();  // all of it is control's
+  facade.own.diagonal().setConstant(1e-12);
+  const PanelGate common = gate();
+  EXPECT_NEAR(common.p_repeated, common.p_in, 0.02);
+  EXPECT_EQ(common.measure.bracket, -1) << common.reason;
+}
+
 /// Errors drawn as the facade says they are: shares of panels inside against what was stated.
 TEST(Gate, StatedProbabilitiesAreTrue) {
   TowerOptions options{2, 2};

@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 #include <openssl/evp.h>
 #include <openssl/pem.h>
+#include <unistd.h>
 
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -272,6 +276,38 @@ TEST(LayoutFiles, TheDrawingHasALayerForEachGate) {
   for (const char* layer : {"BRACKET_GO", "PANEL_GO", "CONTROL"})
     EXPECT_NE(dxf.find(layer), std::string::npos) << layer;
   EXPECT_NE(dxf.find("AC1009"), std::string::npos);
+}
+
+/// What a command prints; empty if it fails.
+std::string printed(const std::string& command) {
+  std::string text;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  char buffer[4096];
+  for (std::size_t n; pipe && (n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, n);
+  return pipe && pclose(pipe) == 0 ? text : std::string();
+}
+
+/// GDAL's reader of DXF, which is none of ours: layers, places to a tenth of a millimetre, closed outlines.
+TEST(LayoutFiles, AnotherProgramOpensTheDrawing) {
+  if (printed("ogrinfo --version 2> /dev/null").empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) is not installed";
+  const Released r;
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("plumbline_layout_" + std::to_string(getpid()) + ".dxf")).string();
+  std::ofstream(path) << layout_dxf(r.plan, {{"CP1", {350001.1234, 5800002.5678, 103.9}, "control"}});
+  const std::string told = printed("ogrinfo -al '" + path + "' 2>&1");
+  std::filesystem::remove(path);
+  EXPECT_NE(told.find("Layer (String) = CONTROL"), std::string::npos) << told;
+  EXPECT_NE(told.find("POINT Z (350001.1234 5800002.5678 103.9)"), std::string::npos) << told;
+  std::size_t panels = 0, brackets = 0;
+  for (std::size_t at = 0; (at = told.find("Layer (String) = PANEL_GO", at)) != std::string::npos; ++at) ++panels;
+  for (std::size_t at = 0; (at = told.find("Layer (String) = BRACKET_GO", at)) != std::string::npos; ++at) ++brackets;
+  EXPECT_EQ(panels, static_cast<std::size_t>(r.plan.go)) << told;
+  EXPECT_GE(brackets, r.plan.brackets.size()) << told;
+  // Four corners and the first again.
+  const auto line = told.find("LINESTRING Z (");
+  ASSERT_NE(line, std::string::npos) << told;
+  const std::string outline = told.substr(line, told.find(')', line) - line);
+  EXPECT_EQ(std::count(outline.begin(), outline.end(), ','), 4) << outline;
 }
 
 TEST(Actuals, SingleEntriesThatAreWrongAreRefusedByName) {

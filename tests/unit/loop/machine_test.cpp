@@ -1,6 +1,7 @@
 // States of brackets and panels: nothing wrong becomes VERIFIED.
 #include <gtest/gtest.h>
 
+#include "loop/state/next_words.hpp"
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
@@ -47,6 +48,38 @@ TEST(Machine, ARobotThatReportsSuccessAndDidNothingIsFound) {
   EXPECT_TRUE(accept_item(state, "b0"));
   next_plan(state, make_plan("third"), {});
   EXPECT_EQ(item(state, "b0").status, ItemStatus::released) << item(state, "b0").why;
+}
+
+/// The word that accepted one hanging, left in the command, does not accept the next.
+TEST(Machine, ALookIsAcceptedOnceAndByItsRound) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"), {});
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0);
+  second.brackets[0]->measured.z() -= 0.004;
+  next_plan(state, second, {});
+  close_round(state);
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  const std::string word = look_word(state, "b0");
+  EXPECT_EQ(word, "b0@1");
+  EXPECT_NE(next_step(state).find("reported.with.accept=['NAME@1']"), std::string::npos) << next_step(state);
+  EXPECT_NE(accept_look(state, "b0").find("says no round: if somebody has looked after round 1, say 'b0@1'"),
+            std::string::npos)
+      << accept_look(state, "b0");
+  EXPECT_NE(accept_look(state, "b7@1").find("'b7' is no rejected bracket"), std::string::npos);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_EQ(accept_look(state, word), "");
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::planned);
+  // Rejected again, and the word is still in the command.
+  next_plan(state, make_plan("third"), {});
+  apply_actuals(state, done({"b0"}, item(state, "b0").revision));
+  InstallationPlanT fourth = make_plan("fourth");
+  next_plan(state, fourth, {});
+  close_round(state);
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  EXPECT_NE(accept_look(state, word).find("'b0@1' is of round 1, the state is after round 2"), std::string::npos)
+      << accept_look(state, word);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
 }
 
 /// Brackets under a panel that would not hang right on them are set again, and again.

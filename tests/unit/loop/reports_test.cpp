@@ -101,5 +101,24 @@ TEST(PlaceDoubts, SaysWhatWouldExplainAPlace) {
   EXPECT_NE(place_doubt(place + Eigen::Vector3d(100, 7, 3), place, 0.25).find("in another frame"), std::string::npos);
 }
 
+/// All hang and are verified, and the last measurement contradicts itself: that is not "nothing".
+TEST(NextWords, ADoubtfulMeasurementIsToBeMended) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  for (auto& i : state.items) i->status = ItemStatus::verified, i->hangs = i->seen = i->kind == "panel";
+  close_round(state);
+  ASSERT_EQ(next_step(state), "nothing: every panel hangs within its limits");
+  InstallationPlanT plan = make_plan("second");
+  plan.doubts = {"readings contradict control"};
+  next_plan(state, std::move(plan));
+  close_round(state);
+  EXPECT_EQ(next_step(state),
+            "mend the measurement, it decides nothing: readings contradict control; then measure and run again");
+  EXPECT_NE(next_words(state).find("the measurement is in doubt: readings contradict control\n"), std::string::npos);
+  next_plan(state, make_plan("third"));
+  close_round(state);
+  EXPECT_EQ(next_step(state), "nothing: every panel hangs within its limits");
+}
+
 }  // namespace
 }  // namespace plumbline::loop

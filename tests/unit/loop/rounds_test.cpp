@@ -57,6 +57,28 @@ TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
   EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
 }
 
+/// More likely inside than not, and sure to be if campaigns had no errors of their own: measured, not set again.
+TEST(Rounds, WhatAnotherCampaignMayDecideIsMeasuredAgainAndNotSetAgain) {
+  for (const auto& [p, repeated, measured] : {std::tuple{0.8, 0.99, true}, {0.4, 0.99, false}, {0.8, 0.955, false}}) {
+    LoopStateT state;
+    next_plan(state, make_plan("first"));
+    apply_actuals(state, done({"b0", "b1"}, 1));
+    InstallationPlanT second = plan_after_setting(0);
+    second.panels[0]->gate = GateDecision::hold, second.panels[0]->p_in = p;
+    second.panels[0]->p_in_repeated = repeated;
+    next_plan(state, std::move(second));
+    close_round(state);
+    EXPECT_EQ(item(state, "b0").status, measured ? ItemStatus::verified : ItemStatus::planned) << p << " " << repeated;
+    EXPECT_EQ(state.to_measure, measured);
+    EXPECT_FALSE(state.done);
+    if (!measured) continue;
+    EXPECT_NE(item(state, "p0").why.find("waits for another campaign"), std::string::npos) << item(state, "p0").why;
+    next_plan(state, plan_after_setting(0, "third"));
+    EXPECT_EQ(item(state, "p0").status, ItemStatus::released);
+    EXPECT_FALSE(state.to_measure);
+  }
+}
+
 TEST(Rounds, WhatWasReportedAsSetIsPlannedAsItStands) {
   Facade facade = random_facade({1, 1}, 4);
   LoopStateT state;

@@ -24,7 +24,8 @@ inline InstallationPlanT make_plan(const std::string& basis) {
     bracket->measured = bracket->design - Eigen::Vector3d(0, 0, 0.004);
     bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
     bracket->asked = bracket->setting = {0, 0.004, 0};
-    bracket->sigma.setConstant(0.0004), bracket->low.setConstant(-0.02), bracket->high.setConstant(0.02);
+    bracket->sigma.setConstant(0.0004), bracket->difference_sigma.setZero();
+    bracket->low.setConstant(-0.02), bracket->high.setConstant(0.02);
     plan.brackets.push_back(std::move(bracket));
   }
   for (int j = 0; j < 2; ++j) {

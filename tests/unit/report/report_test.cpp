@@ -254,6 +254,55 @@ TEST(Report, ShimsSayWhichWayAndStayBesideTheirAnchor) {
   EXPECT_TRUE(contains(html, "<span class=\"whole\">" + names[3] + " \u22126.2</span>"));
 }
 
+/// Rows that the search goes by say where they belong.
+TEST(Report, EveryAnchorAndPanelCanBeSoughtByFacadeFloorAndVerdict) {
+  const ReportInput input = test::example();
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "id=\"filter\" hidden=\"hidden\"")) << "without scripts there is no search";
+  const std::string anchors = html.substr(html.find("id=\"anchors\"")),
+                    panels = html.substr(html.find("id=\"panels\""));
+  const auto row = [](int floor, const auto& element, const char* verdict, const std::string& name) {
+    return "<tr data-floor=\"" + std::to_string(floor) + "\" data-facade=\"" +
+           (element.facade ? element.facade->facade : "") + "\" data-verdict=\"" + verdict + "\"><th scope=\"row\">" +
+           name;
+  };
+  const char* words[] = {"not measured", "pass", "undecided", "fail"};
+  for (const auto& a : input.deviation->anchors) {
+    EXPECT_TRUE(contains(anchors, row(a->floor, *a, words[static_cast<int>(a->verdict)], a->id))) << a->id;
+  }
+  for (const auto& p : input.deviation->panels) {
+    EXPECT_TRUE(contains(panels, row(p->floor, *p, words[static_cast<int>(p->verdict)], p->name))) << p->name;
+  }
+}
+
+/// Of thousands, drawings are shapes and lists have an end; every anchor keeps its row.
+TEST(Report, OfThousandsThePageStaysReadable) {
+  ReportInput input = test::example();
+  const auto one = input.deviation->anchors.at(0).get();
+  one->verdict = ToleranceVerdict::fail;
+  const std::size_t more = 1200;
+  for (std::size_t i = 0; i < more; ++i) {
+    auto copy = std::make_unique<AnchorDeviationT>(*one);
+    copy->id = "G99-" + std::to_string(i), copy->design.x() += 0.5 * static_cast<double>(i % 60);
+    copy->design.z() += static_cast<double>(i / 60);
+    input.deviation->anchors.push_back(std::move(copy));
+  }
+  const std::string html = render_report(input);
+  const auto times = [&](const std::string& text, const std::string& part) {
+    std::size_t n = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++n;
+    return n;
+  };
+  const std::string drawn =
+      html.substr(html.find("id=\"facade\""), html.find("id=\"panels\"") - html.find("id=\"facade\""));
+  EXPECT_FALSE(contains(drawn, "G99-"));
+  EXPECT_LT(drawn.size(), 300'000u);
+  EXPECT_EQ(times(html.substr(html.find("id=\"anchors\"")), "<th scope=\"row\">G99-"), more);
+  EXPECT_LE(times(html.substr(0, html.find("id=\"view\"")), "<tr data-floor"), 308u);
+  EXPECT_TRUE(contains(html, "below and stake_out.csv hold all"));
+  EXPECT_TRUE(contains(html, "Every number of every anchor stands in metrics.csv and stake_out.csv"));
+}
+
 TEST(Report, PrintBreaksNoNumber) {
   const std::string html = render_report(test::example());
   const std::string print = html.substr(html.find("@media print"), html.find("</style>") - html.find("@media print"));

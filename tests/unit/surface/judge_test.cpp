@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "building/ifc/enlarged_surfaces.hpp"
 #include "building/judgement/surfaces.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "surface/dense/straightedge.hpp"
@@ -165,7 +166,7 @@ TEST(JudgeSurfaces, WhatFitsLessWellIsLessCertain) {
   what.panels[0]->flatness[0]->gap = 0.0026;
   what.joints.push_back(joint({0.012, 0.0145}, 1e-4));
   EXPECT_EQ(judged(what, {"*: flatness(1m)=3mm, bow=3mm, joint=3mm"}).verdicts[0]->verdict, ToleranceVerdict::pass);
-  enlarge(what, 9);
+  ifc::enlarge(what, 9);
   const auto result = judged(what, {"*: flatness(1m)=3mm, bow=3mm, joint=3mm"});
   EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::undecided);
   EXPECT_NEAR(result.verdicts[0]->sigma, 6e-4, 1e-12);

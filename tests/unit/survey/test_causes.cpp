@@ -8,6 +8,7 @@
 #include "geometry/random.hpp"
 #include "network_words.hpp"
 #include "survey/doctor/find_causes.hpp"
+#include "survey/doctor/survey_sample.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
@@ -15,19 +16,19 @@ namespace {
 
 using enum ObservationKind;
 
-/// Thirty marks around a yard of 200 m and four free stations in it that see them all.
-SurveyLayout yard() {
+/// Thirty marks around a yard of 200 m and free stations in it that see them all.
+SurveyLayout yard(int stations = 4) {
   Random random(11, "yard");
   SurveyLayout layout;
   for (int m = 1; m <= 30; ++m)
     layout.points.push_back(
         {"M" + std::to_string(m), {random.uniform(0, 200), random.uniform(0, 150), random.uniform(0, 12)}});
-  for (int i = 1; i <= 4; ++i) {
+  for (int i = 1; i <= stations; ++i) {
     const std::string id = "S" + std::to_string(i);
     layout.set_ups.push_back({id, id, 1.6, 0.7 * i, {}});
     for (int m = 1; m <= 30; ++m) layout.set_ups.back().sees.push_back("M" + std::to_string(m));
   }
-  for (int i = 1; i <= 4; ++i)
+  for (int i = 1; i <= stations; ++i)
     layout.points.push_back({"S" + std::to_string(i), {random.uniform(50, 150), random.uniform(40, 110), 0.1 * i}});
   return layout;
 }
@@ -37,7 +38,7 @@ struct Job {
   SurveyObservations survey;
   AdjustOptions options;
 
-  explicit Job(const Eigen::Vector3d& origin = Eigen::Vector3d::Zero()) : layout(yard()) {
+  explicit Job(const Eigen::Vector3d& origin = Eigen::Vector3d::Zero(), int stations = 4) : layout(yard(stations)) {
     for (SimulatedPoint& p : layout.points) p.position += origin;
     SimulationOptions simulation;
     simulation.profile = options.profile = built_in_profile("total_station_2arcsec");
@@ -101,6 +102,31 @@ TEST(Causes, AnglesOfAllSetUpsOrOfOne) {
   Job one;
   one.change(direction, 2, [](double d) { return 2 * std::numbers::pi - d; });
   expect_cause(one, "the directions of set-up S3 are counted counter-clockwise");
+}
+
+/// Of more readings than are laid out again for each hypothesis a part is, and that is said.
+TEST(Causes, OfALargeJobAPartIsTried) {
+  Job job(Eigen::Vector3d::Zero(), 50);
+  ASSERT_GT(job.survey.observations.size(), 4000u);
+  job.change(direction, -1, [](double d) { return 0.9 * d; });
+  expect_cause(job, "all directions are in degrees and were read as gon");
+  EXPECT_NE(job.words().find("of 50 set-ups)"), std::string::npos) << job.words();
+}
+
+TEST(Causes, ASampleHangsTogetherAndEnds) {
+  Job job(Eigen::Vector3d::Zero(), 12);
+  for (Observation& o : job.survey.observations)  // set-ups 7 to 12 see marks of their own, and M30
+    if (o.set_up >= 6 && o.to != "M30") o.to += "b";
+  const SurveySample whole = sample_of(job.survey, -1, 100000), part = sample_of(job.survey, 8, 300);
+  EXPECT_TRUE(whole.is_whole());
+  EXPECT_EQ(whole.in_words(), "");
+  EXPECT_EQ(whole.survey.observations.size(), job.survey.observations.size());
+  EXPECT_EQ(part.set_up, 8);
+  EXPECT_EQ(part.taken, 4u);  // of 90 readings each
+  EXPECT_EQ(part.survey.set_ups.size(), 12u) << "numbers stay";
+  EXPECT_EQ(part.survey.observations.size(), 360u);
+  for (const Observation& o : part.survey.observations) EXPECT_GE(o.set_up, 6) << "those that share most";
+  EXPECT_EQ(part.in_words(), " (tried on 4 of 12 set-ups)");
 }
 
 /// M7 is called M20 in two of four set-ups, which do not see the other M20.

@@ -1,7 +1,7 @@
 // Control points with one wrong coordinate, and without.
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/check_control.hpp"
 #include "survey/files/gama.hpp"
 #include "test_support.hpp"
 

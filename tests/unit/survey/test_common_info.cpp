@@ -6,8 +6,9 @@
 #include <functional>
 
 #include "simulated_network.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "survey/model/several_instruments.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "simulated_network.hpp"
-#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/check_control.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "test_support.hpp"
 

@@ -1,7 +1,8 @@
 // What the network doctor says of sick networks.
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey/model/network_model.hpp"
+#include "survey/doctor/network_doctor.hpp"
+#include "survey/network/network_model.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
@@ -242,7 +243,7 @@ NetworkResult sound_result() {
     }
   }
   r.degrees_of_freedom = 10, r.sum_of_squares = 10, r.sigma0 = 1;
-  r.cofactors = Eigen::MatrixXd::Identity(2, 2);
+  r.cofactors = least_squares::Cofactors(Eigen::MatrixXd::Identity(2, 2));
   return r;
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "geometry/random.hpp"
+#include "survey/epochs/epoch_axes.hpp"
 #include "survey/epochs/epoch_series.hpp"
 
 namespace plumbline::survey {
@@ -216,6 +217,54 @@ TEST(EpochSeries, DatesAreReadAsTheirFormatsHaveThem) {
   for (const char* date : {"2024-06-01", "01.06.2024", "06-01-2024", "2024-06-01T10:20:30"})
     EXPECT_EQ(day_of_date(date), 19875) << date;
   for (const char* none : {"", "10-Feb-93 08:23", "2024", "13.13.2024"}) EXPECT_FALSE(day_of_date(none)) << none;
+}
+
+/// What an epoch holds was not measured in it: the others are compared, and that is said; before, the coordinate was
+/// dropped from all of them without a word.
+TEST(EpochSeries, AnEpochThatHoldsACoordinateIsLeftOutForItAndSaid) {
+  Site site{5, 4};
+  site.velocity_of_m7 = {0, 0, -0.2 * kMillimetre};
+  std::vector<DatedEpoch> epochs = site.make();
+  const SeriesPoint before = of(epoch_series(epochs, {}), "M7");
+  ASSERT_TRUE(before.moves);
+  epochs[2].epoch.covariance.row(3 * 6 + 2).setZero();
+  epochs[2].epoch.covariance.col(3 * 6 + 2).setZero();
+  const EpochSeries s = epoch_series(epochs, {});
+  const SeriesPoint& p = of(s, "M7");
+  ASSERT_EQ(p.at.size(), 3u);  // epochs 2, 4 and 5 against the first
+  EXPECT_EQ(p.at[1].epoch, 3u);
+  EXPECT_TRUE(p.moves);
+  EXPECT_NEAR(p.velocity.z(), -0.2 * kMillimetre, 0.03 * kMillimetre);
+  ASSERT_EQ(s.not_compared.size(), 1u);
+  EXPECT_EQ(s.not_compared[0], "E3: H of M7 held there, not measured; the point is compared in the other epochs only");
+}
+
+TEST(EpochSeries, ACoordinateHeldInAllButOneIsNotComparedAndSaid) {
+  std::vector<DatedEpoch> epochs = Site{3, 4}.make();
+  for (size_t k = 1; k < 3; ++k)
+    for (Eigen::Index row : {3 * 6, 3 * 6 + 1}) {
+      epochs[k].epoch.covariance.row(row).setZero();
+      epochs[k].epoch.covariance.col(row).setZero();
+    }
+  epochs[0].epoch.coordinates[3 * 8 + 2] = std::numeric_limits<double>::quiet_NaN();  // M9 has no height there
+  const EpochSeries s = epoch_series(epochs, {});
+  const SeriesPoint& p = of(s, "M7");
+  ASSERT_EQ(p.at.size(), 2u);
+  EXPECT_TRUE(std::isnan(p.at[0].movement.x()));
+  EXPECT_TRUE(std::isfinite(p.at[0].movement.z()));
+  ASSERT_EQ(s.not_compared.size(), 2u);
+  EXPECT_EQ(s.not_compared[0], "E and N of M7: held in one epoch or more, not measured, and so compared in none");
+  EXPECT_NE(s.not_compared[1].find("H of M9"), std::string::npos) << s.not_compared[1];
+}
+
+TEST(ComparedAxes, TakesWhatComparesMost) {
+  using enum Measured;
+  const std::array<Measured, 3> all = {yes, yes, yes}, plan = {yes, yes, held}, none = {missing, missing, missing};
+  EXPECT_EQ(compared_axes({all, all, plan}).axes.size(), 2u) << "two axes twice before three once";
+  EXPECT_EQ(compared_axes({all, all, all, plan}).epochs, (std::vector<std::size_t>{0, 1, 2})) << "of equals all axes";
+  EXPECT_TRUE(compared_axes({all, none}).axes.empty());
+  EXPECT_TRUE(compared_axes({all}).axes.empty());
+  EXPECT_EQ(compared_axes({all, plan, plan, plan}).axes.size(), 2u);
 }
 
 /// A point that is first seen later is compared with where it was then.

@@ -4,7 +4,8 @@
 #include <numbers>
 
 #include "simulated_network.hpp"
-#include "survey/model/merge_surveys.hpp"
+#include "survey/adjust/adjust_network.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
 namespace {

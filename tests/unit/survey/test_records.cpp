@@ -4,7 +4,7 @@
 #include "random_network.hpp"
 #include "record.hpp"
 #include "survey/adjust/adjust_network.hpp"
-#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/check_control.hpp"
 #include "survey/plan/plan_survey.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 #include "survey/start/approximate.hpp"

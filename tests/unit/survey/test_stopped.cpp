@@ -8,7 +8,7 @@
 
 #include "plumbline/stop.hpp"
 #include "simulated_network.hpp"
-#include "survey/doctor/check_control.hpp"
+#include "survey/epochs/check_control.hpp"
 #include "survey/plan/plan_survey.hpp"
 
 namespace plumbline::survey {

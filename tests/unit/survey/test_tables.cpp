@@ -194,5 +194,79 @@ TEST_F(Tables, BlocksAndTheFullCovarianceForNumPy) {
   EXPECT_NE(text_of(without.output<File>("covariance")).find("(0, 0)"), std::string::npos);
 }
 
+/// What a network that is too large for a joint covariance gives, of one that has both.
+TEST_F(Tables, AreTheSameWithoutAJointCovariance) {
+  plumbline::test::NodeHarness adjust("survey.adjust");
+  adjust.input<plumbline::SurveyObservations>("observations", to_artifact(test::simulate({}, 5).survey));
+  adjust.set("datum", "inner");
+  adjust.set("covariance", "neighbours");
+  adjust.set("pairs", "M00 M23");
+  adjust.run();
+  const PointsT points = adjust.output<Points>("points");
+  const SurveyNetworkT network = adjust.output<SurveyNetwork>("network");
+  EXPECT_TRUE(points.covariance.empty());
+  ASSERT_FALSE(network.findings.empty());
+  EXPECT_NE(network.findings.back()->text.find("covariance=full"), std::string::npos) << "it is said";
+  auto whole = tables(), parts = plumbline::test::NodeHarness("survey.tables");
+  parts.input<Points>("points", points);
+  parts.input<SurveyNetwork>("network", network);
+  whole.set("pairs", "M00 M23"), parts.set("pairs", "M23 M00");
+  whole.run(), parts.run();
+  EXPECT_EQ(whole.output<File>("coordinates").content, parts.output<File>("coordinates").content);
+  EXPECT_EQ(whole.output<File>("blocks").content, parts.output<File>("blocks").content);
+  std::map<std::string, std::string> heights;
+  for (const auto& row : rows_of(parts.output<File>("relative")))
+    heights[row.at("from") + row.at("to")] = row.at("cov_hh_mm2");
+  const Rows rows = rows_of(whole.output<File>("relative"));
+  for (const auto& row : rows) EXPECT_EQ(heights[row.at("from") + row.at("to")], row.at("cov_hh_mm2"));
+  EXPECT_EQ(heights["M23M00"], heights["M00M23"]);
+  parts.set("pairs", "M01 M23");
+  try {
+    parts.run();
+    FAIL() << "a pair that nobody asked of the adjustment";
+  } catch (const plumbline::test::NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("network.with.pairs=[\"M01;M23\"]"), std::string::npos) << error.what();
+  }
+}
+
+/// What is to be said of a network stays, and which observation a step of the search means.
+TEST_F(Tables, ABriefResultKeepsWhatIsToBeSaid) {
+  network_.observations[7]->removed = true, network_.observations[7]->w = 0.1;
+  network_.observations[11]->flagged = true, network_.observations[11]->w = 9;
+  auto step = std::make_unique<SnoopingStepT>();
+  step->observation = 7, step->action = "removed";
+  network_.snooping.push_back(std::move(step));
+  const std::string told = network_.observations[7]->to, suspect = network_.observations[11]->to;
+  const auto brief = [&](const char* most) {
+    plumbline::test::NodeHarness node("survey.brief");
+    node.input<SurveyNetwork>("network", network_);
+    node.set("most", most);
+    node.run();
+    return node.output<SurveyNetwork>("network");
+  };
+  const SurveyNetworkT all = brief("5000"), ten = brief("10"), none = brief("0");
+  EXPECT_EQ(all.observations.size(), network_.observations.size());
+  ASSERT_EQ(ten.observations.size(), 10u);
+  ASSERT_EQ(none.observations.size(), 2u) << "more than are wanted, for something is to be said of them";
+  EXPECT_TRUE(none.observations[0]->removed);
+  EXPECT_EQ(none.observations[0]->to, told);
+  EXPECT_EQ(none.observations[1]->to, suspect);
+  EXPECT_EQ(none.snooping.back()->observation, 0);
+  EXPECT_EQ(ten.observations[static_cast<size_t>(ten.snooping.back()->observation)]->to, told);
+  EXPECT_NE(ten.findings.back()->text.find("observations.csv"), std::string::npos);
+  const Rows rows = [&] {
+    auto node = tables();
+    node.run();
+    return rows_of(node.output<File>("observations"));
+  }();
+  ASSERT_EQ(rows.size(), network_.observations.size());
+  EXPECT_EQ(rows[7].at("flag"), "removed");
+  EXPECT_EQ(rows[11].at("flag"), "suspect");
+  const auto& o = *network_.observations[0];
+  EXPECT_EQ(rows[0].at("unit"), o.kind == "slope_distance" ? "m" : "gon");
+  EXPECT_NEAR(std::stod(rows[0].at("value")), o.value * (o.kind == "slope_distance" ? 1 : 200 / std::numbers::pi),
+              1e-5);
+}
+
 }  // namespace
 }  // namespace plumbline::survey

@@ -1,0 +1,57 @@
+#include "building/ifc/bcf_surroundings.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plumbline::ifc {
+namespace {
+
+constexpr double kCell = 5;  ///< [m] half a panel of a facade is smaller
+
+int cell_at(double value) { return static_cast<int>(std::floor(std::clamp(value, -1e8, 1e8) / kCell)); }
+
+}  // namespace
+
+template <class T>
+void BcfSurroundings::Index<T>::add(const T& item, const Eigen::Vector3d& centre, double reach) {
+  if (!centre.allFinite() || !std::isfinite(reach)) return;
+  if (reach > kCell)
+    large.push_back(all.size());
+  else
+    cells[{cell_at(centre.x()), cell_at(centre.y()), cell_at(centre.z())}].push_back(all.size());
+  all.push_back(&item);
+}
+
+template <class T>
+std::vector<const T*> BcfSurroundings::Index<T>::near(const Eigen::Vector3d& centre, double radius) const {
+  std::vector<std::size_t> found = large;
+  const double reach = radius + kCell;
+  const auto low = [&](int k) { return cell_at(centre[k] - reach); };
+  const auto high = [&](int k) { return cell_at(centre[k] + reach); };
+  for (int x = low(0); x <= high(0); ++x)
+    for (int y = low(1); y <= high(1); ++y)
+      for (auto it = cells.lower_bound({x, y, low(2)}); it != cells.end() && it->first <= Cell{x, y, high(2)}; ++it)
+        found.insert(found.end(), it->second.begin(), it->second.end());
+  std::sort(found.begin(), found.end());
+  std::vector<const T*> items;
+  for (const std::size_t i : found) items.push_back(all[i]);
+  return items;
+}
+
+BcfSurroundings::BcfSurroundings(const DeviationT& deviation) {
+  for (const auto& anchor : deviation.anchors) anchors_.add(*anchor, anchor->design, 0);
+  for (const auto& panel : deviation.panels) {
+    if (panel->corners.empty()) continue;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const auto& corner : panel->corners) centre += corner->design / static_cast<double>(panel->corners.size());
+    double reach = 0;
+    for (const auto& corner : panel->corners) reach = std::max(reach, (corner->design - centre).norm());
+    panels_.add(*panel, centre, reach);
+  }
+}
+
+BcfSurroundings::Around BcfSurroundings::around(const Eigen::Vector3d& centre, double radius) const {
+  return {anchors_.near(centre, radius), panels_.near(centre, radius)};
+}
+
+}  // namespace plumbline::ifc

@@ -1,0 +1,294 @@
+#include "loop/estimate/combine_campaigns.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <stdexcept>
+
+#include "geometry/statistics.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using Indices = std::vector<Eigen::Index>;
+
+/// Rows of the coordinates of anchors.
+Indices coordinates_of(const Indices& anchors) {
+  Indices rows;
+  for (const Eigen::Index a : anchors)
+    for (Eigen::Index k = 0; k < 3; ++k) rows.push_back(3 * a + k);
+  return rows;
+}
+
+Eigen::MatrixXd part(const Eigen::MatrixXd& matrix, const Indices& rows, const Indices& columns) {
+  return matrix(coordinates_of(rows), coordinates_of(columns));
+}
+
+Eigen::LLT<Eigen::MatrixXd> factor_of(const Eigen::MatrixXd& matrix) {
+  Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  if (factor.info() != Eigen::Success)
+    throw std::runtime_error(
+        "the covariance of the anchors' measured places is not positive definite: no two "
+        "campaigns can be compared by it");
+  return factor;
+}
+
+/// What of the campaign meets what of the estimate: anchors by their places in both.
+struct Meeting {
+  Indices before, now;
+};
+
+/// The statistic that says most of all that something moved, over its critical value.
+struct Suspect {
+  Indices which;  ///< of the meeting
+  MovedAnchor moved;
+};
+
+class Comparison {
+ public:
+  Comparison(const AnchorPlaces& before, const AnchorPlaces& campaign, const Eigen::MatrixXd& drifted,
+             const Meeting& meeting)
+      : before_(before), meeting_(meeting) {
+    const Indices rows = coordinates_of(meeting.before), now = coordinates_of(meeting.now);
+    difference_ = campaign.places(now) - before.places(rows);
+    factor_ = factor_of(drifted(rows, rows) + campaign.own(now, now));
+    weighted_ = factor_.solve(difference_);
+  }
+
+  double chi_squared() const { return difference_.dot(weighted_); }
+  const Eigen::LLT<Eigen::MatrixXd>& factor() const { return factor_; }
+  const Eigen::VectorXd& weighted() const { return weighted_; }
+
+  /// Each anchor alone and each floor as a whole, against that nothing moved. Nothing if none is over `critical`.
+  Suspect worst(double critical) const {
+    const Eigen::MatrixXd weights = factor_.solve(Eigen::MatrixXd::Identity(difference_.size(), difference_.size()));
+    Suspect worst;
+    worst.moved.statistic = critical;
+    std::map<int, Indices> floors;
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(meeting_.before.size()); ++i) {
+      const auto at = static_cast<std::size_t>(meeting_.before[static_cast<std::size_t>(i)]);
+      look_at({i}, before_.ids[at], before_.floors[at], weights, worst);
+      floors[before_.floors[at]].push_back(i);
+    }
+    for (const auto& [floor, which] : floors)
+      if (which.size() >= 3) look_at(which, {}, floor, weights, worst);
+    worst.moved.critical = critical;
+    return worst;
+  }
+
+ private:
+  /// One shift for all of them: generalised least squares under the hypothesis, and its chi-squared.
+  void look_at(const Indices& which, const std::string& id, int floor, const Eigen::MatrixXd& weights,
+               Suspect& worst) const {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (const Eigen::Index a : which) {
+      right += weighted_.segment<3>(3 * a);
+      for (const Eigen::Index b : which) normal += weights.block<3, 3>(3 * a, 3 * b);
+    }
+    const Eigen::Vector3d shift = normal.ldlt().solve(right);
+    const double statistic = shift.dot(right);
+    if (statistic <= worst.moved.statistic) return;
+    worst.which = which;
+    worst.moved.id = id, worst.moved.floor = floor, worst.moved.shift = shift, worst.moved.statistic = statistic;
+  }
+
+  const AnchorPlaces& before_;
+  const Meeting& meeting_;
+  Eigen::VectorXd difference_, weighted_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+/// Anchors that errors tie together, in the estimate or in the campaign; each group is combined by itself.
+std::vector<std::set<std::string>> groups_of(const AnchorPlaces& before, const AnchorPlaces& campaign) {
+  std::map<std::string, std::size_t> number;
+  for (const AnchorPlaces* places : {&before, &campaign})
+    for (const std::string& id : places->ids) number.try_emplace(id, number.size());
+  std::vector<std::size_t> root(number.size());
+  for (std::size_t i = 0; i < root.size(); ++i) root[i] = i;
+  const auto find = [&](std::size_t i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  for (const AnchorPlaces* places : {&before, &campaign})
+    for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(places->size()); ++a)
+      for (Eigen::Index b = 0; b < a; ++b)
+        if (!places->own.block<3, 3>(3 * a, 3 * b).isZero(0))
+          root[find(number.at(places->ids[static_cast<std::size_t>(a)]))] =
+              find(number.at(places->ids[static_cast<std::size_t>(b)]));
+  std::map<std::size_t, std::set<std::string>> by_root;
+  for (const auto& [id, i] : number) by_root[find(i)].insert(id);
+  std::vector<std::set<std::string>> groups;
+  for (auto& [i, ids] : by_root) groups.push_back(std::move(ids));
+  return groups;
+}
+
+AnchorPlaces chosen(const AnchorPlaces& from, const Indices& which) {
+  AnchorPlaces out;
+  for (const Eigen::Index i : which) {
+    const auto at = static_cast<std::size_t>(i);
+    out.ids.push_back(from.ids[at]), out.floors.push_back(from.floors[at]), out.campaigns.push_back(from.campaigns[at]);
+  }
+  out.places = from.places(coordinates_of(which)), out.own = part(from.own, which, which);
+  return out;
+}
+
+AnchorPlaces chosen(const AnchorPlaces& from, const std::set<std::string>& ids, bool wanted = true) {
+  Indices which;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if ((ids.count(from.ids[i]) > 0) == wanted) which.push_back(static_cast<Eigen::Index>(i));
+  return chosen(from, which);
+}
+
+/// All anchors of a storey together, in height, as far as the storeys below them let them.
+Eigen::MatrixXd with_drift(const AnchorPlaces& places, double per_storey) {
+  Eigen::MatrixXd own = places.own;
+  for (std::size_t a = 0; a < places.size(); ++a)
+    for (std::size_t b = 0; b < places.size(); ++b)
+      if (places.floors[a] == places.floors[b]) {
+        const double drift = per_storey * std::max(1, places.floors[a]);
+        own(3 * static_cast<Eigen::Index>(a) + 2, 3 * static_cast<Eigen::Index>(b) + 2) += drift * drift;
+      }
+  return own;
+}
+
+Meeting meeting_of(const AnchorPlaces& before, const AnchorPlaces& campaign) {
+  std::map<std::string, Eigen::Index> at;
+  for (std::size_t i = 0; i < before.size(); ++i) at[before.ids[i]] = static_cast<Eigen::Index>(i);
+  Meeting meeting;
+  for (std::size_t i = 0; i < campaign.size(); ++i)
+    if (const auto found = at.find(campaign.ids[i]); found != at.end())
+      meeting.before.push_back(found->second), meeting.now.push_back(static_cast<Eigen::Index>(i));
+  return meeting;
+}
+
+/// The estimate after the campaign: `before` has nothing that moved, and `campaign` all that is new.
+AnchorPlaces fused(const AnchorPlaces& before, const AnchorPlaces& campaign, const Eigen::MatrixXd& drifted,
+                   const Meeting& meeting) {
+  Indices fresh;
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(campaign.size()); ++i)
+    if (std::find(meeting.now.begin(), meeting.now.end(), i) == meeting.now.end()) fresh.push_back(i);
+  AnchorPlaces out = before;
+  out.own = drifted;
+  const AnchorPlaces added = chosen(campaign, fresh);
+  Eigen::MatrixXd added_own = added.own;
+  Eigen::VectorXd added_places = added.places;
+  Eigen::MatrixXd across = Eigen::MatrixXd::Zero(out.own.rows(), added_own.rows());
+  if (!meeting.before.empty()) {
+    const Comparison comparison(before, campaign, drifted, meeting);
+    const Indices rows = coordinates_of(meeting.before);
+    const Eigen::MatrixXd of_before = drifted(Eigen::all, rows);
+    const Eigen::MatrixXd of_fresh = campaign.own(coordinates_of(fresh), coordinates_of(meeting.now));
+    const Eigen::MatrixXd gain = comparison.factor().solve(of_before.transpose()).transpose();
+    out.places += of_before * comparison.weighted();
+    out.own -= gain * of_before.transpose();
+    added_places -= of_fresh * comparison.weighted();
+    added_own -= of_fresh * comparison.factor().solve(of_fresh.transpose());
+    across = gain * of_fresh.transpose();
+    for (std::size_t i = 0; i < meeting.before.size(); ++i)
+      out.campaigns[static_cast<std::size_t>(meeting.before[i])] +=
+          campaign.campaigns[static_cast<std::size_t>(meeting.now[i])];
+  }
+  const Eigen::Index n = out.places.size(), m = added_places.size();
+  Eigen::MatrixXd own(n + m, n + m);
+  own.topLeftCorner(n, n) = out.own, own.bottomRightCorner(m, m) = added_own;
+  own.topRightCorner(n, m) = across, own.bottomLeftCorner(m, n) = across.transpose();
+  out.own = 0.5 * (own + own.transpose());
+  out.places.conservativeResize(n + m);
+  out.places.tail(m) = added_places;
+  out.ids.insert(out.ids.end(), added.ids.begin(), added.ids.end());
+  out.floors.insert(out.floors.end(), added.floors.begin(), added.floors.end());
+  out.campaigns.insert(out.campaigns.end(), added.campaigns.begin(), added.campaigns.end());
+  return out;
+}
+
+/// Without what was worked on, and the campaign without what the estimate has of it already.
+AnchorPlaces what_is_new(const AnchorPlaces& before, const AnchorPlaces& campaign) {
+  std::map<std::string, const std::string*> known;
+  for (std::size_t i = 0; i < before.size(); ++i) known[before.ids[i]] = &before.campaigns[i];
+  Indices which;
+  for (std::size_t i = 0; i < campaign.size(); ++i) {
+    const auto found = known.find(campaign.ids[i]);
+    if (found == known.end() || found->second->find(campaign.campaigns[i]) == std::string::npos)
+      which.push_back(static_cast<Eigen::Index>(i));
+  }
+  return chosen(campaign, which);
+}
+
+void combine_group(AnchorPlaces before, const AnchorPlaces& all_of_campaign, double critical,
+                   const CombineOptions& options, CombinedCampaigns& out) {
+  const AnchorPlaces campaign = what_is_new(before, all_of_campaign);
+  Eigen::MatrixXd drifted = with_drift(before, options.drift_per_storey);
+  if (campaign.size() == 0) drifted = before.own;
+  for (;;) {
+    const Meeting meeting = meeting_of(before, campaign);
+    Suspect suspect;
+    if (!meeting.before.empty()) {
+      const Comparison comparison(before, campaign, drifted, meeting);
+      suspect = comparison.worst(critical);
+      if (suspect.which.empty())
+        out.compared += static_cast<int>(meeting.before.size()), out.chi_squared += comparison.chi_squared();
+    }
+    if (suspect.which.empty()) {
+      const AnchorPlaces group = fused(before, campaign, drifted, meeting);
+      out.estimate = out.estimate.size() == 0 ? group : fused(out.estimate, group, out.estimate.own, {});
+      return;
+    }
+    out.moved.push_back(suspect.moved);
+    std::set<std::string> ids;
+    for (const Eigen::Index i : suspect.which)
+      ids.insert(before.ids[static_cast<std::size_t>(meeting.before[static_cast<std::size_t>(i)])]);
+    before = chosen(before, ids, false);
+    drifted = with_drift(before, options.drift_per_storey);
+  }
+}
+
+std::string millimetres(double metres) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * metres);
+  return text;
+}
+
+}  // namespace
+
+CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlaces& campaign,
+                                    const std::set<std::string>& worked_on, const CombineOptions& options) {
+  const AnchorPlaces stayed = chosen(before, worked_on, false);
+  CombinedCampaigns out;
+  const double tests = std::max<double>(1, static_cast<double>(campaign.size()));
+  const double critical = chi_squared_quantile(1 - options.false_alarm / tests, 3);
+  for (const std::set<std::string>& ids : groups_of(stayed, campaign))
+    combine_group(chosen(stayed, ids), chosen(campaign, ids), critical, options, out);
+  // Few anchors agree by chance.
+  constexpr int kFewest = 4;
+  if (out.compared >= kFewest && out.chi_squared < chi_squared_quantile(options.false_repetition, 3.0 * out.compared)) {
+    out.repeats = true;
+    out.estimate = campaign;
+  }
+  return out;
+}
+
+std::vector<std::string> words_of(const CombinedCampaigns& combined) {
+  std::vector<std::string> words;
+  for (const MovedAnchor& moved : combined.moved) {
+    char test[80];
+    std::snprintf(test, sizeof test, " (test %.1f, critical %.1f)", moved.statistic, moved.critical);
+    words.push_back((moved.id.empty() ? "the anchors of floor " + std::to_string(moved.floor) + " are together "
+                                      : moved.id + " is ") +
+                    millimetres(moved.shift.norm()) + " from where campaigns before had " +
+                    (moved.id.empty() ? "them" : "it") + test + ": it counts as measured for the first time");
+  }
+  if (combined.repeats) {
+    char text[260];
+    std::snprintf(text, sizeof text,
+                  "this campaign agrees with those before far better than it can (chi-squared %.2f where about %d is "
+                  "expected): does it hold readings of theirs, or is the instrument better than its profile? It counts "
+                  "alone",
+                  combined.chi_squared, 3 * combined.compared);
+    words.emplace_back(text);
+  }
+  return words;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,145 @@
+// What was done, by a new measurement: brackets where they were to be set, panels within their limits.
+#include <algorithm>
+
+#include "loop/state/round.hpp"
+
+namespace plumbline::loop {
+
+void Round::do_again(LoopItemT& item, const Because& because) {
+  move(state_, item, ItemStatus::rework, because);
+  if (++item.reworks > options_.most_reworks) {
+    move(state_, item, ItemStatus::rejected,
+         {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why, {}, {}, because.rests_on});
+    return;
+  }
+  move(state_, item, ItemStatus::planned, {"to be planned again: " + because.why, {}, {}, because.rests_on});
+}
+
+void Round::verify_brackets() {
+  find_floors_that_moved();
+  doubt_what_stands_on_moved_control();
+  for (const auto& bracket : plan_.brackets) {
+    LoopItemT& item = *this->item("bracket", bracket->id);
+    if (moved_floors_.count(item.floor) || !bracket->measured.allFinite()) continue;
+    // What was done is not judged by what was measured before.
+    const bool waits = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
+    if (waits && !is_measured_anew(item, *bracket, options_.measured_at)) {
+      item.why = "waits for a measurement that was made after it was done" +
+                 std::string(item.at.empty() && !options_.measured_at.empty() ? "; its report has no date" : "");
+      continue;
+    }
+    const bool is_known = item.expected.allFinite(), was_planned = item.status == ItemStatus::planned;
+    if (is_known)
+      judge_bracket(item, *bracket);
+    else
+      look_again(item, *bracket);
+    // What nobody touched keeps the place that it is judged by: small movements would add up unseen.
+    if (item.status == ItemStatus::rejected || (item.status == ItemStatus::planned && !(is_known && was_planned)))
+      item.expected = bracket->measured;
+  }
+}
+
+void Round::judge_bracket(LoopItemT& item, const BracketSettingT& bracket) {
+  const Eigen::Vector3d shift = bracket.measured - place_of(item, bracket);
+  const double off = shift.cwiseAbs().maxCoeff(), most = doubt(bracket).maxCoeff();
+  const bool is_there = (shift.cwiseAbs().array() <= doubt(bracket).array()).all();
+  if (item.status == ItemStatus::executed)
+    judge_setting(item, bracket, off, is_there);
+  else if (!is_there)
+    give_to_a_person(item, "moved by " + millimetres(off) +
+                               " without a report that was taken: look whether the bracket was moved or its plate was "
+                               "knocked");
+  else if (item.status == ItemStatus::relocalised)
+    verify(item, bracket, "within " + millimetres(most));
+}
+
+void Round::verify(LoopItemT& item, const BracketSettingT& bracket, const std::string& why) {
+  // What it has used of its range is what was measured, not what was asked.
+  const Eigen::Vector3d off = along_axes(bracket, bracket.measured - place_of(item, bracket));
+  if (off.allFinite()) item.setting += off;
+  move(state_, item, ItemStatus::verified, {why, {}, {}, rests_on_});
+  item.expected = bracket.measured, item.pending.setZero();
+}
+
+void Round::look_again(LoopItemT& item, const BracketSettingT& bracket) {
+  if (item.status == ItemStatus::executed)
+    move(state_, item, ItemStatus::relocalised, {"measured on control that was looked at", {}, {}, rests_on_});
+  if (item.status != ItemStatus::relocalised) return;
+  if (carries(item.id)) {
+    verify(item, bracket, "carries a panel, which is judged by where this bracket is now");
+    return;
+  }
+  const Because because{"to be planned on control that was looked at", {}, {}, rests_on_};
+  item.pending.setZero();
+  move(state_, item, ItemStatus::rework, because), move(state_, item, ItemStatus::planned, because);
+}
+
+void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
+  const double most = doubt(bracket).maxCoeff();
+  move(state_, item, ItemStatus::relocalised,
+       {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
+  const std::string how = is_there ? "" : explanation(item, bracket, most);
+  if (is_there) {
+    verify(item, bracket, "within " + millimetres(most));
+    return;
+  }
+  // If that is so, what was reported is not what was done.
+  if (!how.empty()) item.setting += along_axes(bracket, bracket.measured - place_of(item, bracket));
+  give_to_a_person(item, "stands " + millimetres(off) + " from where it was to be set, " +
+                             (how.empty() ? "and no mistake of a robot explains it: look whether the bracket slipped "
+                                            "or its plate was knocked"
+                                          : "as if " + how + ": look whether that is so, or its plate was knocked"));
+}
+
+void Round::give_to_a_person(LoopItemT& item, const std::string& why) {
+  const Because because{why, {}, {}, rests_on_};
+  reject_item(state_, item, because);
+  for (const auto& panel : plan_.panels)
+    if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
+      if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)
+        reject_item(state_, hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_});
+}
+
+bool Round::can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const {
+  return std::all_of(panel.brackets.begin(), panel.brackets.end(), [&](const std::string& id) {
+    const BracketSettingT& bracket = *bracket_of_.at(id);
+    return bracket.measured.allFinite() &&
+           (item.status != ItemStatus::executed || is_measured_anew(item, bracket, options_.measured_at));
+  });
+}
+
+void Round::verify_panels() {
+  for (const auto& panel : plan_.panels) {
+    LoopItemT& item = *this->item("panel", panel->id);
+    if (!panel->installed || !(panel->p_in >= 0) || touches_moved_floor(*panel) || !can_be_judged(*panel, item))
+      continue;
+    const Because because{panel->reason, {}, {}, rests_on_};
+    if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
+    const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
+    if (item.status == ItemStatus::verified && !is_right)
+      move(state_, item, ItemStatus::relocalised,
+           {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+    if (item.status != ItemStatus::relocalised) continue;
+    if (is_right && !item.seen)
+      item.why =
+          "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
+          "has seen it";
+    else if (is_right)
+      move(state_, item, ItemStatus::verified, because);
+    else if (1 - panel->p_in >= options_.verified)
+      take_down(*panel, item);
+  }
+}
+
+void Round::take_down(const PlannedPanelT& panel, LoopItemT& item) {
+  do_again(item, {"hangs outside its limits: " + panel.reason, {}, {}, rests_on_});
+  // What was done again too often is left to a person, and hangs.
+  item.hangs = item.status == ItemStatus::rejected, item.seen = item.seen && item.hangs;
+  for (const std::string& id : panel.brackets) {
+    LoopItemT* bracket = this->item("bracket", id);
+    if (bracket && bracket->status == ItemStatus::verified && !carries(id))
+      do_again(*bracket, {"panel " + panel.id + " is taken down", {}, {}, rests_on_});
+  }
+}
+
+}  // namespace plumbline::loop

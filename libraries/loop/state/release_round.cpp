@@ -1,0 +1,131 @@
+// What comes next: what was released and no longer holds is recalled, what is GO and whose turn it is is released.
+#include <algorithm>
+
+#include "loop/state/round.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+/// A bracket that is asked to move by less than this is left as it is [m].
+constexpr double kDeadBand = 0.0003;
+/// A panel that is more likely inside than this is measured once more before its brackets are set once more.
+constexpr double kLikely = 0.5;
+/// What many campaigns would give must be above what is asked for by so much, and so many are enough: the last
+/// hundredth is bought by many rounds.
+constexpr double kClear = 0.01;
+constexpr int kMostCampaigns = 10;
+
+}  // namespace
+
+int Round::revision() {
+  if (!raised_) ++state_.revision, raised_ = true;
+  return state_.revision;
+}
+
+bool Round::another_campaign_may_do(const PlannedPanelT& panel) const {
+  if (panel.gate != GateDecision::hold || !(panel.p_in_repeated >= options_.verified + kClear)) return false;
+  if (std::all_of(panel.brackets.begin(), panel.brackets.end(),
+                  [&](const std::string& id) { return bracket_of_.at(id)->campaigns >= kMostCampaigns; }))
+    return false;
+  const bool is_set = std::any_of(panel.brackets.begin(), panel.brackets.end(), [&](const std::string& id) {
+    return item("bracket", id)->status == ItemStatus::verified && !carries(id);
+  });
+  return !is_set || panel.p_in >= kLikely;
+}
+
+void Round::find_stale() {
+  for (const auto& bracket : plan_.brackets) {
+    LoopItemT& item = *this->item("bracket", bracket->id);
+    if (item.status != ItemStatus::released || moved_floors_.count(item.floor) || !bracket->measured.allFinite())
+      continue;
+    const Eigen::Vector3d moved = along_axes(*bracket, bracket->measured - item.expected);
+    const double change = (moved + bracket->setting - item.pending).cwiseAbs().maxCoeff();
+    if (change <= 0.1 * options_.setting_tolerance) continue;
+    recall_item(item, "stale: the new measurement asks for " + millimetres(change) + " elsewhere");
+    item.expected = bracket->measured;
+  }
+  for (const auto& panel : plan_.panels)
+    if (LoopItemT& item = *this->item("panel", panel->id); item.status == ItemStatus::released) {
+      const std::string why = why_stale(*panel, item);
+      if (!why.empty()) recall_item(item, "stale: " + why);
+    }
+}
+
+std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) const {
+  if (panel.gate != GateDecision::go) return "it is no longer GO: " + panel.reason;
+  if (touches_moved_floor(panel)) return "the control of its floor or of one beside it moved";
+  for (const std::string& id : panel.brackets)
+    if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
+      return "its bracket " + id + " is no longer verified";
+  const double change = (panel.centre + panel.shift - item.expected).cwiseAbs().maxCoeff();
+  return change > 0.1 * options_.setting_tolerance ? "it is to hang " + millimetres(change) + " elsewhere"
+                                                   : std::string();
+}
+
+void Round::unset_what_does_not_do() {
+  for (const auto& panel : plan_.panels) {
+    const LoopItemT& hung = *item("panel", panel->id);
+    if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
+    if (another_campaign_may_do(*panel)) {
+      measured_again_.insert(panel->id);
+      state_.to_measure = state_.to_measure || turn_of(*panel);
+      continue;
+    }
+    if (panel->gate == GateDecision::hold && !panel->measure.empty() && plan_.basis == state_.basis) continue;
+    for (const std::string& id : panel->brackets) {
+      LoopItemT* bracket = item("bracket", id);
+      if (bracket && bracket->status == ItemStatus::verified && !carries(id))
+        do_again(*bracket, {"panel " + panel->id + " would not hang right on it: " + panel->reason, {}, {}, rests_on_});
+    }
+  }
+}
+
+bool Round::turn_of(const PlannedPanelT& panel) const {
+  return std::all_of(panel.depends_on.begin(), panel.depends_on.end(), [&](const std::string& id) {
+    const LoopItemT* before = item("panel", id);
+    return !before || before->status == ItemStatus::verified ||
+           (before->status == ItemStatus::rejected && !before->hangs);
+  });
+}
+
+void Round::release() {
+  for (const auto& panel : plan_.panels) {
+    LoopItemT& item = *this->item("panel", panel->id);
+    if (item.status != ItemStatus::planned || panel->gate != GateDecision::go || !turn_of(*panel) ||
+        touches_moved_floor(*panel)) {
+      if (item.status == ItemStatus::planned)
+        item.why = panel->gate == GateDecision::go        ? "waits for panels before it"
+                   : measured_again_.count(panel->id) > 0 ? "waits for another campaign: " + panel->reason
+                                                          : panel->reason;
+      continue;
+    }
+    bool ready = true;
+    for (const std::string& id : panel->brackets) ready = bracket_is_ready(id) && ready;
+    if (!ready) {
+      item.why = "waits for its brackets";
+      continue;
+    }
+    item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
+    move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
+  }
+}
+
+bool Round::bracket_is_ready(const std::string& id) {
+  LoopItemT& item = *this->item("bracket", id);
+  const BracketSettingT& bracket = *bracket_of_.at(id);
+  if (item.status == ItemStatus::verified) return true;
+  if (item.status != ItemStatus::planned || !bracket.measured.allFinite()) return false;
+  if (carries(id)) return true;
+  // The plan took it as it stood and says nothing on how it is to be set.
+  if (bracket.fixed) return false;
+  item.expected = bracket.measured;
+  if (bracket.setting.cwiseAbs().maxCoeff() < kDeadBand) {
+    move(state_, item, ItemStatus::verified, {"needs no setting", {}, {}, rests_on_});
+    return true;
+  }
+  item.pending = bracket.setting, item.revision = revision(), item.jobs.clear();
+  move(state_, item, ItemStatus::released, {"gate of its panels is GO", {}, options_.at, rests_on_});
+  return false;
+}
+
+}  // namespace plumbline::loop

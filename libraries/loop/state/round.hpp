@@ -1,0 +1,86 @@
+// One round of the state machine: what apply_plan() does, in the order of run().
+#pragma once
+
+#include <map>
+#include <set>
+
+#include "loop/state/bracket_places.hpp"
+#include "loop/state/machine.hpp"
+#include "loop/state/transitions.hpp"
+
+namespace plumbline::loop {
+
+class Round {
+ public:
+  Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
+  void run();
+
+ private:
+  LoopItemT* item(const std::string& kind, const std::string& id) const;
+  /// Why nothing can be told by this plan; empty: something can.
+  std::string doubt_of_everything() const;
+  /// Nothing is verified, done again or released; what waits to be judged says why.
+  void hold_everything(const std::string& why);
+  void recall_item(LoopItemT& item, const std::string& why);
+  /// The measurements that an item rests on: of its anchor, or of the anchors of its panel.
+  void note_basis(LoopItemT& item) const;
+  /// Without a new measurement a floor that moved stays in doubt.
+  std::set<int> floors_in_doubt() const;
+  /// Floors whose anchors all moved together: their control did, now or when they were measured last. Nothing of them
+  /// is verified or released by this plan. Fewer than three anchors do not show that it is in order again.
+  void find_floors_that_moved();
+  /// What was released is recalled, and what was verified is measured at most: it was verified by one of two
+  /// measurements that contradict each other.
+  void doubt_what_stands_on_moved_control();
+  /// Its own floor or that of a neighbour above or below, whose control moved.
+  bool touches_moved_floor(const PlannedPanelT& panel) const;
+  /// Whether a panel hangs on it.
+  bool carries(const std::string& bracket) const;
+
+  // What was done, by this measurement (judge_round.cpp).
+  void verify_brackets();
+  void judge_bracket(LoopItemT& item, const BracketSettingT& bracket);
+  void verify(LoopItemT& item, const BracketSettingT& bracket, const std::string& why);
+  /// Measured for the first time, or for the first time since its control was found to be in order again: what carries
+  /// a panel is where it is now, what was being set is planned anew.
+  void look_again(LoopItemT& item, const BracketSettingT& bracket);
+  /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked, also
+  /// where a known mistake of a robot would explain its place.
+  void judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there);
+  void give_to_a_person(LoopItemT& item, const std::string& why);
+  /// Whether all anchors of a panel were measured, and those of a panel that was just hung since it hangs.
+  bool can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const;
+  void verify_panels();
+  void take_down(const PlannedPanelT& panel, LoopItemT& item);
+  /// Back to planned with one more rework, or rejected after too many.
+  void do_again(LoopItemT& item, const Because& because);
+  Eigen::Vector3d doubt(const BracketSettingT& bracket) const { return doubt_of(bracket, options_.setting_tolerance); }
+
+  // What comes next (release_round.cpp).
+  void find_stale();
+  /// Why a panel may not be hung as it was released; empty: it may.
+  std::string why_stale(const PlannedPanelT& panel, const LoopItemT& item) const;
+  /// Brackets that stand where they were to be, under a panel that is not GO with them: set again, if the plan could
+  /// tell how.
+  void unset_what_does_not_do();
+  bool turn_of(const PlannedPanelT& panel) const;
+  void release();
+  bool bracket_is_ready(const std::string& id);
+  /// Whether a panel that is HOLD is likely to be GO as it is planned, once more campaigns leave no error of their own.
+  /// Brackets that were set for it are left where they are only if it is more likely inside than not.
+  bool another_campaign_may_do(const PlannedPanelT& panel) const;
+  /// Of this plan: raised once, by the first item that it releases.
+  int revision();
+
+  LoopStateT& state_;
+  const InstallationPlanT& plan_;
+  const MachineOptions& options_;
+  std::map<std::string, LoopItemT*> item_of_;
+  std::map<std::string, const BracketSettingT*> bracket_of_;
+  std::vector<std::string> rests_on_;
+  std::set<int> moved_floors_;
+  std::set<std::string> measured_again_;  ///< panels that wait for another campaign
+  bool raised_ = false;
+};
+
+}  // namespace plumbline::loop

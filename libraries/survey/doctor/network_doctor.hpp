@@ -1,0 +1,22 @@
+// What a surveyor is told of an adjusted network, and whether it may be used.
+#pragma once
+
+#include <vector>
+
+#include "survey/network/network_model.hpp"
+
+namespace plumbline::survey {
+
+/// Uncontrolled and weak observations, hinge points, failing tests: what a surveyor should look at.
+std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result);
+
+/// Coordinates look like those of a map and none was given: a finding at the head of the result, a warning (true) where
+/// they hold the network. `scale` of all distances as the network would estimate it.
+bool tell_missing_map(const NetworkModel& model, const AdjustOptions& options, const CommonEstimate& scale,
+                      NetworkResult& result);
+
+/// Whether the result may be used: `validity` and `verdict` of the result. An invalid result's cofactors are multiplied
+/// with sigma0 squared, so that nobody who takes it all the same believes it. `critical` is that of removals.
+void judge(const NetworkModel& model, double critical, NetworkResult& result);
+
+}  // namespace plumbline::survey

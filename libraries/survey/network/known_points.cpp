@@ -1,0 +1,128 @@
+// What the readings say of points that were known before: the difference each would have without its own coordinates.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+#include "survey/network/network_model.hpp"
+#include "survey/words/network_words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// One group of known coordinates after the adjustment: v, its weights, and M = P Qvv P.
+struct Known {
+  const CoordinateGroup* group;
+  VectorXd u;  ///< P v
+  MatrixXd m;
+  double scale;  ///< largest weight
+};
+
+Known known_of(const CoordinateGroup& group, const NetworkModel& model, const NetworkProblem& problem,
+               const least_squares::Solution& solution, const least_squares::Cofactors& cofactors) {
+  const auto n = static_cast<Index>(group.components.size());
+  VectorXd v(n);
+  std::vector<int> unknowns;
+  std::vector<Index> rows;
+  for (Index k = 0; k < n; ++k) {
+    const auto& [point, axis] = group.components[static_cast<size_t>(k)];
+    const int block = problem.point_blocks[static_cast<size_t>(model.index.at(point))];
+    v[k] = problem.problem.parameters[static_cast<size_t>(block)].value[static_cast<size_t>(axis)] - group.values[k];
+    const int unknown = solution.unknowns(block, axis);
+    if (unknown < 0) continue;
+    unknowns.push_back(unknown);
+    rows.push_back(k);
+  }
+  MatrixXd q = MatrixXd::Zero(n, n);  // of the adjusted coordinates
+  q(rows, rows) = cofactors.joint(unknowns);
+  const MatrixXd p = group.covariance.ldlt().solve(MatrixXd::Identity(n, n));
+  return {&group, p * v, p - p * q * p, p.diagonal().maxCoeff()};
+}
+
+/// d = M^-1 u over what can be tested: directions in which nothing but the point itself says where it is have no
+/// weight in M (Baarda 1968, several rows as one hypothesis).
+KnownPoint difference_of(const Known& known, const std::string& id, double alpha) {
+  // Of a weight: rounding of P - P Q P is some 1e-12 of it, a reading that shares a point with ten others 1e-4.
+  constexpr double kTestable = 1e-8;
+  KnownPoint result;
+  result.id = id;
+  std::vector<Index> rows;
+  for (size_t k = 0; k < known.group->components.size(); ++k)
+    if (known.group->components[k].point == id) rows.push_back(static_cast<Index>(k));
+  for (const Index row : rows)
+    result.sigma[known.group->components[static_cast<size_t>(row)].axis] = std::sqrt(known.group->covariance(row, row));
+  const VectorXd u = known.u(rows);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(known.m(rows, rows)));
+  VectorXd d = VectorXd::Zero(u.size());
+  for (Index k = 0; k < u.size(); ++k) {
+    const double weight = eigen.eigenvalues()[k];
+    if (weight < kTestable * known.scale) continue;
+    const double along = eigen.eigenvectors().col(k).dot(u);
+    d += eigen.eigenvectors().col(k) * (along / weight);
+    result.statistic += along * along / weight;
+    ++result.rank;
+  }
+  for (size_t k = 0; k < rows.size(); ++k)
+    result.difference[known.group->components[static_cast<size_t>(rows[k])].axis] = d[static_cast<Index>(k)];
+  if (result.rank > 0) result.critical = chi_squared_quantile(1 - alpha, result.rank);
+  return result;
+}
+
+std::string difference_in_words(const KnownPoint& k) {
+  std::string text = k.id;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::isnan(k.sigma[axis])) continue;
+    const double mm = 1e3 * k.difference[axis];
+    text += std::string(axis && text.size() > k.id.size() ? ", " : " ") + "ENH"[axis] + (mm < 0 ? " " : " +") +
+            fixed_digits(mm, 1);
+  }
+  return text + " mm";
+}
+
+}  // namespace
+
+std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
+                                           const least_squares::Solution& solution,
+                                           const least_squares::Cofactors& cofactors, double alpha) {
+  std::vector<KnownPoint> result;
+  for (const CoordinateGroup& group : model.survey.coordinates) {
+    if (!group.is_control) continue;
+    const Known known = known_of(group, model, problem, solution, cofactors);
+    std::vector<std::string> ids;
+    for (const auto& c : group.components)
+      if (std::find(ids.begin(), ids.end(), c.point) == ids.end()) ids.push_back(c.point);
+    for (const std::string& id : ids) result.push_back(difference_of(known, id, alpha));
+  }
+  std::stable_sort(result.begin(), result.end(), [](const KnownPoint& a, const KnownPoint& b) {
+    return a.difference.norm() > b.difference.norm() + 1e-7;
+  });
+  return result;
+}
+
+Finding in_words(const std::vector<KnownPoint>& known) {
+  constexpr size_t kShown = 4;
+  const bool stand = std::all_of(known.begin(), known.end(), [](const KnownPoint& k) { return k.stands(); });
+  const auto tested =
+      static_cast<size_t>(std::count_if(known.begin(), known.end(), [](const KnownPoint& k) { return k.rank > 0; }));
+  Finding finding{stand ? Finding::Severity::note : Finding::Severity::warning, "", {}};
+  finding.text =
+      std::to_string(known.size()) + " known point" + (known.size() > 1 ? "s" : "") + ", as measured minus as known: ";
+  for (const KnownPoint& k : known) {
+    if (k.rank == 0 || finding.points.size() == kShown) continue;
+    finding.text += (finding.points.empty() ? "" : "; ") + difference_in_words(k);
+    finding.points.push_back(k.id);
+  }
+  if (tested > kShown) finding.text += "; " + std::to_string(tested - kShown) + " less";
+  if (!stand)
+    finding.text +=
+        ". They do not fit each other and the readings: one of them is wrong or has moved, or a reading "
+        "between them; if they are only less good than that, give known_sigma";
+  return finding;
+}
+
+}  // namespace plumbline::survey

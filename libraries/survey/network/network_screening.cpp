@@ -1,0 +1,144 @@
+// Which observations can take part, judged by the approximate coordinates.
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "geometry/median.hpp"
+#include "survey/network/network_model_steps.hpp"
+
+namespace plumbline::survey {
+
+void find_lengths(NetworkModel& m) {
+  std::map<std::tuple<int, std::string, double>, Eigen::Vector2d> measured;  // slope, zenith angle
+  const auto key = [](const Observation& o) {
+    return std::tuple(o.set_up, o.to, std::isnan(o.target_height) ? 0.0 : o.target_height);
+  };
+  for (const MeanObservation& mean : m.observations) {
+    const Observation& o = mean.observation;
+    if (o.set_up < 0) continue;
+    Eigen::Vector2d& sight = measured.try_emplace(key(o), kNotGiven, kNotGiven).first->second;
+    if (o.kind == ObservationKind::slope_distance) sight[0] = o.value;
+    if (o.kind == ObservationKind::zenith_angle) sight[1] = o.value;
+  }
+  for (const MeanObservation& mean : m.observations) {
+    const Observation& o = mean.observation;
+    const Eigen::Vector3d d = m.initial[m.index.at(o.to)] - m.initial[m.index.at(o.from)];
+    Eigen::Vector2d lengths(d.head<2>().norm(), d.norm());
+    if (const auto at = measured.find(key(o)); o.set_up >= 0 && at != measured.end() && !at->second.hasNaN())
+      lengths = {at->second[0] * std::abs(std::sin(at->second[1])), at->second[0]};
+    m.lengths.push_back(lengths.cwiseMax(kShortestHorizontal));
+  }
+}
+
+void drop_unusable(NetworkModel& m) {
+  m.dropped.assign(m.observations.size(), 0);
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    const int from = m.index.at(o.from), to = m.index.at(o.to);
+    const Eigen::Vector3d d = m.initial[to] - m.initial[from];
+    const bool needs_plan = o.kind != ObservationKind::height_difference;
+    const bool needs_height = o.kind == ObservationKind::height_difference || o.kind == ObservationKind::zenith_angle ||
+                              o.kind == ObservationKind::slope_distance;
+    std::string reason;
+    const auto lacks = [&](int p, int axis) { return m.roles[p][axis] == CoordinateRole::unused; };
+    if (from == to) reason = "it sights its own station";
+    if (needs_plan && (lacks(from, 0) || lacks(to, 0))) reason = "one end has no plan position";
+    if (needs_height && (lacks(from, 2) || lacks(to, 2))) reason = "one end has no height";
+    const double h = d.head<2>().norm();
+    if (reason.empty() && (o.kind == ObservationKind::direction || o.kind == ObservationKind::azimuth) &&
+        h < kShortestHorizontal)
+      reason = "the sight is vertical, a direction means nothing there";
+    if (reason.empty() && o.kind == ObservationKind::zenith_angle && h < 1e-3) reason = "the sight is exactly vertical";
+    if (reason.empty()) continue;
+    m.dropped[i] = 1;
+    m.findings.push_back({Finding::Severity::warning, name_of(o) + " is not used: " + reason, {o.from, o.to}});
+  }
+}
+
+void find_map_corrections(NetworkModel& m) {
+  m.corrections.clear();
+  if (!m.map) return;
+  if (!m.starts_from_known_points)
+    throw NetworkError(
+        "map: no point has coordinates, so that nothing says where on the map the network lies; give "
+        "control points");
+  const auto place = [&](const std::string& id) -> const Eigen::Vector3d& { return m.initial[m.index.at(id)]; };
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    MapCorrection& c = m.corrections.emplace_back();
+    if (m.dropped[i] || o.kind == ObservationKind::height_difference || o.kind == ObservationKind::azimuth) continue;
+    const Eigen::Vector3d &from = place(o.from), &to = place(o.to);
+    try {
+      c.scale = m.map->scale(from, to);
+      if (o.kind == ObservationKind::direction) c.direction = m.map->direction(from, to);
+      if (o.kind == ObservationKind::angle)
+        c.direction = m.map->direction(from, place(o.second_to)) - m.map->direction(from, to);
+    } catch (const std::runtime_error& error) {
+      throw NetworkError("map " + m.map->name() + ": " + o.from + " at E " + fixed_digits(from.x(), 1) + ", N " +
+                         fixed_digits(from.y(), 1) + ": " + error.what());
+    }
+  }
+}
+
+namespace {
+
+/// What the approximate coordinates disagree with an observation, as a length at the target [m].
+double misclosure(const NetworkModel& m, const Observation& o, double orientation) {
+  const auto or_zero = [](double v) { return std::isnan(v) ? 0.0 : v; };
+  const double own = o.set_up >= 0 ? m.survey.set_ups[o.set_up].instrument_height : 0.0;
+  const double instrument = or_zero(std::isnan(o.instrument_height) ? own : o.instrument_height);
+  const auto sight = [&](const std::string& to, double height) {
+    Eigen::Vector3d d = m.initial[m.index.at(to)] - m.initial[m.index.at(o.from)];
+    d.z() += or_zero(height) - instrument;
+    return d;
+  };
+  const Eigen::Vector3d d = sight(o.to, o.target_height);
+  const double h = d.head<2>().norm(), azimuth = std::atan2(d.x(), d.y());
+  switch (o.kind) {
+    case ObservationKind::direction:
+      return h * wrap_angle(azimuth - orientation - o.value);
+    case ObservationKind::azimuth:
+      return h * wrap_angle(azimuth - o.value);
+    case ObservationKind::angle:
+      return 0;
+    case ObservationKind::zenith_angle:
+      return d.norm() * wrap_angle(std::atan2(h, d.z()) - o.value);
+    case ObservationKind::slope_distance:
+      return d.norm() - o.value;
+    case ObservationKind::horizontal_distance:
+      return h - o.value;
+    case ObservationKind::height_difference:
+      return d.z() - o.value;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void drop_outlying(NetworkModel& m) {
+  const double tolerance = m.survey.info.largest_misclosure;
+  if (std::isnan(tolerance)) return;
+  std::map<int, std::vector<double>> turns;
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    if (m.dropped[i] || o.kind != ObservationKind::direction) continue;
+    const Eigen::Vector3d d = m.initial[m.index.at(o.to)] - m.initial[m.index.at(o.from)];
+    auto& list = turns[o.set_up];
+    const double turn = std::atan2(d.x(), d.y()) - o.value;
+    list.push_back(list.empty() ? turn : list.front() + wrap_angle(turn - list.front()));
+  }
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const Observation& o = m.observations[i].observation;
+    if (m.dropped[i] || o.kind == ObservationKind::angle) continue;  // its arms have no one length
+    const bool direction = o.kind == ObservationKind::direction;
+    const double size = misclosure(m, o, direction ? upper_median(turns.at(o.set_up)) : 0.0);
+    if (!(std::abs(size) > tolerance)) continue;
+    m.dropped[i] = 1;
+    m.findings.push_back({Finding::Severity::warning,
+                          name_of(o) + " is not used: it contradicts the approximate coordinates by " +
+                              std::to_string(std::abs(size)) + " m",
+                          {o.from, o.to}});
+  }
+}
+
+}  // namespace plumbline::survey

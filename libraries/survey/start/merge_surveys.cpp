@@ -1,0 +1,417 @@
+#include "survey/start/merge_surveys.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "survey/model/common_info.hpp"
+#include "survey/model/reduced_readings.hpp"
+#include "survey/model/repeated_readings.hpp"
+#include "survey/model/station_identity.hpp"
+#include "survey/start/reused_names.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr double kSamePlace = 0.01;                 // [m]
+constexpr double kFixedContradiction = 0.001;       // [m]
+constexpr double kOtherFrame = 0.5;                 // [m]; points do not move that far between two days
+constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up
+
+template <typename Item>
+void append(const std::vector<Item>& from, std::vector<Item>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+std::string listed(const std::vector<std::string>& names, size_t most = 8) {
+  std::string text;
+  for (size_t i = 0; i < std::min(most, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+std::string in_metres(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f m", value);
+  return text;
+}
+
+/// "monday" of "survey/monday.gsi": short enough to stand in front of a point's name.
+std::string stem(const std::string& file) {
+  const std::string name =
+      file.substr(file.find_last_of("/\\") == std::string::npos ? 0 : file.find_last_of("/\\") + 1);
+  const size_t dot = name.rfind('.');
+  return dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
+}
+
+class Merger {
+ public:
+  Merger(const std::vector<SurveyObservations>& surveys, const MergeOptions& options)
+      : surveys_(surveys), options_(options) {
+    name_files();
+  }
+  MergedSurvey run();
+
+ private:
+  void name_files();
+  void decide_stations();
+  void decide_targets();
+  void decide_station(const std::string& station, const std::vector<size_t>& files);
+  StationEvidence evidence(const std::string& station, size_t a, size_t b) const;
+  void compare_coordinates();
+  void compare_coordinates(size_t a, size_t b);
+  void refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const;
+  std::string name_in(size_t file, const std::string& id) const;
+  void merge_points(size_t file);
+  int instrument_of(const std::string& name);
+  void merge_observations(size_t file);
+  void merge_groups(size_t file);
+  void find(Finding::Severity severity, const std::string& text, std::vector<std::string> points) {
+    merged_.findings.push_back({severity, text, std::move(points)});
+  }
+
+  const std::vector<SurveyObservations>& surveys_;
+  const MergeOptions& options_;
+  MergedSurvey merged_;
+  std::vector<std::string> files_;                           // a short, unique name of each
+  std::vector<std::map<std::string, std::string>> renamed_;  // by file
+  std::vector<char> drop_coordinates_;                       // of free points, by file
+  std::vector<std::set<std::string>> drop_points_;           // likewise, of single points
+  std::map<std::string, size_t> index_;
+  std::set<std::string> set_up_ids_;
+  int pointings_ = 0;
+  CommonInfo common_;
+};
+
+void Merger::name_files() {
+  std::set<std::string> used;
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    const std::string base = surveys_[i].files.empty() ? "file " + std::to_string(i + 1) : stem(surveys_[i].files[0]);
+    std::string name = base;
+    for (int k = 2; !used.insert(name).second; ++k) name = base + "-" + std::to_string(k);
+    files_.push_back(name);
+  }
+  renamed_.resize(surveys_.size());
+  drop_points_.resize(surveys_.size());
+  drop_coordinates_.assign(surveys_.size(), 0);
+}
+
+std::string Merger::name_in(size_t file, const std::string& id) const {
+  const auto at = renamed_[file].find(id);
+  return at == renamed_[file].end() ? id : at->second;
+}
+
+StationEvidence Merger::evidence(const std::string& station, size_t a, size_t b) const {
+  const auto contains = [](const std::vector<std::string>& list, const std::string& id) {
+    return std::find(list.begin(), list.end(), id) != list.end();
+  };
+  if (contains(options_.same_stations, station) || contains(options_.same_stations, "*"))
+    return {true, "you say that it is the same mark"};
+  if (station.starts_with(kInvented)) return {false, "their files do not name them"};
+  const StationEvidence seen = compare_figures(surveys_[a], surveys_[b], station);
+  if (seen.decided) return seen;
+  if (contains(options_.known, station)) return {true, "it is a known point"};
+  return compare_marks(surveys_[a], surveys_[b], station);
+}
+
+void Merger::decide_station(const std::string& station, const std::vector<size_t>& files) {
+  // Files whose mark is shown to be the same as that of an earlier one share its name.
+  std::vector<std::vector<size_t>> groups;
+  std::vector<std::string> reasons;
+  std::string doubt;
+  for (const size_t file : files) {
+    bool placed = false;
+    for (size_t g = 0; g < groups.size() && !placed; ++g)
+      for (const size_t other : groups[g]) {
+        const StationEvidence found = evidence(station, other, file);
+        if (!found.same) {
+          doubt = found.reason;
+          continue;
+        }
+        groups[g].push_back(file);
+        reasons[g] = found.reason;
+        placed = true;
+        break;
+      }
+    if (placed) continue;
+    groups.push_back({file});
+    reasons.emplace_back();
+  }
+  const auto names = [&](const std::vector<size_t>& group) {
+    std::vector<std::string> list;
+    for (const size_t file : group) list.push_back(files_[file]);
+    return listed(list);
+  };
+  for (size_t g = 0; g < groups.size(); ++g)
+    if (groups[g].size() > 1)
+      find(Finding::Severity::warning,
+           "station " + station + " of " + names(groups[g]) + " was united to one point: " + reasons[g] +
+               ". If these are two marks, give one another name",
+           {station});
+  if (groups.size() < 2) return;
+  std::vector<std::string> now;
+  for (const auto& group : groups) {
+    const std::string name = files_[group.front()] + ":" + station;
+    now.push_back(name);
+    for (const size_t file : group) renamed_[file][station] = name;
+  }
+  find(Finding::Severity::warning,
+       "station " + station + " is occupied in " + names(files) + ", and nothing shows that it is the same mark (" +
+           doubt + "): they are points of their own, " + listed(now) +
+           (station.starts_with(kInvented) ? "" : "; if it is one mark, name it in same_stations"),
+       now);
+}
+
+void Merger::decide_stations() {
+  std::map<std::string, std::vector<size_t>> occupied;
+  std::vector<std::set<std::string>> sighted(surveys_.size());
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    for (const SetUp& s : surveys_[i].set_ups) {
+      std::vector<size_t>& files = occupied[s.station];
+      if (files.empty() || files.back() != i) files.push_back(i);
+    }
+    for (const Observation& o : surveys_[i].observations) sighted[i].insert(o.to);
+  }
+  for (const std::string& station : options_.same_stations)
+    if (const auto found = occupied.find(station);
+        station != "*" && (found == occupied.end() || found->second.size() < 2))
+      find(Finding::Severity::warning,
+           "same_stations names " + station + ", which is occupied in " +
+               (found == occupied.end() ? std::string("no file") : files_[found->second.front()] + " only") +
+               ": there is nothing to unite; check the name",
+           {station});
+  for (const auto& [station, files] : occupied) {
+    if (files.size() > 1) {
+      decide_station(station, files);
+      continue;
+    }
+    if (station.starts_with(kInvented)) continue;
+    std::vector<std::string> elsewhere;
+    for (size_t i = 0; i < surveys_.size(); ++i)
+      if (i != files.front() && sighted[i].contains(station)) elsewhere.push_back(files_[i]);
+    if (!elsewhere.empty())
+      find(
+          Finding::Severity::note,
+          "station " + station + " of " + files_[files.front()] + " is the target of that name in " + listed(elsewhere),
+          {station});
+  }
+}
+
+/// Numbers that began again on another day: one name, two marks. A known point, or one to which both files give the
+/// same coordinates, is one mark whatever the sights say; those are for the adjustment to find.
+void Merger::decide_targets() {
+  std::vector<std::map<std::string, Eigen::Vector3d>> places;
+  for (const SurveyObservations& survey : surveys_) places.push_back(seen_places(survey));
+  std::vector<std::map<std::string, Eigen::Vector3d>> given(surveys_.size());
+  for (size_t i = 0; i < surveys_.size(); ++i)
+    for (const Point& p : surveys_[i].points) given[i].emplace(p.id, p.coordinates);
+  const auto is_one_mark = [&](const std::string& id, size_t a, size_t b) {
+    if (std::find(options_.known.begin(), options_.known.end(), id) != options_.known.end()) return true;
+    const auto one = given[a].find(id), other = given[b].find(id);
+    return one != given[a].end() && other != given[b].end() &&
+           (one->second - other->second).head<2>().norm() < kSamePlace;
+  };
+  for (size_t b = 1; b < surveys_.size(); ++b)
+    for (size_t a = 0; a < b; ++a) {
+      auto there = places[a], here = places[b];
+      for (const size_t file : {a, b})
+        for (const auto& [id, name] : renamed_[file]) there.erase(id), here.erase(id);
+      std::vector<std::string> reused;
+      for (const std::string& id : reused_names(there, here))
+        if (!is_one_mark(id, a, b)) reused.push_back(id);
+      if (reused.size() < 2) continue;
+      std::vector<std::string> now;
+      for (const std::string& id : reused) now.push_back(renamed_[b][id] = files_[b] + ":" + id);
+      find(Finding::Severity::warning,
+           "the names " + listed(reused) + " stand for other marks in " + files_[b] + " than in " + files_[a] +
+               " (their places do not fit each other): numbering began again. They are points of their own, " +
+               listed(now, 3) + "; where it is one mark after all, the sights to it are wrong",
+           now);
+    }
+}
+
+void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const {
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<size_t>(k);
+    const bool fixed = a.roles[axis] == CoordinateRole::fixed && b.roles[axis] == CoordinateRole::fixed;
+    if (fixed && std::abs(a.coordinates[k] - b.coordinates[k]) > kFixedContradiction)
+      throw NetworkError("the fixed point " + a.id + " has in " + files_[file_a] + " another " + "ENH"[k] + " (" +
+                         in_metres(a.coordinates[k]) + ", " + place(a.source) + ") than in " + files_[file_b] + " (" +
+                         in_metres(b.coordinates[k]) + ", " + place(b.source) + "): mend one of the files");
+  }
+}
+
+void Merger::compare_coordinates(size_t a, size_t b) {
+  std::map<std::string, const Point*> known;
+  for (const Point& p : surveys_[a].points) known[name_in(a, p.id)] = &p;
+  std::vector<std::string> different;
+  size_t shared = 0;
+  double largest = 0;
+  for (const Point& p : surveys_[b].points) {
+    const auto at = known.find(name_in(b, p.id));
+    if (at == known.end()) continue;
+    refuse_fixed(*at->second, p, a, b);
+    const Eigen::Vector3d d = p.coordinates - at->second->coordinates;
+    double worst = kNotGiven;
+    for (int k = 0; k < 3; ++k)
+      if (!std::isnan(d[k])) worst = std::isnan(worst) ? std::abs(d[k]) : std::max(worst, std::abs(d[k]));
+    if (std::isnan(worst)) continue;
+    ++shared;
+    largest = std::max(largest, worst);
+    if (worst > kSamePlace) different.push_back(at->first);
+  }
+  if (different.empty()) return;
+  const std::string what = "the coordinates of " + listed(different) + " in " + files_[b] + " differ from those in " +
+                           files_[a] + " by up to " + in_metres(largest);
+  // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
+  if (2 * different.size() >= shared && largest > kOtherFrame) {
+    drop_coordinates_[b] = 1;
+    find(Finding::Severity::warning,
+         what + ": the files are in different frames. The coordinates of " + files_[b] +
+             " are not used, its points are computed from the observations",
+         different);
+    return;
+  }
+  for (const std::string& id : different) drop_points_[b].insert(id);
+  find(Finding::Severity::warning, what + "; those of " + files_[a] + " are taken as approximate values", different);
+}
+
+void Merger::compare_coordinates() {
+  for (size_t b = 1; b < surveys_.size(); ++b)
+    for (size_t a = 0; a < b && !drop_coordinates_[b]; ++a)
+      if (!drop_coordinates_[a]) compare_coordinates(a, b);
+}
+
+/// Points of the same name are one now: the first coordinates, the strongest role, which brings its coordinates along.
+void Merger::merge_points(size_t file) {
+  std::vector<Point>& all = merged_.survey.points;
+  for (Point p : surveys_[file].points) {
+    p.id = name_in(file, p.id);
+    for (int k = 0; k < 3; ++k)
+      if ((drop_coordinates_[file] || drop_points_[file].contains(p.id)) &&
+          p.roles[static_cast<size_t>(k)] <= CoordinateRole::free)
+        p.coordinates[k] = kNotGiven;
+    const auto [at, is_new] = index_.try_emplace(p.id, all.size());
+    if (is_new) {
+      all.push_back(p);
+      continue;
+    }
+    Point& known = all[at->second];
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<size_t>(k);
+      const bool stronger = p.roles[axis] > known.roles[axis] && !std::isnan(p.coordinates[k]);
+      if (std::isnan(known.coordinates[k]) || stronger) known.coordinates[k] = p.coordinates[k];
+      known.roles[axis] = std::max(known.roles[axis], p.roles[axis]);
+    }
+    for (size_t k = 0; k < 3; ++k)
+      known.known[k] = known.known[k] || (p.known[k] && known.coordinates[static_cast<Eigen::Index>(k)] ==
+                                                            p.coordinates[static_cast<Eigen::Index>(k)]);
+    if (known.code.empty()) known.code = p.code;
+    if (known.description.empty()) known.description = p.description;
+  }
+}
+
+/// Its index; -1 if it has no name.
+int Merger::instrument_of(const std::string& name) {
+  if (name.empty()) return -1;
+  std::vector<std::string>& all = merged_.survey.instruments;
+  const auto at = std::find(all.begin(), all.end(), name);
+  const auto index = static_cast<int>(at - all.begin());
+  if (at == all.end()) all.push_back(name);
+  return index;
+}
+
+/// Observations and what refers to them, behind those that are there already.
+void Merger::merge_observations(size_t file) {
+  const SurveyObservations& s = surveys_[file];
+  SurveyObservations& all = merged_.survey;
+  const int set_up_offset = static_cast<int>(all.set_ups.size());
+  const int observation_offset = static_cast<int>(all.observations.size());
+  std::vector<int> instruments;  // of the file -> of all
+  for (const std::string& name : s.instruments) instruments.push_back(instrument_of(name));
+  const int own_instrument = common_.several_instruments ? instrument_of(s.info.instrument) : -1;
+  const bool reduced = common_.several_formats && is_of_adjustment_program(s.info);
+  for (SetUp set_up : s.set_ups) {
+    if (const std::string now = name_in(file, set_up.station); now != set_up.station) {
+      if (set_up.id.starts_with(set_up.station)) set_up.id = now + set_up.id.substr(set_up.station.size());
+      set_up.station = now;
+    }
+    if (!set_up_ids_.insert(set_up.id).second) {
+      set_up.id = files_[file] + ":" + set_up.id;
+      set_up_ids_.insert(set_up.id);
+    }
+    all.set_ups.push_back(std::move(set_up));
+  }
+  int next_pointing = pointings_;
+  for (Observation o : s.observations) {
+    if (o.set_up >= 0) o.set_up += set_up_offset;
+    if (o.pointing >= 0) o.pointing += pointings_;
+    o.instrument = o.instrument >= 0 ? instruments.at(static_cast<size_t>(o.instrument)) : own_instrument;
+    if (reduced) o.corrections.emplace_back(kReducedBefore);
+    next_pointing = std::max(next_pointing, o.pointing + 1);
+    for (std::string* id : {&o.from, &o.to, &o.second_to}) *id = name_in(file, *id);
+    all.observations.push_back(std::move(o));
+  }
+  pointings_ = next_pointing;
+  for (ObservationCovariance c : s.covariances) {
+    for (int& i : c.indices) i += observation_offset;
+    all.covariances.push_back(std::move(c));
+  }
+  for (LocalCoordinate c : s.local_coordinates) {
+    if (c.set_up >= 0) c.set_up += set_up_offset;
+    c.point = name_in(file, c.point);
+    all.local_coordinates.push_back(std::move(c));
+  }
+}
+
+void Merger::merge_groups(size_t file) {
+  SurveyObservations& all = merged_.survey;
+  for (CoordinateGroup g : surveys_[file].coordinates) {
+    for (auto& c : g.components) c.point = name_in(file, c.point);
+    all.coordinates.push_back(std::move(g));
+  }
+  for (VectorGroup g : surveys_[file].vectors) {
+    for (auto& v : g.vectors) {
+      v.from = name_in(file, v.from);
+      v.to = name_in(file, v.to);
+    }
+    all.vectors.push_back(std::move(g));
+  }
+}
+
+MergedSurvey Merger::run() {
+  common_ = common_info(surveys_, files_);
+  merged_.survey.info = common_.info;
+  append(common_.findings, merged_.findings);
+  decide_stations();
+  decide_targets();
+  compare_coordinates();
+  for (size_t i = 0; i < surveys_.size(); ++i) {
+    append(surveys_[i].files, merged_.survey.files);
+    merge_points(i);
+    merge_observations(i);
+    merge_groups(i);
+    append(surveys_[i].skipped, merged_.survey.skipped);
+    append(surveys_[i].warnings, merged_.survey.warnings);
+  }
+  return std::move(merged_);
+}
+
+}  // namespace
+
+MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const MergeOptions& options) {
+  if (all.empty()) return {};
+  std::vector<SurveyObservations> surveys = all;
+  const std::vector<std::string> repeated = take_out_repeated_readings(surveys);
+  MergedSurvey merged;
+  if (surveys.size() == 1 && options.same_stations.empty())
+    merged.survey = std::move(surveys.front());
+  else
+    merged = Merger(surveys, options).run();
+  for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
+  return merged;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,66 @@
+#include "brief_node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace plumbline::survey {
+
+namespace {
+
+/// Numbers of the observations that are kept, ascending.
+std::vector<std::size_t> kept_observations(const SurveyNetworkT& network, std::size_t most) {
+  const auto& all = network.observations;
+  std::set<int> acted_on;
+  for (const auto& step : network.snooping) acted_on.insert(step->observation);
+  const auto is_told = [&](std::size_t i) {
+    return all[i]->flagged || all[i]->removed || acted_on.contains(static_cast<int>(i));
+  };
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto rank = [&](std::size_t i) {
+    return is_told(i) ? 3 : all[i]->control == "uncontrolled" ? 2 : std::isfinite(all[i]->w) ? 1 : 0;
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return rank(a) != rank(b) ? rank(a) > rank(b) : rank(a) == 1 && std::abs(all[a]->w) > std::abs(all[b]->w);
+  });
+  const auto told = static_cast<std::size_t>(std::count_if(order.begin(), order.end(), is_told));
+  order.resize(std::min(all.size(), std::max(most, told)));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+}  // namespace
+
+void make_brief(SurveyNetworkT& network, std::size_t most) {
+  network.covariances.clear();
+  if (network.observations.size() <= most) return;
+  const std::vector<std::size_t> kept = kept_observations(network, most);
+  std::vector<int> number(network.observations.size(), -1);
+  std::vector<std::unique_ptr<NetworkObservationT>> observations;
+  for (const std::size_t i : kept) {
+    number[i] = static_cast<int>(observations.size());
+    observations.push_back(std::move(network.observations[i]));
+  }
+  auto note = std::make_unique<NetworkFindingT>();
+  note->severity = "note";
+  note->text =
+      "of " + std::to_string(network.observations.size()) + " observations this file has " +
+      std::to_string(kept.size()) +
+      ": those that something is to be said of and the most suspect; all are in observations.csv, ellipses and "
+      "covariances in coordinates.csv, points.json and relative.csv";
+  network.findings.push_back(std::move(note));
+  for (auto& step : network.snooping) step->observation = number[static_cast<std::size_t>(step->observation)];
+  network.observations = std::move(observations);
+  network.ellipsoids.clear();
+  std::erase_if(network.pointings, [](const auto& p) { return !p->flagged; });
+}
+
+void BriefNode::run(Context&) {
+  SurveyNetworkT brief = network.unpack();
+  make_brief(brief, static_cast<std::size_t>(*most));
+  result.commit(brief);
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# usage: every_folder.sh BIN WORK     `cd FOLDER && plumbline run PIPELINE folder=.` for every pipeline that takes a folder: what runs leave there is no
+# content of it, so the second run, with outputs inside or beside, finds everything as it was. A pipeline that is in no list here fails.
+set -uo pipefail
+bin=$1 work=$2
+rm -rf "$work"
+mkdir -p "$work"
+cd "$work"
+export PATH=$bin:$PATH PLUMBLINE_STORE=$work/.store XDG_CACHE_HOME=$work/.cache
+simulate() {  # FOLDER PARAMETERS
+  printf 'plumbline: 1\nvars: {seed: 2}\nnodes: {site: {use: simulate.campaign, with: {floors: 1, columns: 3, camera: quick_6mp, images_per_floor: 6%s}}}\noutputs: {site: site.folder}\n' "$2" > make.yaml
+  plumbline run make.yaml --out "made_$1" -q && cp -r "made_$1/site" "$1" && chmod -R u+w "$1"
+}
+simulate site "" && simulate observed ", photographs: observed"
+cp -r site found && rm found/campaign.yaml
+mkdir epochs && for day in 1 2 3; do cp site/survey/total_station.gsi "epochs/day$day.gsi"; done
+printf 'plumbline_campaign: 1\nsurvey: [day1.gsi, day2.gsi, day3.gsi]\n' > epochs/campaign.yaml
+plumbline example board > /dev/null
+printf 'type: tags\ncolumns: 4\nrows: 5\nmarker: 0.0375\ngap: 0.005\ndictionary: DICT_6X6_1000\n' > board.yaml
+tags="detector=aruco family=DICT_6X6_1000"
+plumbline run marker_board folder=board $tags tag_size=0.0375 --out known -q > /dev/null
+plumbline run calibrate_camera folder=board board=board.yaml --out known_camera -q > /dev/null
+
+where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because its data are not public
+  case $1 in
+    site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | site_survey | check_campaign | survey_campaign) echo site ;;
+    site_observations | plan_installation) echo observed ;;
+    site_loop | site_loop_photographs) echo "site first=true now=2026-05-05T08:00:00Z measured=2026-05-04T08:00:00Z" ;;
+    init_campaign) echo found ;;
+    epoch_series) echo "epochs movements.with.days=[0,30,61]" ;;
+    detect_images | photo_campaign) echo "board $tags" ;;
+    photo_surfaces) echo "board $tags" ;;
+    marker_board) echo "board $tags tag_size=0.0375" ;;
+    calibrate_camera) echo "board board=../board.yaml" ;;
+    marker_field) echo "board $tags layout=../known/tags.json camera=../known_camera/camera.yaml tag_size=0.0375" ;;
+    measure_targets | image_block) ;;   # need targets that somebody pointed at, another program's files: they list a folder as these do
+    *) echo unknown ;;
+  esac
+}
+missing=0
+for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import json, sys; print(*[p["name"] for p in json.load(sys.stdin)])'); do
+  plumbline describe "$pipeline" --json | grep -q '"folder"' || continue
+  read -r folder words <<< "$(where "$pipeline")"
+  [[ -z $folder ]] && continue
+  [[ $folder == unknown ]] && { echo "$pipeline takes a folder and is not tried: add it to this test"; missing=1; continue; }
+  codes=""
+  for out in "" "" "--out ../beside_$pipeline" "--out ."; do
+    # shellcheck disable=SC2086
+    (cd "$folder" && plumbline run "$pipeline" folder=. $words $out < /dev/null) > said 2>&1
+    status=$?
+    # An output of the name of one of the folder's own files (site_loop's control.csv) is refused before anything runs.
+    [[ $out == "--out ." ]] && grep -q "outputs would replace what this program did not write" said && continue
+    codes+=" $status"
+    executed=$(sed -n 's/.*: \([0-9]*\) executed, .*/\1/p' said | tail -1)
+    if [[ -n ${codes// /} && $codes == *" "*" "* && ${executed:-99} -gt 1 ]] || grep -q "changed under" said; then  # one: read.tag_family looks at its file each time
+      echo "$pipeline folder=. $words $out: $executed executed, exit codes$codes"; tail -5 said; missing=1
+    fi
+  done
+  [[ $(tr ' ' '\n' <<< "$codes" | sed '/^$/d' | sort -u | wc -l) -eq 1 && $codes != *" 1"* && $codes != *" 2"* ]] || { echo "$pipeline folder=. $words: exit codes$codes"; tail -5 said; missing=1; }
+done
+exit $missing

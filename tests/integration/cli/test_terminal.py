@@ -1,0 +1,76 @@
+"""usage: test_terminal.py PLUMBLINE WORK     What people see: no control codes where none belong (TERM=dumb, NO_COLOR, pipes), lines that fit 80 and
+200 columns, verdicts in colour, an end that says what came out."""
+import fcntl
+import os
+import pathlib
+import pty
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import termios
+
+
+PROGRAM, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2])
+shutil.rmtree(WORK, ignore_errors=True)
+WORK.mkdir(parents=True)
+BASE = {**{k: v for k, v in os.environ.items() if k not in ("NO_COLOR", "COLUMNS")}, "PLUMBLINE_STORE": str(WORK / "store"), "TERM": "xterm-256color"}
+faults = []
+
+
+def expect(holds, what):
+    if not holds:
+        faults.append(what)
+
+
+def on_terminal(words, columns=80, **environment):
+    """What the program writes on a terminal of that width."""
+    leader, follower = pty.openpty()
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    child = subprocess.Popen([PROGRAM, *words], stdin=follower, stdout=follower, stderr=follower, cwd=WORK, env={**BASE, **environment})
+    os.close(follower)
+    text = b""
+    while True:
+        try:
+            piece = os.read(leader, 65536)
+        except OSError:
+            break
+        if not piece:
+            break
+        text += piece
+    child.wait()
+    os.close(leader)
+    return text.decode(errors="replace").replace("\r\n", "\n")
+
+
+def plain(text):
+    return re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
+
+
+run = ["run", "observations", "floors=1", "images_per_floor=6", "--out", "out"]
+dumb = on_terminal(run, TERM="dumb")
+expect("\x1b" not in dumb, f"TERM=dumb has control codes: {dumb!r}")
+expect("\r" not in dumb, f"TERM=dumb writes over its lines: {dumb!r}")
+expect("\x1b[3" not in on_terminal(run, NO_COLOR="1"), "NO_COLOR has colours")
+ended = plain(on_terminal(run))
+expect("Result" in ended and "sigma0" in ended, f"the run ends without its result: {ended[-400:]}")
+piped = subprocess.run([PROGRAM, *run], capture_output=True, text=True, cwd=WORK, env=BASE)
+expect("\x1b" not in piped.stdout + piped.stderr and "\r" not in piped.stdout, "a pipe gets control codes")
+
+# A verdict that is no pass is seen: the site's anchors are off by more than their tolerance.
+judged = on_terminal(["run", "single_floor", "columns=3", "camera=quick_6mp", "--out", "site"])
+expect(re.search(r"\x1b\[[0-9;]*m[^\x1b]*FAIL", judged) or "FAIL" not in plain(judged), "FAIL has no colour")
+expect("\x1b[" in judged, "a terminal has no colour")
+expect("Took part:" in plain(judged), "the run does not say what took part")
+expect(not re.search(r"about \d+\.\d+ s", plain(judged)), "time left to hundredths of a second")
+
+# Tables; a word that is longer than its column stands alone.
+for columns in (80, 200):
+    for words in (["list"], ["list", "pipelines"], ["list", "artifacts"], ["describe", "site_campaign"], ["doctor"]):
+        text = plain(on_terminal(words, columns))
+        long = [line for line in text.splitlines() if len(line) > columns and len(line.split()) > 1]
+        expect(not long, f"{' '.join(words)} at {columns} columns: {long[:1]}")
+for fault in faults:
+    print(fault)
+sys.exit(1 if faults else 0)

@@ -1,0 +1,113 @@
+// The anchors of a facade by all rounds: control stays common, what was worked on starts anew, what nobody measured
+// stays unmeasured.
+#include "loop/state/rounds_estimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include "loop/state/plan_artifact.hpp"
+#include "loop/state/state_file.hpp"
+#include "random_facade.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+using test::random_facade;
+
+constexpr CombineOptions kNoDrift{0, 1e-3, 1e-6};
+
+/// A floor of two panels whose anchors are known to 0.5 mm each, and control to 0.9 mm in height.
+Facade measured(std::uint64_t seed) {
+  Facade facade = random_facade({1, 2}, seed, 0.0005, 0.0005, 0);
+  facade.own = facade.covariance;
+  for (Eigen::Index i = 2; i < facade.covariance.rows(); i += 3)
+    for (Eigen::Index j = 2; j < facade.covariance.cols(); j += 3) facade.covariance(i, j) += 0.0009 * 0.0009;
+  return facade;
+}
+
+std::unique_ptr<LoopItemT> bracket_item(const std::string& id, ItemStatus status) {
+  auto item = std::make_unique<LoopItemT>();
+  item->id = id, item->kind = "bracket", item->status = status;
+  item->setting.setZero(), item->pending.setZero(), item->expected.setZero();
+  return item;
+}
+
+TEST(RoundsEstimate, WhatCampaignsShareIsNotAveragedAway) {
+  LoopStateT state;
+  Facade facade;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    facade = measured(seed);
+    RoundsEstimate rounds = combine_rounds(facade, &state, kNoDrift);
+    EXPECT_TRUE(rounds.words.empty());
+    state.estimate = std::move(rounds.estimate);
+  }
+  EXPECT_NEAR(facade.covariance(0, 0), 0.0005 * 0.0005 / 4, 1e-15);
+  EXPECT_NEAR(facade.covariance(2, 2), 0.0005 * 0.0005 / 4 + 0.0009 * 0.0009, 1e-15);
+  EXPECT_NEAR(facade.covariance(2, 5), 0.0009 * 0.0009, 1e-15);
+  EXPECT_EQ(facade.brackets[0].campaigns, 4);
+  // The difference of two campaigns, without control.
+  EXPECT_NEAR(facade.brackets[0].difference_sigma.z(), std::sqrt(2.0) * 0.0005, 1e-9);
+  // The mean of four.
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) sum += measured(seed).brackets[0].deviation.x() / 4;
+  EXPECT_NEAR(facade.brackets[0].deviation.x(), sum, 1e-12);
+}
+
+TEST(RoundsEstimate, WhatWasWorkedOnStartsAnew) {
+  LoopStateT state;
+  Facade first = measured(1), second = measured(2);
+  state.estimate = combine_rounds(first, &state, kNoDrift).estimate;
+  state.items.push_back(bracket_item(first.brackets[0].id, ItemStatus::executed));
+  state.items.push_back(bracket_item(first.brackets[1].id, ItemStatus::verified));
+  state.items.push_back(bracket_item(first.brackets[2].id, ItemStatus::planned));
+  state.items.back()->expected.setConstant(kUnknown);  // somebody failed at it, or a person accepted it
+  const Facade alone = second;
+  combine_rounds(second, &state, kNoDrift);
+  EXPECT_EQ(second.brackets[0].campaigns, 1);
+  EXPECT_EQ(second.brackets[1].campaigns, 2);
+  EXPECT_EQ(second.brackets[2].campaigns, 1);
+  EXPECT_LT((second.brackets[0].deviation - alone.brackets[0].deviation).norm(), 1e-12);
+  EXPECT_GT((second.brackets[1].deviation - alone.brackets[1].deviation).norm(), 1e-6);
+}
+
+TEST(RoundsEstimate, AnAnchorThatThisCampaignDidNotMeasureStaysUnmeasuredAndKeepsItsEstimate) {
+  LoopStateT state;
+  Facade first = measured(1), second = measured(2), third = measured(3);
+  state.estimate = combine_rounds(first, &state, kNoDrift).estimate;
+  second.brackets[0].deviation.setConstant(kUnknown);
+  state.estimate = combine_rounds(second, &state, kNoDrift).estimate;
+  EXPECT_FALSE(second.brackets[0].measured());
+  EXPECT_TRUE(second.brackets[0].basis.empty());
+  combine_rounds(third, &state, kNoDrift);
+  EXPECT_EQ(third.brackets[0].campaigns, 2);
+  EXPECT_EQ(third.brackets[1].campaigns, 3);
+}
+
+/// Run twice with the same words a round gives the same bytes: the basis is the campaign's own.
+TEST(RoundsEstimate, TheBasisIsThatOfTheCampaignAndTheStateFileKeepsTheEstimate) {
+  LoopStateT state;
+  Facade first = measured(1), second = measured(2);
+  const std::string basis = basis_of_bracket(second, 0);
+  state.estimate = combine_rounds(first, &state).estimate;
+  const LoopStateT read = read_state_json(state_json(state), "state.json");
+  ASSERT_TRUE(read.estimate);
+  EXPECT_EQ(read.estimate->own, state.estimate->own);
+  EXPECT_EQ(read.estimate->campaigns, state.estimate->campaigns);
+  Facade once = second, again = second;
+  combine_rounds(once, &read), combine_rounds(again, &state);
+  EXPECT_EQ(once.brackets[0].basis, basis);
+  EXPECT_EQ(once.brackets[0].deviation, again.brackets[0].deviation);
+}
+
+TEST(RoundsEstimate, WithoutWhatCampaignsShareNothingIsCombinedAndTooManyAnchorsAreSaid) {
+  LoopStateT state;
+  Facade unknown = measured(1), many = measured(1);
+  unknown.own.resize(0, 0);
+  EXPECT_FALSE(combine_rounds(unknown, &state).estimate);
+  const RoundsEstimate rounds = combine_rounds(many, &state, {}, 5);
+  EXPECT_FALSE(rounds.estimate);
+  ASSERT_EQ(rounds.words.size(), 1u);
+  EXPECT_NE(rounds.words[0].find("campaigns are combined up to 5"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace plumbline::loop
