@@ -10,6 +10,14 @@
 
 namespace plumbline::surface {
 
+/// How a pixel of the picture came about.
+enum class Shown : std::uint8_t {
+  unseen = 0,         ///< no photograph shows the place, or something else of the building hides it in all that would
+  contradicted = 85,  ///< photographs show different things there: something stands before the panel in some of them
+  unchecked = 170,    ///< from one photograph: no other shows it, or where the panel's surface lies is not known
+  agreed = 255,       ///< most of the photographs that show it show the same
+};
+
 /// The pixel in column x and row y is the square of `pixel` [m] about area.low.x + (x + 0.5) pixel to the right and
 /// area.high.y − (y + 0.5) pixel upwards on the plane.
 struct Orthophoto {
@@ -17,7 +25,8 @@ struct Orthophoto {
   Rectangle area;
   double pixel = 0.002;  ///< [m]
   int width = 0, height = 0;
-  std::vector<std::uint8_t> grey;  ///< 0: nothing was seen; what was is at least 1
+  std::vector<std::uint8_t> grey;  ///< 0: unseen or contradicted; what was seen is at least 1
+  std::vector<Shown> shown;
 };
 
 /// Faces that lie in one plane within `offset` [m] and 5°, as numbers in their order; a facade each.
@@ -28,13 +37,12 @@ std::vector<std::vector<size_t>> facades_of(const std::vector<PanelFace>& faces,
 Orthophoto orthophoto_of(const std::vector<PanelFace>& faces, const std::vector<size_t>& facade, double pixel,
                          double margin, double most);
 
-/// The photograph that shows a face best: of those that show all of it, else its middle, the one with the smallest
-/// pixels on it. −1: none does.
-int best_view(const PanelFace& face, const std::vector<FacetView>& views);
+/// The picture with at most `most` pixels each way, each the mean of what is shown; 0 where less than half is.
+GreyImage reduced(const Orthophoto& picture, int most);
 
-/// Fills the pixels of a face, `beyond` [m] around it where nothing is yet, from a photograph. `surface`: as the panel
-/// is; one that was not measured lies where it was designed.
-void paint(const PanelFace& face, const PanelSurface& surface, const FacetView& view, double beyond,
-           Orthophoto& picture);
+/// Photographs of a face, the best first: those that show all of it before those that show its middle, and the ones
+/// with smaller pixels on it first; one that looks from where another does (within 2°) only behind all that do not,
+/// because what stands before the face would lie at the same place in both. Numbers into `views`.
+std::vector<size_t> views_for_picture(const PanelFace& face, const std::vector<FacetView>& views);
 
 }  // namespace plumbline::surface

@@ -51,12 +51,27 @@ Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
+/// Tukey's weights about the median height: what stands a good deal before the panel is out from the start, where least
+/// squares over all points would bend the surface towards it and keep it.
+void start_at_the_median(const std::vector<Sample>& samples, std::vector<double>& weight) {
+  std::vector<double> heights, off;
+  for (const Sample& sample : samples) heights.push_back(sample.h);
+  const double middle = median_of(heights);
+  for (const Sample& sample : samples) off.push_back(std::abs(sample.h - middle));
+  const double scale = std::max(1.4826 * median_of(off), 1e-4);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    const double r = (samples[i].h - middle) / (6 * scale);
+    weight[i] = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0;
+  }
+}
+
 /// Weighted least squares of the six base functions; weights of Tukey's biweight on robustly scaled residuals, which
 /// leaves out what is something else. Weights end in `weight`. A scan has a hundred thousand points on a panel: nothing
 /// here is made anew for each of them.
 Vector6 fit(const PanelFace& face, const std::vector<Sample>& samples, std::vector<double>& weight, Matrix6& normal) {
   Vector6 solution = Vector6::Zero();
   std::vector<double> residuals(samples.size()), sizes(samples.size());
+  start_at_the_median(samples, weight);
   for (int pass = 0; pass < 8; ++pass) {
     normal.setZero();
     Vector6 right = Vector6::Zero();
@@ -141,10 +156,13 @@ struct Division {
   }
 };
 
-/// The points that count (1), and with them those of cells where most points do not and agree with each other: a dent,
-/// or something in front of the panel. The same as `counts` if there are none.
-std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<Sample>& samples,
-                                      std::vector<char> counts, double widened, const PanelOptions& options) {
+/// Cells where most points do not count and agree with each other: a dent, or something in front of the panel.
+struct OutlyingCells {
+  std::vector<std::vector<size_t>> points;  ///< of each
+  size_t filled = 0;                        ///< cells that have points at all
+};
+OutlyingCells outlying_cells(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<char>& counts,
+                             double widened, const PanelOptions& options) {
   constexpr size_t least = 3;  // points that can agree with each other
   const Division division(face, options);
   std::map<size_t, std::vector<size_t>> outlying;  // points by cell
@@ -154,16 +172,40 @@ std::vector<char> with_outlying_cells(const PanelFace& face, const std::vector<S
       ++others[division.cell_of(samples[i])];
     else
       outlying[division.cell_of(samples[i])].push_back(i);
-  for (const auto& [cell, points] : outlying) {
+  OutlyingCells result;
+  for (size_t cell = 0; cell < others.size(); ++cell) result.filled += others[cell] > 0 || outlying.contains(cell);
+  for (auto& [cell, points] : outlying) {
     if (points.size() < least || points.size() <= others[cell]) continue;
     std::vector<double> heights, off;
     for (size_t i : points) heights.push_back(samples[i].h);
     const double middle = median_of(heights);
     for (double h : heights) off.push_back(std::abs(h - middle));
     if (median_of(off) > 2 * widened * samples[points[0]].sigma) continue;
-    for (size_t i : points) counts[i] = 1;
+    result.points.push_back(std::move(points));
   }
-  return counts;
+  return result;
+}
+
+/// Why the fitted surface may be that of something before the panel: nothing can be seen through a panel, so what lies
+/// behind a good part of the fitted surface, beside the rest of it, is the panel, or the panel is broken. Empty if
+/// little does: a dent.
+std::string stands_before(const PanelFace& face, const std::vector<Sample>& samples, const OutlyingCells& cells,
+                          const Vector6& form) {
+  constexpr double share = 0.1, least = 0.001;  // of the cells; how far behind [m]
+  std::vector<double> behind;
+  for (const std::vector<size_t>& points : cells.points) {
+    std::vector<double> off;
+    for (size_t i : points) off.push_back(base_of(face, samples[i]).dot(form) - samples[i].h);
+    if (const double middle = median_of(off); middle > least) behind.push_back(middle);
+  }
+  if (static_cast<double>(behind.size()) < share * static_cast<double>(cells.filled) || behind.empty()) return "";
+  char text[240];
+  std::snprintf(
+      text, sizeof text,
+      "%.0f %% of it lies %.1f mm behind the rest: nobody knows which is the panel's surface and which stands "
+      "before the panel (a board, a net, a frame), or whether it is broken",
+      100 * static_cast<double>(behind.size()) / static_cast<double>(cells.filled), 1e3 * median_of(behind));
+  return text;
 }
 
 /// Cells of the face with the mean of their points: for coverage and straightedges.
@@ -238,6 +280,9 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   if (!panel.not_measured.empty()) return panel;
   std::vector<char> counts;
   for (double w : weight) counts.push_back(w > 0);
+  const OutlyingCells outlying = outlying_cells(face, samples, counts, widened, options);
+  panel.not_measured = stands_before(face, samples, outlying, form);
+  if (!panel.not_measured.empty()) return panel;
   const HeightGrid grid = grid_of(face, samples, tiles, counts, widened, options);
   panel.coverage = grid.coverage();
   if (panel.coverage < options.least_coverage) {
@@ -260,9 +305,10 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   panel.plane_factor = plane * panel.form_factor;
   panel.plane_systematic = panel.plane_factor * panel.plane_factor.transpose();
   for (double length : options.straightedges) panel.flatness.push_back(grid.largest_gap(length));
-  const std::vector<char> more = with_outlying_cells(face, samples, counts, widened, options);
-  if (more == counts) return panel;
-  const HeightGrid whole = grid_of(face, samples, tiles, more, widened, options);
+  if (outlying.points.empty()) return panel;
+  for (const std::vector<size_t>& points : outlying.points)
+    for (const size_t i : points) counts[i] = 1;
+  const HeightGrid whole = grid_of(face, samples, tiles, counts, widened, options);
   for (Gap& gap : panel.flatness) gap.with_outlying = whole.largest_gap(gap.length).gap;
   return panel;
 }

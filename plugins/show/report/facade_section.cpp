@@ -67,6 +67,8 @@ Eigen::Vector3d facade_direction(const std::vector<Spot>& anchors) {
   return {direction.x(), direction.y(), 0};
 }
 
+enum class Behind { nothing, picture, heat };
+
 /// What one drawing shows.
 struct View {
   std::string question;
@@ -75,6 +77,7 @@ struct View {
   std::vector<Spot> spots;
   std::vector<Quad> panels;
   Sight sight;
+  Behind behind = Behind::nothing;
 };
 
 struct Elevation {
@@ -197,8 +200,19 @@ void draw_scale_arrow(Markup& svg, const Elevation& e) {
   label(svg, x, y + 0.5 * length + 18, tolerance(deviation), "small", "middle");
 }
 
-void draw_elevation(Markup& html, const Elevation& e, const View& view) {
+/// What there is of it behind the anchors; false if nothing is.
+bool draw_behind(Markup& svg, const Elevation& e, Behind behind, const ReportInput& input) {
+  const LookedAt at{e.sight.right.cross(e.sight.up).normalized(), e.spots.front().position};
+  const Drawn drawn = [&e](const Eigen::Vector3d& point) { return e.drawn(point); };
+  if (behind == Behind::heat) return input.surfaces && draw_heat(svg, *input.surfaces, at, drawn);
+  // A picture is flat: of a facade that is unrolled it would lie beside it.
+  return behind == Behind::picture && e.sight.unrolled.empty() && draw_pictures(svg, input.pictures, at, drawn);
+}
+
+/// True if something stands behind the anchors.
+bool draw_elevation(Markup& html, const Elevation& e, const View& view, const ReportInput& input) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
+  const bool behind = draw_behind(html, e, view.behind, input);
   draw_panels(html, e, view);
   draw_storeys(html, e);
   draw_scale_arrow(html, e);
@@ -236,6 +250,16 @@ void draw_elevation(Markup& html, const Elevation& e, const View& view) {
       label(html, x + 9, y + 4, name + value, "halo small", "start");
   }
   name_panels(html, e, view, labels);
+  return behind;
+}
+
+/// What stands behind the anchors, in words.
+std::string words_of_behind(Behind behind) {
+  return behind == Behind::heat
+             ? " Colours: the panels' measured surfaces out of the design (red) or behind it (blue), "
+               "grey where nothing was measured."
+             : " Behind them the facade without perspective; what no photograph shows, or photographs "
+               "show differently, is black.";
 }
 
 /// Verdicts in the order of drawing: what is to be mended lies above what is in order.
@@ -246,8 +270,10 @@ std::string move_to(double x, double y) { return "M" + px(x) + " " + px(y); }
 
 /// Thousands of anchors and panels as one shape for each verdict, without names: the tables and the view in space have
 /// these.
-void draw_many(Markup& html, const Elevation& e, const View& view) {
+/// True if something stands behind them.
+bool draw_many(Markup& html, const Elevation& e, const View& view, const ReportInput& input) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");
+  const bool behind = draw_behind(html, e, view.behind, input);
   std::map<ToleranceVerdict, std::string> quads, marks;
   std::string arrows;
   for (const Quad& quad : view.panels) {
@@ -281,6 +307,7 @@ void draw_many(Markup& html, const Elevation& e, const View& view) {
   for (const ToleranceVerdict verdict : kDrawn)
     if (const auto found = marks.find(verdict); found != marks.end())
       html.empty("path", {{"class", std::string("symbol thin ") + verdict_class(verdict)}, {"d", found->second}});
+  return behind;
 }
 
 void write_legend(Markup& html) {
@@ -300,15 +327,13 @@ void write_legend(Markup& html) {
   item(ToleranceVerdict::pass, true, "hollow: control anchor");
 }
 
-void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view, bool many) {
-  const Elevation e = layout(accuracy, view);
+void write_elevation(Markup& html, const ReportInput& input, const View& view, bool many) {
+  const Elevation e = layout(input.accuracy, view);
   if (e.spots.empty()) return;
   Scope figure(html, "figure");
   html.element("h3", view.question);
-  if (many)
-    draw_many(html, e, view);
-  else
-    draw_elevation(html, e, view);
+  const bool behind = many ? draw_many(html, e, view, input) : draw_elevation(html, e, view, input);
+  if (behind && view.behind == Behind::heat) draw_heat_bar(html, heat_range(*input.surfaces));
   const Eigen::Vector3d& right = e.sight.right;
   html.element("figcaption",
                "Arrows: " + view.name + ", drawn ×" + fixed(e.exaggeration, 0) +
@@ -319,7 +344,7 @@ void write_elevation(Markup& html, const AccuracyT& accuracy, const View& view, 
                    (e.sight.unrolled.empty() ? "Drawn along the facade, " : "Unrolled along the facade, ") +
                    (std::abs(right.x()) >= std::abs(right.y()) ? "x " : "y ") +
                    (right.x() + right.y() >= 0 || std::max(right.x(), right.y()) > 0.7 ? "increasing" : "decreasing") +
-                   " to the right.");
+                   " to the right." + (behind ? words_of_behind(view.behind) : ""));
 }
 
 View model_view(const AccuracyT& accuracy) {
@@ -405,6 +430,7 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
         if (corner->name == order[i]) quad.corners[i] = corner->design;
     view.panels.push_back(std::move(quad));
   }
+  view.behind = out_of_plane ? Behind::heat : Behind::picture;
   return view;
 }
 
@@ -432,17 +458,17 @@ void write_facade(Markup& html, const ReportInput& input) {
   const View model = model_view(input.accuracy);
   if (!input.deviation || input.deviation->facades.empty()) {
     const bool of_many = input.deviation && many(*input.deviation);
-    if (input.deviation) write_elevation(html, input.accuracy, built_view(*input.deviation, nullptr, false), of_many);
-    return write_elevation(html, input.accuracy, model, of_many);
+    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false), of_many);
+    return write_elevation(html, input, model, of_many);
   }
   const DeviationT& deviation = *input.deviation;
   const bool of_many = many(deviation);
   for (const auto& facade : deviation.facades) {
-    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), false), of_many);
-    write_elevation(html, input.accuracy, built_view(deviation, facade.get(), true), of_many);
-    write_elevation(html, input.accuracy, only(model, *facade, deviation), of_many);
+    write_elevation(html, input, built_view(deviation, facade.get(), false), of_many);
+    write_elevation(html, input, built_view(deviation, facade.get(), true), of_many);
+    write_elevation(html, input, only(model, *facade, deviation), of_many);
   }
-  write_elevation(html, input.accuracy, built_view(deviation, nullptr, false), of_many);
+  write_elevation(html, input, built_view(deviation, nullptr, false), of_many);
 }
 
 }  // namespace plumbline::report

@@ -204,8 +204,10 @@ std::string render_page(const std::string& title, const std::function<void(Marku
       html.empty("meta", {{"charset", "utf-8"}});
       html.empty("meta", {{"name", "viewport"}, {"content", "width=device-width, initial-scale=1"}});
       // Forbids any request, so that the file is what it says: complete.
-      html.empty("meta", {{"http-equiv", "Content-Security-Policy"},
-                          {"content", "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
+      html.empty(
+          "meta",
+          {{"http-equiv", "Content-Security-Policy"},
+           {"content", "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
       html.element("title", title);
       html.open("style").raw(page_style).close();
     }

@@ -15,6 +15,7 @@
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/survey_comparison.hpp"
+#include "show/report/facade_backdrop.hpp"
 
 namespace plumbline::report {
 
@@ -125,6 +126,8 @@ struct ReportInput {
   AccuracyT accuracy;
   std::optional<DeviationT> deviation;  ///< as-built minus design; without it the page is about measuring only
   std::optional<BlockT> block;          ///< the adjustment of the images
+  std::optional<SurfacesT> surfaces;    ///< panels as they are, behind the anchors
+  std::vector<FacadePicture> pictures;  ///< of the facades, likewise
   std::vector<Fact> images;             ///< what came in from the photographs, and what was left out
   std::optional<NetworkPage> network;
   std::optional<SurveyComparisonT> control_check;

@@ -10,9 +10,11 @@
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
 #include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "artifacts/site_frames.hpp"
+#include "artifacts/surfaces.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
@@ -111,7 +113,7 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 2,
+  static constexpr Info info{"report.html", "", 3,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -126,6 +128,8 @@ struct ReportHtml : Node {
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: its title stands under the heading, its instrument in the "
                                       "provenance"};
+  Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels as they are: colours behind the anchors"};
+  Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facade's picture behind the anchors"};
   Optional<InputFiles> inputs{"inputs",
                               "the files that were read, and evidence that was set aside, for the provenance"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
@@ -137,8 +141,10 @@ struct ReportHtml : Node {
                               "${pipeline} gives it"};
   Out<File> out{"file", "report.html"};
 
-  void run(Context&) override {
+  void run(Context& context) override {
     ReportInput input;
+    if (surfaces) input.surfaces = surfaces.unpack();
+    if (orthophoto) input.pictures = read_pictures(context, orthophoto.unpack());
     input.title = *title, input.subtitle = *subtitle;
     input.accuracy = accuracy.unpack();
     if (deviation) input.deviation = deviation.unpack();

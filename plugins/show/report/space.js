@@ -50,6 +50,14 @@ const spaceBehind = async (plain, given) => {
     content.remove(...content.children);
     solids = [];
     const panels = view.panels.filter(p => p.q[0][0] !== null);
+    const parts = panels.flatMap(view.cells);
+    if (parts.length) {
+      const corners = q => [q[0], q[1], q[2], q[0], q[2], q[3]].map(p => new THREE.Vector3(...p));
+      const geometry = new THREE.BufferGeometry().setFromPoints(parts.flatMap(part => corners(part.q)));
+      const colours = parts.flatMap(part => { const c = new THREE.Color(part.fill); return Array(6).fill([c.r, c.g, c.b]).flat(); });
+      geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
+      content.add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
+    }
     if (view.design) lines(panels.flatMap(p => ring(p.q)), view.soft, { transparent: true, opacity: 0.7 });
     if (view.built) for (const w of [0, 1, 2, 3]) {
       const quads = panels.filter(p => p.w === w).map(p => p.q.map((q, k) => shifted(q, p.v[k], view.times)));

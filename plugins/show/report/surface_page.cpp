@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "show/report/facade_backdrop.hpp"
 #include "show/report/format.hpp"
 #include "show/report/markup.hpp"
 #include "show/report/plot.hpp"
@@ -16,7 +17,6 @@ namespace plumbline::report {
 namespace {
 
 constexpr double kDrawingWidth = 960, kPad = 12;  // [px]
-constexpr int kCells = 8;                         // of a panel, each way
 
 /// Panels that lie in one plane, and what of them is drawn where.
 struct ElevationOfSurfaces {
@@ -53,41 +53,6 @@ std::vector<ElevationOfSurfaces> surface_elevations(const SurfacesT& surfaces) {
   return all;
 }
 
-/// Height of a panel over its design at x and y from −1 to 1 [m].
-double surface_height(const PanelSurfaceFiguresT& panel, double x, double y) {
-  const std::array<double, 6> base = {1, x, y, 1 - x * x, 1 - y * y, x * y};
-  double height = 0;
-  for (size_t i = 0; i < std::min(base.size(), panel.coefficients.size()); ++i)
-    height += panel.coefficients[i] * base[i];
-  return height;
-}
-
-bool is_measured(const PanelSurfaceFiguresT& panel) {
-  return panel.not_measured.empty() && panel.coefficients.size() == 6;
-}
-
-/// What the colours end at: all panels of the page share it [m].
-double colour_range(const SurfacesT& surfaces) {
-  double largest = 5e-4;
-  for (const auto& panel : surfaces.panels)
-    if (is_measured(*panel))
-      for (const double x : {-1.0, 0.0, 1.0})
-        for (const double y : {-1.0, 0.0, 1.0}) largest = std::max(largest, std::abs(surface_height(*panel, x, y)));
-  return round_up(largest);
-}
-
-/// Blue behind the design, white on it, red before it: also apart for eyes that do not tell red from green.
-std::string heat_colour(double height, double range) {
-  const double t = std::clamp(height / range, -1.0, 1.0);
-  const std::array<double, 3> white = {247, 247, 247}, blue = {33, 102, 172}, red = {178, 24, 43};
-  std::string colour = "rgb(";
-  for (size_t c = 0; c < 3; ++c) {
-    const double end = t < 0 ? blue[c] : red[c];
-    colour += std::to_string(std::lround(white[c] + std::abs(t) * (end - white[c]))) + (c < 2 ? "," : ")");
-  }
-  return colour;
-}
-
 void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFiguresT& panel, double range) {
   const SurfaceFaceT& face = *panel.face;
   const double u = at.right.dot(face.origin - at.origin), v = at.up.dot(face.origin - at.origin);
@@ -95,15 +60,16 @@ void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFi
   const double width = face.width * at.scale, height = face.height * at.scale;
   const bool measured = is_measured(panel);
   if (measured)
-    for (int r = 0; r < kCells; ++r)
-      for (int c = 0; c < kCells; ++c)
-        svg.empty("rect",
-                  {{"x", px(left + c * width / kCells)},
-                   {"y", px(top + r * height / kCells)},
-                   {"width", px(width / kCells + 0.3)},
-                   {"height", px(height / kCells + 0.3)},
-                   {"fill", heat_colour(surface_height(panel, (c + 0.5) * 2 / kCells - 1, 1 - (r + 0.5) * 2 / kCells),
-                                        range)}});
+    for (int r = 0; r < kHeatCells; ++r)
+      for (int c = 0; c < kHeatCells; ++c)
+        svg.empty(
+            "rect",
+            {{"x", px(left + c * width / kHeatCells)},
+             {"y", px(top + r * height / kHeatCells)},
+             {"width", px(width / kHeatCells + 0.3)},
+             {"height", px(height / kHeatCells + 0.3)},
+             {"fill", heat_colour(surface_height(panel, (c + 0.5) * 2 / kHeatCells - 1, 1 - (r + 0.5) * 2 / kHeatCells),
+                                  range)}});
   {
     Scope outline(svg, "rect",
                   {{"x", px(left)},
@@ -130,17 +96,18 @@ void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFi
   words(11, measured ? signed_mm(panel.offset, 1) + " mm" : "not measured", "11");
 }
 
-void draw_colour_bar(Markup& html, double range) {
-  const Scope svg = drawing(html, 360, 40, "What the colours mean");
-  for (int i = 0; i < 30; ++i)
-    html.empty("rect", {{"x", px(30 + 10 * i)},
-                        {"y", "4"},
-                        {"width", "10.3"},
-                        {"height", "14"},
-                        {"fill", heat_colour((i + 0.5) / 15 * range - range, range)}});
-  for (const double part : {-1.0, 0.0, 1.0})
-    html.element("text", {{"x", px(180 + 150 * part)}, {"y", "34"}, {"text-anchor", "middle"}, {"font-size", "12"}},
-                 signed_mm(part * range, 1) + (part == 0 ? " mm" : ""));
+void write_pictures(Markup& html, const std::vector<FacadePicture>& pictures) {
+  for (const FacadePicture& picture : pictures) {
+    const double width = picture.high_u - picture.low_u, height = picture.high_v - picture.low_v;
+    const double scale = std::min(kDrawingWidth / std::max(1e-3, width), 1500 / std::max(1e-3, height));
+    Scope figure(html, "figure");
+    {
+      const Scope svg = drawing(html, width * scale, height * scale, "The facade without perspective");
+      draw_jpeg(html, picture.jpeg, 0, 0, width * scale, height * scale);
+    }
+    html.element("figcaption", "The facade without perspective, " + fixed(width, 2) + " m x " + fixed(height, 2) +
+                                   " m. Black: no photograph shows it, or photographs show different things there.");
+  }
 }
 
 void write_joint_row(Markup& html, const JointFiguresT& joint) {
@@ -183,8 +150,8 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
 
 }  // namespace
 
-std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement,
-                                const std::string& title) {
+std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title,
+                                const std::vector<FacadePicture>& pictures) {
   return render_page(title, [&](Markup& html) {
     Scope main(html, "main");
     html.element("h1", title);
@@ -193,13 +160,14 @@ std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgemen
     html.element(
         "p", std::to_string(measured) + " of " + count(static_cast<long>(surfaces.panels.size()), "panel", "panels") +
                  " measured; where they stand out of the design (red) or behind it (blue). Grey: not measured.");
-    const double range = colour_range(surfaces);
-    if (measured > 0) draw_colour_bar(html, range);
+    const double range = heat_range(surfaces);
+    if (measured > 0) draw_heat_bar(html, range);
     for (const ElevationOfSurfaces& at : surface_elevations(surfaces)) {
       const Scope svg = drawing(html, kDrawingWidth, at.height(),
                                 "Elevation of " + std::to_string(at.panels.size()) + " panels as seen from outside");
       for (const size_t p : at.panels) draw_panel(html, at, *surfaces.panels[p], range);
     }
+    write_pictures(html, pictures);
     write_joints(html, surfaces);
     if (judgement) write_surfaces(html, *judgement);
   });

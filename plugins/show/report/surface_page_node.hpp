@@ -2,18 +2,24 @@
 #pragma once
 
 #include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "plumbline/node.hpp"
+#include "show/report/facade_backdrop.hpp"
 
 namespace plumbline::report {
 
+/// The pictures in a folder of surface.orthophoto. Throws std::runtime_error if it is none of it.
+std::vector<FacadePicture> read_pictures(const Context& context, const FolderT& folder);
+
 struct ReportSurfaces : Node {
   static constexpr Info info{
-      "report.surfaces", "", 1,
+      "report.surfaces", "", 2,
       "One offline HTML file: heat map of the panels on the elevation of each facade, joints, verdicts"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels, and joints where they were measured"};
   Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
+  Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facades' pictures"};
   Param<std::string> title{"title", "Surfaces of panels and joints", "heading"};
   Out<File> out{"file", "surfaces.html"};
 

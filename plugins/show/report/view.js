@@ -69,6 +69,13 @@
               u: (l + r - canvas.width) / 2, up: (canvas.height - t - b) / 2 };
   };
   let behind = null;
+  // The panels' measured surfaces, 4 x 4 colours a panel from below; corners: bottom left, bottom right, top right, top left.
+  const heat = document.getElementById("heat-input");
+  const part = (q, x, y) => q[0].map((v, k) => (1 - y) * ((1 - x) * v + x * q[1][k]) + y * ((1 - x) * q[3][k] + x * q[2][k]));
+  const cells = p => !heat || !heat.checked || !p.h ? [] : p.h.map((fill, i) => {
+    const n = 4, c = i % n, r = (i - c) / n;
+    return { fill, q: [[c, r], [c + 1, r], [c + 1, r + 1], [c, r + 1]].map(([x, y]) => part(p.q, x / n, y / n)) };
+  });
   const design = document.getElementById("design-input"), built = document.getElementById("built-input");
   draw = () => {
     const fills = [colour("--soft"), colour("--pass-fill"), colour("--undecided-fill"), colour("--fail-fill")];
@@ -79,7 +86,12 @@
     if (behind) { drawBehind(fills, ink, times, shown); return; }
     const quads = panels.map((p, i) => ({ p, i, q: p.q.map(project) })).filter(({ p }) => shown(p) && p.q[0][0] !== null)
       .sort((a, b) => b.q.reduce((s, c) => s + c[2], 0) - a.q.reduce((s, c) => s + c[2], 0));
-    for (const { i, q } of quads) {
+    for (const { p, i, q } of quads) {
+      pen.globalAlpha = 0.9;
+      for (const cell of cells(p)) {
+        pen.beginPath(); cell.q.map(project).forEach(([x, y], k) => k ? pen.lineTo(x, y) : pen.moveTo(x, y)); pen.closePath();
+        pen.fillStyle = cell.fill; pen.fill();
+      }
       pen.beginPath(); q.forEach(([x, y], k) => k ? pen.lineTo(x, y) : pen.moveTo(x, y)); pen.closePath();
       pen.globalAlpha = 0.18; pen.fillStyle = fills[state.panels[i]]; pen.fill(); pen.globalAlpha = 1;
       pen.lineWidth = state.panels[i] === 3 ? 3 : 1.2; pen.setLineDash(state.panels[i] === 2 ? [7, 4] : []);
@@ -119,8 +131,8 @@
     const anchors = placed.filter(shown).map(a => ({ ...a, w: state.anchors[a.i] }));
     const at = a => built.checked && a.d[0] !== null ? a.p.map((v, k) => v + times * a.d[k] / 1000) : a.p;
     behind.draw({ yaw, pitch, frame, fills, ink, times, soft: fills[0], design: design.checked, built: built.checked, anchors,
-                  panels: panels.map((p, i) => ({ ...p, w: state.panels[i] })).filter(shown),
-                  key: [floors.value, times, design.checked, built.checked, ink, ...state.anchors, ...state.panels].join() });
+                  panels: panels.map((p, i) => ({ ...p, w: state.panels[i] })).filter(shown), cells,
+                  key: [floors.value, times, design.checked, built.checked, !!heat && heat.checked, ink, ...state.anchors, ...state.panels].join() });
     spots = anchors.map(a => ({ a, at: project(at(a)) }));
     const chosen = spots.find(s => s.a.i === picked);
     if (chosen) { pen.strokeStyle = ink; pen.lineWidth = 2; pen.beginPath(); pen.arc(chosen.at[0], chosen.at[1], 12, 0, 7); pen.stroke(); }
@@ -156,7 +168,7 @@
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
   canvas.addEventListener("wheel", event => { event.preventDefault(); zoom = Math.min(20, Math.max(0.3, zoom * Math.exp(-event.deltaY / 500))); draw(); }, { passive: false });
-  for (const control of [floors, factor, design, built]) control.addEventListener("input", draw);
+  for (const control of [floors, factor, design, built, heat].filter(c => c)) control.addEventListener("input", draw);
   show();
   // Unpacked when the view comes near: the page opens as quickly as without.
   const plainOnly = () => {

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "show/report/format.hpp"
 #include "show/report/page_style.hpp"
@@ -27,8 +28,26 @@ std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin
          "}";
 }
 
+constexpr int kViewCells = 4;  // of a panel in space, each way; view_script.cpp counts on it
+
+/// Colours of a panel's measured surface, row by row from below; null where nothing was measured.
+std::string heat_json(const std::string& guid, const std::optional<SurfacesT>& surfaces) {
+  if (!surfaces || guid.empty()) return "null";
+  const auto found = std::find_if(surfaces->panels.begin(), surfaces->panels.end(),
+                                  [&](const auto& panel) { return panel->face->guid == guid; });
+  if (found == surfaces->panels.end() || !is_measured(**found)) return "null";
+  const double range = heat_range(*surfaces);
+  std::string colours;
+  for (int r = 0; r < kViewCells; ++r)
+    for (int c = 0; c < kViewCells; ++c)
+      colours += (colours.empty() ? "" : ",") +
+                 script_text(heat_colour(
+                     surface_height(**found, (c + 0.5) * 2 / kViewCells - 1, (r + 0.5) * 2 / kViewCells - 1), range));
+  return "[" + colours + "]";
+}
+
 std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
-                       const std::map<std::string, std::size_t>& index) {
+                       const std::map<std::string, std::size_t>& index, const std::optional<SurfacesT>& surfaces) {
   std::string anchors, corners, movements;
   for (const auto& fixing : p.fixings)
     anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
@@ -42,7 +61,7 @@ std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
   return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
          ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
          ",\"t\":" + turning_points(p.tau_pass, p.tau_fail) + ",\"a\":[" + anchors + "],\"q\":[" + corners +
-         "],\"v\":[" + movements + "]}";
+         "],\"v\":[" + movements + "],\"h\":" + heat_json(p.guid, surfaces) + "}";
 }
 
 std::string data_of(const ReportInput& input) {
@@ -60,7 +79,8 @@ std::string data_of(const ReportInput& input) {
       index[anchor->id] = index.size();
       anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
     }
-    for (const auto& panel : d.panels) panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index);
+    for (const auto& panel : d.panels)
+      panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index, input.surfaces);
     text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") +
            ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
   }
@@ -114,6 +134,11 @@ void write_view(Markup& html, const ReportInput& input) {
         Scope label(html, "label", {{"class", "tick"}, {"hidden", "hidden"}});
         html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
         html.text(words);
+      }
+      if (input.surfaces) {
+        Scope label(html, "label", {{"class", "tick"}});
+        html.empty("input", {{"id", "heat-input"}, {"type", "checkbox"}, {"checked", "checked"}});
+        html.text("surfaces");
       }
     }
     {

@@ -169,10 +169,10 @@ ScanPlace stated_place(double place_sigma, double turn_sigma, const Eigen::Vecto
   return place;
 }
 
-/// What the scan's place is off by: from the registration, from what the user states, and, where one of them is known,
-/// from the steps that its coordinates are written in.
+/// What the scan's place is off by: from the registration, from what the user states, and, where anything is stated,
+/// also of each scan by itself (`apart`), from the steps that all coordinates of the file are written in.
 std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, double place_sigma, double turn_sigma,
-                                 const Eigen::Vector3d& middle, const Eigen::Matrix3d& of_steps) {
+                                 bool apart, const Eigen::Vector3d& middle, const Eigen::Matrix3d& of_steps) {
   std::vector<ScanPlace> places;
   if (registration && !registration->covariance.empty()) {
     ScanPlace place;
@@ -182,7 +182,8 @@ std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, 
     if (rows == 7) place.covariance.row(6) /= registration->scale, place.covariance.col(6) /= registration->scale;
     places.push_back(place);
   }
-  if (place_sigma > 0 || turn_sigma > 0) places.push_back(stated_place(place_sigma, turn_sigma, middle));
+  const bool steps_alone = places.empty() && apart && !of_steps.isZero(0);
+  if (place_sigma > 0 || turn_sigma > 0 || steps_alone) places.push_back(stated_place(place_sigma, turn_sigma, middle));
   if (!places.empty()) places.front().covariance.block<3, 3>(3, 3) += of_steps;
   return places;
 }
@@ -294,7 +295,7 @@ void ImportCloud::run(Context& context) {
   const Eigen::Vector3d middle = middle_of(faces.faces);
   std::optional<ScanPlace> own;
   if (apart) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
-  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, middle, of_steps), own, folder.path,
+  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, apart, middle, of_steps), own, folder.path,
          folder.uri);
 }
 

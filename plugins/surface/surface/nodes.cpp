@@ -1,4 +1,6 @@
-// dense.plane_sweep, dense.sgm, dense.import, surface.panels, surface.joints, surface.orthophoto and surface.judge.
+// dense.plane_sweep, dense.sgm, dense.import, surface.fuse, surface.panels, surface.joints, surface.orthophoto and
+// surface.judge.
+#include "fuse_node.hpp"
 #include "import_node.hpp"
 #include "joints_node.hpp"
 #include "judge_node.hpp"
@@ -8,5 +10,5 @@
 #include "sweep_node.hpp"
 
 PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::SemiGlobal,
-                 plumbline::surface::ImportCloud, plumbline::surface::Panels, plumbline::surface::Joints,
-                 plumbline::surface::OrthophotoNode, plumbline::surface::JudgeSurfaces)
+                 plumbline::surface::ImportCloud, plumbline::surface::Fuse, plumbline::surface::Panels,
+                 plumbline::surface::Joints, plumbline::surface::OrthophotoNode, plumbline::surface::JudgeSurfaces)

@@ -241,6 +241,14 @@ TEST(ImportNode, CoordinatesCoarserThanTheNoiseAreRefused) {
   fine.node.run();
   const auto points = stated_points(fine.node.output<SurfacePoints>("surface"), fine.node.output<Folder>("files").uri);
   EXPECT_NEAR(points[0].by_common_errors.row(1).norm(), std::hypot(0.0001, 0.0015 / std::sqrt(12.0)), 1e-6);
+
+  // Where only each scan's own errors are stated, too: the file's steps are common to all of its scans.
+  Import apart("scan.las", cloud_bytes::las_file(las, scan()));
+  apart.node.set("scan_sigma", "0.0001");
+  apart.node.run();
+  const auto of_scan =
+      stated_points(apart.node.output<SurfacePoints>("surface"), apart.node.output<Folder>("files").uri);
+  EXPECT_NEAR(of_scan[0].by_common_errors.row(1).norm(), std::hypot(0.0001, 0.0015 / std::sqrt(12.0)), 1e-6);
 }
 
 SurfacesT panels_of(Import& import, const std::string& reach, std::vector<std::string>* warnings = nullptr) {

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "surface/dense/orthophoto.hpp"
 #include "surface/dense/pair_heights.hpp"
 #include "surface_site.hpp"
 
@@ -86,69 +85,6 @@ TEST(Pairs, WhatFewSayOrWhatShowsDifferentlyIsAHole) {
   std::vector<FacetView> mixed = textured.facet_views();
   for (size_t k = 0; k + 2 < mixed.size(); ++k) mixed[k].image = site.facet_views()[k].image;
   EXPECT_EQ(facet_of(mixed, 100), FacetOutcome::no_agreement);
-}
-
-/// Middle of the dark pixels on the picture's plane [m].
-Eigen::Vector2d dark_middle(const Orthophoto& picture) {
-  double count = 0;
-  Eigen::Vector2d sum(0, 0);
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      const int grey = picture.grey[static_cast<size_t>(y * picture.width + x)];
-      if (grey == 0 || grey > 130) continue;
-      count += 1;
-      sum += Eigen::Vector2d(picture.area.low.x() + (x + 0.5) * picture.pixel,
-                             picture.area.high.y() - (y + 0.5) * picture.pixel);
-    }
-  EXPECT_GT(count, 100);
-  return sum / count;
-}
-
-TEST(Orthophoto, ShowsEveryPlaceWhereItIsAndNothingThatWasNotSeen) {
-  plumbline::testing::FacadeScene scene;
-  scene.height = [](double, double) { return 0.01; };
-  scene.reflectance = [](double u, double v) { return std::hypot(u - 0.03, v - 0.02) < 0.01 ? 0.0 : 1.0; };  // a dot
-  const Site site = make_site(scene, 0);
-  PanelFace face{"P", site.scene.plane, 0.2, 0.16};
-  PanelSurface surface;
-  surface.half_width = 0.1, surface.half_height = 0.08, surface.form(0) = 0.01;
-  ASSERT_EQ(facades_of({face, face}).size(), 1U);
-  Orthophoto picture = orthophoto_of({face}, {0}, 0.001, 0.02, 1e6);
-  EXPECT_EQ(picture.width, 240);
-  EXPECT_EQ(picture.height, 200);
-  const auto views = site.facet_views();
-  const int best = best_view(face, views);
-  ASSERT_GE(best, 0);
-  paint(face, surface, views[static_cast<size_t>(best)], 0.005, picture);
-  EXPECT_EQ(picture.grey[0], 0) << "beyond the panel nothing is painted";
-  const Eigen::Vector2d dot = dark_middle(picture);
-  const Eigen::Vector3d at = face.plane.local(picture.plane.world({dot.x(), dot.y(), 0}));
-  EXPECT_NEAR(at.x(), 0.03, 2e-4) << "a picture of the design's face would have it up to 4 mm beside";
-  EXPECT_NEAR(at.y(), 0.02, 2e-4);
-  EXPECT_NEAR(orthophoto_of({face}, {0}, 0.001, 0.02, 480).pixel, 0.01, 1e-9) << "no more than 480 pixels";
-}
-
-/// The picture's plane is that of its first panel: of another one, which lies deeper and leans, every place is at the
-/// foot of its perpendicular on the picture's plane, and not on the panel's own.
-TEST(Orthophoto, APanelThatLeansAgainstThePictureIsNotShifted) {
-  plumbline::testing::FacadeScene scene;
-  scene.height = [](double, double) { return 0.01; };
-  scene.reflectance = [](double u, double v) { return std::hypot(u - 0.03, v - 0.02) < 0.01 ? 0.0 : 1.0; };
-  const Site site = make_site(scene, 0);
-  const PanelFace face{"P", site.scene.plane, 0.2, 0.16};
-  const double lean = 4 * M_PI / 180;
-  const PanelFace first{"first",
-                        facade_plane(face.plane.world({0.1, 0, 0.2}),
-                                     face.plane.axes * Eigen::Vector3d(std::sin(lean), 0, std::cos(lean))),
-                        0.5, 0.4};
-  ASSERT_EQ(facades_of({first, face}).size(), 1U);
-  PanelSurface surface;
-  surface.half_width = 0.1, surface.half_height = 0.08, surface.form(0) = 0.01;
-  Orthophoto picture = orthophoto_of({first, face}, {0, 1}, 0.001, 0.02, 1e6);
-  const auto views = site.facet_views();
-  paint(face, surface, views[static_cast<size_t>(best_view(face, views))], 0.005, picture);
-  const Eigen::Vector2d truth = picture.plane.local(face.plane.world({0.03, 0.02, 0.01})).head<2>();
-  EXPECT_LT((dark_middle(picture) - truth).norm(), 2e-4) << (dark_middle(picture) - truth).transpose();
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+// What points say of a panel where not all of them are its own.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "surface/dense/panel_surface.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+const PanelFace kFace{"P", facade_plane({3, 4, 5}, {0, -1, 0}), 1.2, 0.9};
+
+/// Points every 10 mm with 0.1 mm of noise at the height of (u, v).
+MeasuredTile points_at(const std::function<double(double, double)>& height) {
+  MeasuredTile tile;
+  tile.centre = kFace.plane.origin;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, 1e-4);
+  for (double u = -0.595; u < 0.6; u += 0.01)
+    for (double v = -0.445; v < 0.45; v += 0.01) {
+      const Eigen::Vector3d at = kFace.plane.world({u, v, height(u, v) + noise(random)});
+      tile.points.push_back({(at - tile.centre).cast<float>(), 1e-4f});
+    }
+  return tile;
+}
+
+TEST(Panel, WhatCoversMostOfItIsNotTakenForIt) {
+  // A board 20 mm before the panel leaves 18 % of it to be seen: the surface of the board is not the panel's.
+  const auto covered = points_at([](double u, double) { return u < 0.38 ? 0.022 : 0.002; });
+  const PanelSurface panel = measure_panel(kFace, {covered}, {});
+  EXPECT_NE(panel.not_measured.find("lies 20.0 mm behind"), std::string::npos)
+      << panel.not_measured << " " << panel.plane(0);
+  EXPECT_NE(panel.not_measured.find("before the panel"), std::string::npos) << panel.not_measured;
+}
+
+TEST(Panel, WhatStandsBeforeAPartOfItDoesNotMoveIt) {
+  const auto partly = points_at([](double u, double) { return u < -0.42 ? 0.022 : 0.002; });
+  const PanelSurface panel = measure_panel(kFace, {partly}, {});
+  ASSERT_EQ(panel.not_measured, "");
+  EXPECT_NEAR(panel.plane(0), 0.002, 1e-4);
+  ASSERT_FALSE(panel.flatness.empty());
+  EXPECT_GT(panel.flatness[0].with_outlying, 0.005);
+}
+
+TEST(Panel, ADentIsStillOne) {
+  const auto dented = points_at([](double u, double v) { return std::hypot(u, v) < 0.12 ? -0.004 : 0.002; });
+  const PanelSurface panel = measure_panel(kFace, {dented}, {});
+  ASSERT_EQ(panel.not_measured, "");
+  EXPECT_NEAR(panel.plane(0), 0.002, 1e-4);
+  EXPECT_GT(panel.flatness[1].with_outlying, 0.005);
+}
+
+}  // namespace
+}  // namespace plumbline::surface
