@@ -37,6 +37,7 @@ SurveySample sample_of(const SurveyObservations& survey, int set_up, std::size_t
     set_up = static_cast<int>(std::max_element(shared.begin(), shared.end()) - shared.begin());
     std::fill(shared.begin(), shared.end(), 0);
   }
+  constexpr std::size_t fewest = 3;  // one alone agrees with itself, whatever is undone
   std::vector<char> taken(survey.set_ups.size(), 0);
   std::set<std::string> known;
   sample.taken = 0;
@@ -48,7 +49,7 @@ SurveySample sample_of(const SurveyObservations& survey, int set_up, std::size_t
     std::size_t best = taken.size();
     for (std::size_t s = 0; s < taken.size(); ++s)
       if (!taken[s] && shared[s] > 0 && (best == taken.size() || shared[s] > shared[best])) best = s;
-    if (best == taken.size() || count >= most) break;
+    if (best == taken.size() || (count >= most && sample.taken >= fewest)) break;
     next = best;
   }
   sample.survey.info = survey.info;

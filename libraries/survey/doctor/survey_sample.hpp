@@ -16,8 +16,8 @@ struct SurveySample {
 };
 
 /// The set-up (-1: the one that shares most sights), and after it always the one that shares most points with those
-/// taken before, until there are `most` readings or more. All of a job that has fewer. Readings without a set-up and
-/// covariances of readings are left out of a part.
+/// taken before, until there are `most` readings or more, from three set-ups at least. All of a job that has fewer.
+/// Readings without a set-up and covariances of readings are left out of a part.
 SurveySample sample_of(const SurveyObservations& survey, int set_up, std::size_t most);
 
 }  // namespace plumbline::survey

@@ -51,7 +51,10 @@ void make_brief(SurveyNetworkT& network, std::size_t most) {
       ": those that something is to be said of and the most suspect; all are in observations.csv, ellipses and "
       "covariances in coordinates.csv, points.json and relative.csv";
   network.findings.push_back(std::move(note));
-  for (auto& step : network.snooping) step->observation = number[static_cast<std::size_t>(step->observation)];
+  for (auto& step : network.snooping) {
+    const bool is_one = step->observation >= 0 && static_cast<std::size_t>(step->observation) < number.size();
+    step->observation = is_one ? number[static_cast<std::size_t>(step->observation)] : -1;
+  }
   network.observations = std::move(observations);
   network.ellipsoids.clear();
   std::erase_if(network.pointings, [](const auto& p) { return !p->flagged; });

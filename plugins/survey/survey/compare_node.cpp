@@ -28,7 +28,9 @@ std::string joined(const std::vector<std::string>& ids) {
 Epoch epoch_of(const PointsT& points, const char* which) {
   const ControlPoints all = control_from_artifact(points);
   if (points.covariance.empty())
-    throw std::runtime_error(std::string("'") + which + "' has no covariance; take the points output of survey.adjust");
+    throw std::runtime_error(std::string("'") + which +
+                             "' has no covariance; take the points output of survey.adjust, with covariance=full where "
+                             "it has more than 4000 unknowns");
   return {all.ids, all.coordinates, all.covariance};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <set>
 
@@ -54,6 +55,7 @@ void EpochSeriesNode::run(Context& context) {
     options.instruments = further_instruments(survey.instruments);
     options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
     options.map = *map, options.geoid_height = *geoid_height;
+    options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
     if (!remark.empty()) context.warn(name + ": " + remark);
     const NetworkResult r = adjust_network(survey, options);
     if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);

@@ -90,7 +90,11 @@ class Covariances {
   Eigen::Matrix3d own(int point) const {
     return is_joint() ? Eigen::Matrix3d(joint_.block<3, 3>(3 * point, 3 * point)) : entry(point, point);
   }
-  Eigen::Matrix3d relative(int a, int b) const { return is_joint() ? relative_covariance(joint_, a, b) : entry(a, b); }
+  Eigen::Matrix3d relative(int a, int b) const {
+    if (is_joint()) return relative_covariance(joint_, a, b);
+    if (a == b) return Eigen::Matrix3d::Zero();
+    return entry(a, b);
+  }
 
  private:
   const Eigen::Matrix3d& entry(int a, int b) const {

@@ -1,6 +1,7 @@
 #include "tables_node.hpp"
 
 #include <optional>
+#include <string>
 
 #include "artifacts/input_files_text.hpp"
 #include "point_files.hpp"
@@ -21,10 +22,14 @@ FileT file_of(const char* name, const char* media_type, const std::string& text)
 
 }  // namespace
 
-void TablesNode::run(Context&) {
+void TablesNode::run(Context& context) {
   const PointsT all = points.unpack();
   const SurveyNetworkT result = network.unpack();
   const TableFormat format = *decimal == "comma" ? TableFormat{',', ';'} : TableFormat{};
+  if (all.covariance.empty() && *neighbours != 0 && *neighbours != 4)
+    context.warn("'neighbours' is " + std::to_string(*neighbours) +
+                 ", and 'points' has no joint covariance: the relative table has each marker with its nearest four and "
+                 "the pairs that the adjustment was asked for; give covariance=full to the adjustment");
   coordinates.commit(file_of("coordinates.csv", "text/csv", coordinate_table(result, all, format)));
   relative.commit(
       file_of("relative.csv", "text/csv", relative_table(result, all, *pairs, static_cast<int>(*neighbours), format)));

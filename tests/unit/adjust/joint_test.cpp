@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "photo/joint/joint_adjustment.hpp"
+#include "survey/adjust/adjust_network.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -79,8 +80,8 @@ Site make_site(uint64_t seed, double noise = 1, double corner_noise = 1) {
   return site;
 }
 
-/// To first order they are the same. What is left is what the network's equations bend between the two solutions, which
-/// falls with the square of the noise.
+/// To first order they are the same. What is left is what the network's equations bend between the two solutions,
+/// which falls with the square of the noise.
 class JointAndTwoSteps : public testing::TestWithParam<std::pair<double, double>> {};
 INSTANTIATE_TEST_SUITE_P(NoiseAndLimit, JointAndTwoSteps,
                          testing::Values(std::pair(1.0, 4e-6), std::pair(0.5, 1e-6), std::pair(0.1, 1e-7)));
@@ -100,7 +101,7 @@ TEST_P(JointAndTwoSteps, AreEqualWithFullCovariance) {
       block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)) = point.position;
       rows.insert(rows.end(), point.unknowns.begin(), point.unknowns.end());
     }
-    block.control.covariance = site.alone.cofactors(rows, rows);
+    block.control.covariance = site.alone.cofactors.joint(rows);
     const auto two_steps = block::adjust_tag_block(block, known_weights().block);
     const JointResult joint = site.adjust(known_weights());
     ASSERT_EQ(joint.block.plates, two_steps.plates);

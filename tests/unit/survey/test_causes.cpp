@@ -127,6 +127,7 @@ TEST(Causes, ASampleHangsTogetherAndEnds) {
   EXPECT_EQ(part.survey.observations.size(), 360u);
   for (const Observation& o : part.survey.observations) EXPECT_GE(o.set_up, 6) << "those that share most";
   EXPECT_EQ(part.in_words(), " (tried on 4 of 12 set-ups)");
+  EXPECT_EQ(sample_of(job.survey, 8, 50).taken, 3u) << "one that has enough by itself has nothing to agree with";
 }
 
 /// M7 is called M20 in two of four set-ups, which do not see the other M20.

@@ -65,6 +65,7 @@ TEST(LargeNetwork, CovariancesOnDemandAreThoseOfTheWholeMatrix) {
   const std::vector<size_t> some = {3, 999, 1001, 500, 17, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 1059};
   EXPECT_LT(difference(whole.covariance_of(some), sparse.covariance_of(some)), 1e-9);
   ASSERT_EQ(whole.rows.size(), sparse.rows.size());
+  size_t of_own_points = 0;
   for (size_t r = 0; r < whole.rows.size(); ++r) {
     const auto &a = whole.rows[r].statistics, &b = sparse.rows[r].statistics;
     EXPECT_NEAR(a.redundancy_number, b.redundancy_number, 1e-9);
@@ -72,7 +73,12 @@ TEST(LargeNetwork, CovariancesOnDemandAreThoseOfTheWholeMatrix) {
     if (!std::isfinite(a.mdb)) continue;
     EXPECT_NEAR(a.mdb, b.mdb, 1e-9 * a.mdb);
     EXPECT_LE(b.external_effect, a.external_effect * (1 + 1e-9)) << "on its own points only";
+    const ResultRow& row = whole.rows[r];
+    if (row.external_point.empty() || (row.external_point != row.from && row.external_point != row.to)) continue;
+    EXPECT_NEAR(a.external_effect, b.external_effect, 1e-4 * a.external_effect) << "and on these all of it";
+    ++of_own_points;
   }
+  EXPECT_GT(of_own_points, 0u);
   EXPECT_NEAR(sparse.sum_of_redundancy_numbers, sparse.degrees_of_freedom, 1e-5);
   for (size_t s = 0; s < whole.set_ups.size(); ++s) {
     EXPECT_NEAR(whole.set_ups[s].orientation_sigma, sparse.set_ups[s].orientation_sigma,

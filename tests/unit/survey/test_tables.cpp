@@ -220,6 +220,9 @@ TEST_F(Tables, AreTheSameWithoutAJointCovariance) {
   const Rows rows = rows_of(whole.output<File>("relative"));
   for (const auto& row : rows) EXPECT_EQ(heights[row.at("from") + row.at("to")], row.at("cov_hh_mm2"));
   EXPECT_EQ(heights["M23M00"], heights["M00M23"]);
+  parts.set("pairs", "M23 M23");
+  parts.run();
+  EXPECT_NEAR(std::stod(rows_of(parts.output<File>("relative")).front().at("cov_hh_mm2")), 0, 1e-9) << "to itself";
   parts.set("pairs", "M01 M23");
   try {
     parts.run();
