@@ -28,10 +28,18 @@ std::vector<const T*> BcfSurroundings::Index<T>::near(const Eigen::Vector3d& cen
   const double reach = radius + kCell;
   const auto low = [&](int k) { return cell_at(centre[k] - reach); };
   const auto high = [&](int k) { return cell_at(centre[k] + reach); };
-  for (int x = low(0); x <= high(0); ++x)
-    for (int y = low(1); y <= high(1); ++y)
-      for (auto it = cells.lower_bound({x, y, low(2)}); it != cells.end() && it->first <= Cell{x, y, high(2)}; ++it)
-        found.insert(found.end(), it->second.begin(), it->second.end());
+  // Around what reaches far there are fewer cells with something in them than without.
+  const double columns = (1.0 + high(0) - low(0)) * (1.0 + high(1) - low(1));
+  if (!(columns <= static_cast<double>(cells.size()))) {
+    for (const auto& [cell, items] : cells)
+      if (cell[0] >= low(0) && cell[0] <= high(0) && cell[1] >= low(1) && cell[1] <= high(1) && cell[2] >= low(2) &&
+          cell[2] <= high(2))
+        found.insert(found.end(), items.begin(), items.end());
+  } else
+    for (int x = low(0); x <= high(0); ++x)
+      for (int y = low(1); y <= high(1); ++y)
+        for (auto it = cells.lower_bound({x, y, low(2)}); it != cells.end() && it->first <= Cell{x, y, high(2)}; ++it)
+          found.insert(found.end(), it->second.begin(), it->second.end());
   std::sort(found.begin(), found.end());
   std::vector<const T*> items;
   for (const std::size_t i : found) items.push_back(all[i]);

@@ -110,8 +110,10 @@ class Assigner {
       if (carries(element))
         for_anchors_at(element, kStorey, [&](const Element& anchor, const Eigen::Vector3d& off) {
           if (anchor.host_guid == element.guid || off.head<2>().norm() > kAtFace || std::abs(off.z()) > kStorey) return;
-          if (const auto line = line_of_host(element, anchor.position); line && line->outward)
-            edges_[&anchor].push_back(*line);
+          auto line = line_of_host(element, anchor.position);
+          if (!line || !line->outward) return;
+          line->may_hang = element.ifc_class.starts_with("IfcWall");
+          edges_[&anchor].push_back(*line);
         });
   }
 

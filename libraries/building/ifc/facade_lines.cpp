@@ -73,13 +73,14 @@ bool carries(const Element& element) {
 
 int side_of_edges(const std::vector<FacadeLine>& edges, const Eigen::Vector3d& line) {
   int side = 0;
+  bool proven = false;
   for (const FacadeLine& edge : edges) {
     if (!alike(edge.direction, line)) continue;
     const int one = edge.direction.dot(line) < 0 ? -1 : 1;
     if (side == -one) return 0;
-    side = one;
+    side = one, proven = proven || !edge.may_hang;
   }
-  return side;
+  return proven ? side : 0;
 }
 
 }  // namespace plumbline::ifc

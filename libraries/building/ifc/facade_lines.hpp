@@ -18,6 +18,7 @@ inline constexpr double kAtFace = 0.5;
 struct FacadeLine {
   Eigen::Vector3d direction;
   bool outward = false;
+  bool may_hang = false;  ///< of a wall that stands beside the anchor: it may be a precast panel before it
 };
 
 /// Within 20° of one line; unit vectors.
@@ -37,7 +38,7 @@ std::optional<FacadeLine> line_of_host(const Element& host, const Eigen::Vector3
 /// What carries a building: an anchor that sits at its edge is fixed to it, whether the file says so or not.
 bool carries(const Element& element);
 /// The side of `line` on which the edges of slabs and walls say the outside is, +1 or −1; 0 if none does, or they
-/// contradict one another.
+/// contradict one another, or only what may hang says so.
 int side_of_edges(const std::vector<FacadeLine>& edges, const Eigen::Vector3d& line);
 
 }  // namespace plumbline::ifc

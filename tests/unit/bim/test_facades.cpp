@@ -345,6 +345,27 @@ TEST(Facades, AWallAloneConfirmsNothing) {
     }
 }
 
+/// Nor do two: precast panels side by side hang before the same anchors, and agree with each other, or with the base
+/// plates behind these.
+TEST(Facades, AWallBesideAWallConfirmsNothing) {
+  for (const bool tied : {true, false}) {
+    Design design = design_of({"north", {{{8, 0}, 0}}, {4, -3, 0}}, tied ? anchors_only : no_slabs, false);
+    for (Element& e : design.elements)
+      if (e.is_panel) e.position.y() = e.project_from_element.translation.y() = -0.2, e.is_cladding = false;
+    for (const double x : {4.0, 5.0})
+      design.elements.push_back(element("wall" + std::to_string(x), "IfcWall", {x, 0.15, 2},
+                                        Eigen::Quaterniond::Identity(), {-6, -0.1, -3}, {6, 0.1, 3}));
+    const std::string first = "wall" + std::to_string(4.0);
+    for (Element& e : design.elements)
+      if (e.is_anchor && tied) e.host_guid = first;
+    assign_facades(design, {});
+    for (const Element& e : design.elements)
+      if (e.is_anchor) {
+        EXPECT_FALSE(e.facade.confirmed) << e.name << ": " << e.facade.note;
+      }
+  }
+}
+
 /// Base plates, linings, structural walls lie behind their anchors: nobody is sent towards them. On a north side axes
 /// that nobody turned point into the building, too, and say the same.
 TEST(Facades, APlateBehindItsAnchorsConfirmsNoSide) {
