@@ -219,6 +219,9 @@ AnchorPlaces what_is_new(const AnchorPlaces& before, const AnchorPlaces& campaig
 void combine_group(AnchorPlaces before, const AnchorPlaces& all_of_campaign, double critical,
                    const CombineOptions& options, CombinedCampaigns& out) {
   const AnchorPlaces campaign = what_is_new(before, all_of_campaign);
+  // The same readings with a few more: what is measured anew has the errors of what the estimate has already.
+  if (!meeting_of(before, campaign).before.empty())
+    out.known += static_cast<int>(all_of_campaign.size() - campaign.size());
   Eigen::MatrixXd drifted = with_drift(before, options.drift_per_storey);
   if (campaign.size() == 0) drifted = before.own;
   for (;;) {
@@ -262,7 +265,8 @@ CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlac
     combine_group(chosen(stayed, ids), chosen(campaign, ids), critical, options, out);
   // Few anchors agree by chance.
   constexpr int kFewest = 4;
-  if (out.compared >= kFewest && out.chi_squared < chi_squared_quantile(options.false_repetition, 3.0 * out.compared)) {
+  if (out.known > 0 || (out.compared >= kFewest &&
+                        out.chi_squared < chi_squared_quantile(options.false_repetition, 3.0 * out.compared))) {
     out.repeats = true;
     out.estimate = campaign;
   }
@@ -279,7 +283,11 @@ std::vector<std::string> words_of(const CombinedCampaigns& combined) {
                     millimetres(moved.shift.norm()) + " from where campaigns before had " +
                     (moved.id.empty() ? "them" : "it") + test + ": it counts as measured for the first time");
   }
-  if (combined.repeats) {
+  if (combined.known > 0)
+    words.push_back("the places of " + std::to_string(combined.known) +
+                    " anchors are those of a campaign before, to a micrometre, and those of others are not: this "
+                    "campaign holds readings of that one. It counts alone");
+  else if (combined.repeats) {
     char text[260];
     std::snprintf(text, sizeof text,
                   "this campaign agrees with those before far better than it can (chi-squared %.2f where about %d is "

@@ -51,7 +51,8 @@ struct CombinedCampaigns {
   std::vector<MovedAnchor> moved;
   int compared = 0;        ///< anchors that were measured before and again, and are said not to have moved
   double chi_squared = 0;  ///< of their differences, 3 * compared degrees of freedom
-  bool repeats = false;    ///< differences are far smaller than two campaigns can have: the campaign counts alone
+  int known = 0;           ///< anchors that are in the estimate by this campaign already, where it has others anew
+  bool repeats = false;    ///< differences are far smaller than two campaigns can have, or `known`: it counts alone
 };
 
 /// `campaign`: one name each in `campaigns`. An anchor whose estimate has that campaign already takes nothing from it

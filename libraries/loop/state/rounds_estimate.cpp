@@ -122,16 +122,28 @@ RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const Com
   AnchorPlaces before;
   before.own.resize(0, 0);
   if (state && state->estimate) before = places_of(*state->estimate);
+  std::set<std::string> anew = worked_on(state), now;
+  for (const std::size_t b : measured) now.insert(facade.brackets[b].id);
+  std::vector<std::string> others;  // that this campaign did not measure
+  for (const std::string& id : before.ids)
+    if (now.count(id) == 0) others.push_back(id);
+  if (measured.size() + others.size() > most) {
+    anew.insert(others.begin(), others.end());
+    out.words.push_back(std::to_string(others.size()) +
+                        " anchors of campaigns before were not measured by this one and start anew with the next that "
+                        "measures them: an estimate has " +
+                        std::to_string(most) + " anchors at most");
+  }
   CombinedCampaigns combined;
   try {
-    combined = combine_campaigns(before, campaign_of(facade, measured), worked_on(state), options);
+    combined = combine_campaigns(before, campaign_of(facade, measured), anew, options);
   } catch (const std::runtime_error& error) {
     out.words.push_back(std::string(error.what()) + "; the last campaign counts alone");
     facade.own.resize(0, 0);
     return out;
   }
   put_into(facade, measured, combined.estimate, options.drift_per_storey);
-  out.words = words_of(combined);
+  for (std::string& line : words_of(combined)) out.words.push_back(std::move(line));
   out.estimate = artifact_of(combined.estimate);
   return out;
 }

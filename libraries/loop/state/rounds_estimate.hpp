@@ -16,7 +16,8 @@ struct RoundsEstimate {
 /// Puts in the place of the measured deviations and their covariance those of all campaigns, the state's and this one.
 /// What was reported as worked on since it was measured, failed, or was accepted by a person starts anew. An anchor
 /// that this campaign did not measure stays unmeasured in the facade, and keeps its estimate. Fills Bracket::basis,
-/// difference_sigma and campaigns. Above `most` anchors nothing is combined, and that is said.
+/// difference_sigma and campaigns. Above `most` anchors nothing is combined, and that is said; nor does
+/// the estimate grow beyond: what this campaign did not measure leaves it then.
 RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const CombineOptions& options = {},
                               std::size_t most = 500);
 

@@ -190,6 +190,21 @@ TEST(CombineCampaigns, AFolderThatHoldsTheReadingsOfTheOneBeforeCountsAlone) {
   EXPECT_NE(words_of(combined)[0].find("does it hold readings of theirs"), std::string::npos);
 }
 
+/// One more reading of one anchor, from the same set-up: the set-up's error is no other one by that.
+TEST(CombineCampaigns, AFolderThatGotAReadingMoreIsNoOtherCampaign) {
+  const Eigen::MatrixXd own = own_of(5, 0.0003, 0.0008);
+  const AnchorPlaces first = campaign("first", truth_of(5), own, 1);
+  const AnchorPlaces once = combine_campaigns({}, first, {}, kNoDrift).estimate;
+  AnchorPlaces again = first;
+  again.places[7] += 0.0002, again.campaigns[2] = "again ";
+  const CombinedCampaigns combined = combine_campaigns(once, again, {}, kNoDrift);
+  EXPECT_EQ(combined.known, 4);
+  EXPECT_TRUE(combined.repeats);
+  EXPECT_LT((combined.estimate.own - own).norm(), 1e-18);
+  ASSERT_EQ(words_of(combined).size(), 1u);
+  EXPECT_NE(words_of(combined)[0].find("holds readings of that one"), std::string::npos) << words_of(combined)[0];
+}
+
 /// Anchors that sink slowly: the estimate follows, because a storey may drift from campaign to campaign.
 TEST(CombineCampaigns, FollowsABuildingThatSinks) {
   const Eigen::MatrixXd own = own_of(5, 0.0003, 0.0004);

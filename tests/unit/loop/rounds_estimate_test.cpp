@@ -82,6 +82,24 @@ TEST(RoundsEstimate, AnAnchorThatThisCampaignDidNotMeasureStaysUnmeasuredAndKeep
   EXPECT_EQ(third.brackets[1].campaigns, 3);
 }
 
+/// Floor by floor: the estimate does not grow with the building.
+TEST(RoundsEstimate, BeyondTheMostWhatThisCampaignDidNotMeasureStartsAnew) {
+  LoopStateT state;
+  Facade first = measured(1), second = measured(2), third = measured(3);
+  const std::size_t most = first.brackets.size();
+  state.estimate = combine_rounds(first, &state, kNoDrift, most).estimate;
+  second.brackets[0].id = "another";
+  RoundsEstimate rounds = combine_rounds(second, &state, kNoDrift, most);
+  ASSERT_TRUE(rounds.estimate);
+  EXPECT_EQ(rounds.estimate->ids.size(), most);
+  ASSERT_EQ(rounds.words.size(), 1u);
+  EXPECT_EQ(rounds.words[0].rfind("1 anchors of campaigns before", 0), 0u) << rounds.words[0];
+  state.estimate = std::move(rounds.estimate);
+  combine_rounds(third, &state, kNoDrift, most);
+  EXPECT_EQ(third.brackets[0].campaigns, 1);
+  EXPECT_EQ(third.brackets[1].campaigns, 3);
+}
+
 /// Run twice with the same words a round gives the same bytes: the basis is the campaign's own.
 TEST(RoundsEstimate, TheBasisIsThatOfTheCampaignAndTheStateFileKeepsTheEstimate) {
   LoopStateT state;
