@@ -39,6 +39,9 @@ class Expansion {
       if (!node.for_each.text.empty()) families_.emplace(node.name, Family{node.for_each.text, kinds_of(node)});
     if (families_.empty()) return;
     std::vector<NodeSpec> nodes;
+    std::set<std::string> names;
+    for (const NodeSpec& node : spec_.nodes)
+      if (node.for_each.text.empty()) names.insert(node.name);
     for (NodeSpec& node : spec_.nodes) {
       const auto family = families_.find(node.name);
       if (family == families_.end()) {
@@ -47,6 +50,10 @@ class Expansion {
       }
       for (const auto& [name, kind] : family->second.kinds) {
         NodeSpec copy = node;
+        if (!names.insert(copy_name(node.name, name)).second)
+          problems_.push_back({node.for_each.at, "'" + node.name + "' for " + name + " would be called '" +
+                                                     copy_name(node.name, name) +
+                                                     "', and so is another node: give one of them another name"});
         if (connect(copy, &family->second, name)) nodes.push_back(of_kind(std::move(copy), name, *kind));
       }
     }
@@ -103,7 +110,7 @@ class Expansion {
     }
     node.inputs = std::move(inputs);
     if (named == fed) return true;
-    fallen_.insert(node.name);
+    fallen_.insert(family ? copy_name(node.name, kind) : node.name);
     return false;
   }
 

@@ -117,13 +117,15 @@ void warn_about_inset(const std::vector<double>& sides, MarkerResult& result) {
 
 /// Relative standard deviation of lengths by what the inset is not the same for all tags of a camera in: bloom, halos
 /// and JPEG draw large and oblique tags in otherwise than small ones, and the estimate of one value takes part of that
-/// for scale. In drawn photographs half of what the detector states of the inset.
-double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>& sides) {
+/// for scale. In drawn photographs half of what the detector states of the inset; where it states nothing, of
+/// `unstated` [px].
+double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>& sides, double unstated) {
   constexpr double uneven = 0.5;
   double squares = 0, images = 0;
   for (const MarkerImage& image : block.images) {
     const double side = sides[static_cast<size_t>(image.camera)];
-    if (side > 0) squares += std::pow(2 * uneven * image.inset_sigma / side, 2), images += 1;
+    const double sigma = image.inset_sigma > 0 ? image.inset_sigma : unstated;
+    if (side > 0) squares += std::pow(2 * uneven * sigma / side, 2), images += 1;
   }
   return images > 0 ? std::sqrt(squares / images) : 0;
 }
@@ -141,7 +143,7 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
   }
   const std::vector<double> sides = sides_in_pixels(block, result);
   warn_about_inset(sides, result);
-  const double by_insets = options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides) : 0;
+  const double by_insets = options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides, options.inset_sigma) : 0;
   double size = 0;
   for (const auto& marker : result.markers)
     size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());

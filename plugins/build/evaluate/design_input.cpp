@@ -32,6 +32,16 @@ ifc::ElementFacts facts_of(const DesignElementT& element, std::vector<ifc::Prope
           element.object_type, element.type_name, element.storey, &properties};
 }
 
+/// A plate whose table does not say where it faces lies flat (plugins/read/campaign): right, up and out of it are those
+/// of its facade, or what is said of "out" would count upwards.
+Eigen::Quaterniond axes_of(const PlateT& plate, const ifc::FacadeFrame& facade) {
+  const Eigen::Vector3d out = plate.nominal_rotation * Eigen::Vector3d::UnitZ();
+  if (out.head<2>().norm() > 1e-9 || !facade.known()) return plate.nominal_rotation;
+  Eigen::Matrix3d axes;
+  axes << facade.right, facade.up, facade.out;
+  return Eigen::Quaterniond(axes);
+}
+
 class Builder {
  public:
   Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
@@ -152,7 +162,7 @@ class Builder {
       ifc::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ());
       if (anchor.facade.source == ifc::FacadeSource::plate && by_design.known())
         sides_[by_design.facade].push_back(!anchor.facade.confirmed ? 0 : anchor.facade.out.dot(by_design.out));
-      anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, plate->nominal_rotation);
+      anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, axes_of(*plate, anchor.facade));
       from_table_ += plate->mounting_sigma.size() == 3;
     }
     judgement::ToleranceFindings findings;

@@ -109,6 +109,10 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
   for (const std::string& path : description.survey)
     problems.attempt([&] {
       const auto read = added.find(path);
+      if (read != added.end() && !read->second)
+        throw std::runtime_error(path +
+                                 " was offered to a reader of another plugin, and nobody has read it: connect "
+                                 "survey.collect, not campaign.files_for, to 'readings'");
       parts.push_back(read != added.end()
                           ? survey::from_artifact(*read->second)
                           : survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies

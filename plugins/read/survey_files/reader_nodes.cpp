@@ -85,6 +85,9 @@ void ReadSurvey::run(Context& context) {
   if (readings)
     for (const auto& part : readings.unpack().files)
       if (part->path == name()) {
+        if (!part->observations)
+          throw std::runtime_error(name() + " was offered to " + part->reader + ", and nobody has read it: connect " +
+                                   "survey.collect, not survey.file_for, to 'readings'");
         context.info(name() + " is read by " + part->reader);
         return deliver(context, survey::from_artifact(*part->observations));
       }

@@ -29,6 +29,9 @@ std::vector<const SurfaceFaceT*> faces_of_all(const std::vector<Source>& sources
         throw std::runtime_error("the sources place the face of " + face->id + " differently, " +
                                  std::to_string(1e3 * apart) +
                                  " mm apart: they were made with different designs; make all with one");
+      if (std::abs(found->second->width - face->width) > 1e-6 || std::abs(found->second->height - face->height) > 1e-6)
+        throw std::runtime_error("the sources give the face of " + face->id +
+                                 " different sizes: they were made with different designs; make all with one");
     }
   return faces;
 }
@@ -66,8 +69,10 @@ void Fuse::run(Context& context) {
       result.search =
           std::isfinite(result.search) ? std::min(result.search, source.points.search) : source.points.search;
     if (source.points.rank == 0)
-      context.warn("source " + std::to_string(s + 1) +
-                   " states no systematic errors: where it alone has points, a panel's place is stated too sure");
+      context.warn(
+          "source " + std::to_string(s + 1) +
+          " states no systematic errors: wherever it has points, a panel's place is stated too sure, the more so the "
+          "smaller its random errors are beside the others'");
   }
   if (sources.size() == 1) context.warn("there is one source only: nothing is compared");
   FuseOptions options;

@@ -50,8 +50,9 @@ for page in "$pages"/*.md; do
     [[ $line == *mine.yaml* ]] && line+=" --seeds 1-2"
     [[ $line == *"run full_height"* ]] && line+=" floors=2 columns=2 camera=quick_6mp"
     [[ $line == *EPOCHS* || $line == *"--archive"* ]] && continue   # three epochs: tests of surveys; archives: tests of benches
-    if ! bash -c "$line" > said 2>&1 < /dev/null; then
-      status=$?
+    status=0
+    bash -c "$line" > said 2>&1 < /dev/null || status=$?
+    if ((status)); then
       [[ $line == *"plumbline diff"* ]] && grep -q 'nodes differ' said && continue   # they do
       echo "$name: $line: exit code $status"
       tail -5 said
@@ -59,4 +60,5 @@ for page in "$pages"/*.md; do
     fi
   done < "typed_$name"
 done
+((count >= 10)) || { echo "only $count commands were found in $pages"; missing=1; }
 exit $missing

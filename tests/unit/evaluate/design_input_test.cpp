@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <regex>
 
 #include "building/ifc/facade_artifact.hpp"
@@ -88,6 +89,20 @@ TEST(DesignInput, PlatesThatContradictTheDesignLeaveThePanelsWithoutOrders) {
   EXPECT_TRUE(one.judge().panels[1]->facade->confirmed) << "none of its plates contradicts";
   EXPECT_TRUE(Site({0, -1, 0}).judge().panels[0]->facade->confirmed);
   EXPECT_TRUE(Site({0, 0, 0}).judge().panels[0]->facade->confirmed);
+}
+
+/// The facade looks to the south: out is along y, whether the table gives an azimuth or not.
+TEST(DesignInput, MountingIsAlongTheFacadeWhereThePlatesDoNotSayHowTheyFace) {
+  for (const Eigen::Vector3d& of_plates : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, -1, 0)}) {
+    Site site(of_plates);
+    if (of_plates.norm() > 0)
+      for (auto& plate : site.plates.plates)
+        plate->nominal_rotation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+    for (auto& plate : site.plates.plates) plate->mounting_sigma = {0.3 * mm, 0.2 * mm, 3 * mm};  // right, up, out
+    const auto inputs = deviation_inputs(site.design, site.matches, site.plates, {}, 0.3, {});
+    const Eigen::Vector3d sigma = inputs.anchors[0].mounting.diagonal().cwiseSqrt();
+    EXPECT_LT((sigma - Eigen::Vector3d(0.3 * mm, 3 * mm, 0.2 * mm)).norm(), 1e-9) << sigma.transpose();
+  }
 }
 
 /// The last rule holds. Who wrote the narrow one first asked for something that nobody would judge.

@@ -44,12 +44,30 @@ TEST(RoleExpansion, WithoutAKindWhatWouldTakeFromItFallsAway) {
   EXPECT_EQ(story.graph.nodes.size(), 2u);
 }
 
+/// A node for each kind of its own that takes from one of which there are none: its copies fall away like any other.
+TEST(RoleExpansion, CopiesThatHaveNothingToTakeFallAwayToo) {
+  Story story(
+      "s: {for_each: source.nothing_has_this, use: \"${kind}\"}\n"
+      "t: {for_each: source.value, use: story.sum, in: {numbers: s.number}}\n"
+      "c: {use: story.constant, with: {value: 3}}\n"
+      "u: {use: story.add, in: {a: c.number, b: t.sum}}\n");
+  ASSERT_TRUE(story.run().ok());
+  EXPECT_EQ(value_of(story, "u", "sum"), 3);
+  EXPECT_EQ(story.graph.nodes.size(), 2u);
+}
+
 TEST(RoleExpansion, WhatNeedsItSaysSo) {
   EXPECT_NE(refusal("s: {for_each: source.nothing_has_this, use: \"${kind}\"}\n"
                     "t: {use: story.sum, in: {numbers: s.number}}\n"
                     "u: {use: story.add, in: {a: t.sum}}\n")
                 .find("input 'a' of 'u' (story.add) is not connected"),
             std::string::npos);
+}
+
+TEST(RoleExpansion, ACopyThatIsCalledLikeAnotherNodeIsRefused) {
+  const std::string said =
+      refusal("s: {for_each: source.value, use: \"${kind}\"}\ns_story_constant: {use: story.constant}\n");
+  EXPECT_NE(said.find("would be called 's_story_constant', and so is another node"), std::string::npos) << said;
 }
 
 TEST(RoleExpansion, ARoleThatIsNotThereIsGuessed) {
