@@ -150,7 +150,8 @@ TEST_P(SurveyAdjuster, EveryParameterHasItsEffect) {
                                        with(marked, false, {{"profile", "total_station_1arcsec"}}),
                                        with(given, false, {{"map", "EPSG:25832"}}), with(given, true, {}),
                                        with(by_profile, true, {}), with(given, true, {{"remove_blunders", "true"}}),
-                                       with(given, true, {{"datum", "weighted"}, {"curvature", "on"}})}),
+                                       with(given, true, {{"datum", "weighted"}, {"curvature", "on"}}),
+                                       with(given, true, {{"covariance", "neighbours"}})}),
             "");
 }
 

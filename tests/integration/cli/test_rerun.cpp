@@ -51,7 +51,7 @@ TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
   answer = run({"poses.with.solver=epnp"});
   EXPECT_EQ(answer.code, 0) << answer.err;
   EXPECT_EQ(nodes(out, "executed"), (std::set<std::string>{"poses", "block", "chain", "deviation", "accuracy", "ifc",
-                                                           "issues", "report", "summary"}));
+                                                           "issues", "report", "summary", "table"}));
 
   run({});
   EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{}) << "the first result is still there";

@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "geometry/random.hpp"
 #include "loop/job/job.hpp"
@@ -228,7 +229,15 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
   const Json job = Json::parse(read_file(plumbline.work() / "round1/job.json"));
   const Json right = Json::parse(read_file(plumbline.work() / "actuals1.json"));
   std::map<std::string, Json> target;
-  for (const Json& item : job["items"]) target[item["id"]] = item["targetPose"]["position"];
+  std::set<std::string> moved;
+  for (const Json& item : job["items"]) {
+    target[item["id"]] = item["targetPose"]["position"];
+    // What was asked to move by less than the survey can tell may be found to need no setting, whatever is reported.
+    double asked = 0;
+    for (const Json& along : item["setting"]) asked = std::max(asked, std::abs(along.get<double>()));
+    if (asked > 0.001) moved.insert(item["id"]);
+  }
+  ASSERT_GE(moved.size(), 4u);
   const std::map<std::string, std::pair<std::function<void(Json&)>, std::string>> mistakes = {
       {"feet",
        {[&](Json& r) {
@@ -260,7 +269,7 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
     EXPECT_TRUE(contains(answer.out + answer.err, mistake.second)) << name << answer.err;
     const Json state = Json::parse(read_file(plumbline.work() / "round2/state.json"));
     for (const Json& item : state["items"])
-      if (target.count(item["id"])) {
+      if (moved.count(item["id"])) {
         EXPECT_NE(item["status"], "VERIFIED") << name << " " << item["id"] << item["why"];
       }
   }

@@ -205,7 +205,7 @@ Eigen::Vector3d corrections_in(const std::string& row) {
 /// Rows of the last table under an id in the page: name → verdict word of a column marked by an attribute.
 Verdicts verdicts_in_page(const std::string& html, const std::string& attribute) {
   Verdicts found;
-  const std::regex row("<tr><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?<td class=\"text\" " + attribute +
+  const std::regex row("<tr[^>]*><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?<td class=\"text\" " + attribute +
                        "=\"[0-9]*\"><span class=\"badge [a-z]+\">(?:(?!</span>)[\\s\\S])*?</svg>\\s*([a-z ]+)</span>");
   for (std::sregex_iterator it(html.begin(), html.end(), row), end; it != end; ++it) found[(*it)[1]] = (*it)[2];
   return found;
@@ -217,7 +217,8 @@ Verdicts floors_in_page(const std::string& html) {
   const std::size_t begin = html.find("Floor by floor</h3>");
   const std::string table = html.substr(begin, html.find("</table>", begin) - begin);
   const std::regex row(
-      "<tr><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?</svg>\\s*([a-z ]+)</span></td>((?:<td>[0-9]+</td>)+)");
+      "<tr[^>]*><th scope=\"row\">([^<]*)</th>(?:(?!</tr>)[\\s\\S])*?</svg>\\s*([a-z "
+      "]+)</span></td>((?:<td>[0-9]+</td>)+)");
   for (std::sregex_iterator it(table.begin(), table.end(), row), end; it != end; ++it)
     found[(*it)[1]] = (*it)[2].str() + std::regex_replace((*it)[3].str(), std::regex("<td>([0-9]+)</td>"), " $1");
   return found;

@@ -160,9 +160,17 @@ TEST(MarkerBlock, SaysWhenCornersAreWorseThanStated) {
 TEST(MarkerBlock, StatesHowGoodItsLengthsAre) {
   MarkerOptions options;
   options.print_sigma = 0.6e-3, options.size_sigma = 0;  // of tags of 120 mm
-  const MarkerResult printed = adjust_marker_block(scene(0.1, 7).block, options);
+  Scene stated = scene(0.1, 7), unstated = stated;
+  for (MarkerImage& image : stated.block.images) image.inset_sigma = 1e-9;
+  const MarkerResult printed = adjust_marker_block(stated.block, options);
   EXPECT_NEAR(printed.scale_sigma, 0.005, 1e-12);
   EXPECT_THAT(printed.datum, HasSubstr("0.50 %"));
+  // Whose insets nobody states knows no less of them than the prior says.
+  options.inset_sigma = 0.3;
+  const double of_prior = adjust_marker_block(unstated.block, options).scale_sigma;
+  for (MarkerImage& image : stated.block.images) image.inset_sigma = 0.3;
+  EXPECT_NEAR(of_prior, adjust_marker_block(stated.block, options).scale_sigma, 1e-12);
+  EXPECT_GT(of_prior, 0.0055);
   options.distance = MarkerDistance{0, 2, 0.6, 0.0003};
   const MarkerResult measured = adjust_marker_block(scene(0.1, 7).block, options);
   EXPECT_NEAR(measured.scale_sigma, 0.0005, 1e-12);

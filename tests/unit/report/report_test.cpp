@@ -59,7 +59,8 @@ const nodes = { judged: { textContent: html.match(/id="judged">([\s\S]*?)<\/scri
   "tau-slider": { querySelector: s => s === "input" ? input : output } };
 global.document = { getElementById: id => nodes[id] || null, querySelectorAll: s => s === "td[data-anchor]" ? cells : [] };
 const from = html.indexOf('"use strict";', html.lastIndexOf("getElementById(\"judged\")") - 200);
-new Function(html.slice(from, html.indexOf("</script>", from)))();
+const rule = html.match(/const verdictAt = [\s\S]*?\n};/)[0];
+new Function(rule + html.slice(from, html.indexOf("</script>", from)))();
 const tell = () => console.log(JSON.stringify(badges) + " " + output.textContent);
 tell();
 for (const mm of process.argv.slice(3)) { input.value = onRange(Number(mm)); input.input(); tell(); }
