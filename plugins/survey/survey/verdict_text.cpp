@@ -91,10 +91,11 @@ void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
   const NetworkEllipsoidT *plan = nullptr, *height = nullptr;
   for (const auto& e : n.ellipsoids) {
     if (stations.contains(e->id) && stations.size() < n.points.size()) continue;
-    if (in_plan.contains(e->id) && std::isfinite(e->plan_semi_axis_95) &&
+    // What no reading determines is held at what was given, and its 0.0 mm would be no precision.
+    if (in_plan.contains(e->id) && std::isfinite(e->plan_semi_axis_95) && e->plan_semi_axis_95 > 0 &&
         (!plan || e->plan_semi_axis_95 > plan->plan_semi_axis_95))
       plan = e.get();
-    if (in_height.contains(e->id) && std::isfinite(e->height_half_length_95) &&
+    if (in_height.contains(e->id) && std::isfinite(e->height_half_length_95) && e->height_half_length_95 > 0 &&
         (!height || e->height_half_length_95 > height->height_half_length_95))
       height = e.get();
   }

@@ -153,6 +153,12 @@ TEST_F(Tables, VerdictAsASurveyorReadsIt) {
   for (const char* words :
        {"15 points, 3 set-ups, 108 readings", "Nothing has to be measured again", "Weakest at 95 %"})
     EXPECT_NE(sound.find(words), std::string::npos) << words << " in:\n" << sound;
+  EXPECT_NE(sound.find("Weakest at 95 %: in plan "), std::string::npos) << sound;
+  // Of a levelling network: nothing determines the plan, which is held.
+  for (auto& e : network_.ellipsoids) e->plan_semi_axis_95 = 0;
+  auto levelled = tables();
+  levelled.run();
+  EXPECT_NE(text_of(levelled.output<File>("verdict")).find("Weakest at 95 %: in height "), std::string::npos);
   network_.validity = "invalid";
   network_.verdict = "not a result: the readings contradict each other (sigma0 314.00)";
   network_.left_out = {"X7"};
