@@ -110,7 +110,7 @@ void write_pictures(Markup& html, const std::vector<FacadePicture>& pictures) {
   }
 }
 
-void write_joint_row(Markup& html, const JointFiguresT& joint) {
+void write_joint_row(Markup& html, const JointFiguresT& joint, bool with_reason) {
   const auto place = [&](int index) {
     return index >= 0 && static_cast<size_t>(index) < joint.places.size()
                ? joint.places[static_cast<size_t>(index)].get()
@@ -130,7 +130,7 @@ void write_joint_row(Markup& html, const JointFiguresT& joint) {
   html.element("td", step ? mm_with_u(step->step, step->step_sigma) : std::string(unknown));
   html.element("td", where(step));
   html.element("td", std::to_string(joint.places.size()) + " of " + std::to_string(joint.looked_at));
-  html.element("td", {{"class", "words"}}, joint.not_measured);
+  if (with_reason) html.element("td", {{"class", "words"}}, joint.not_measured);
 }
 
 void write_joints(Markup& html, const SurfacesT& surfaces) {
@@ -142,10 +142,14 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
       "or to the right. A step is positive where the second panel stands further out.");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Joint", left("Runs"), "Design", "Narrowest", "at", "Widest", "at", "Largest step", "at", "Places",
-                    left("Why it is not measured")});
+  const bool with_reason = std::any_of(surfaces.joints.begin(), surfaces.joints.end(),
+                                       [](const auto& joint) { return !joint->not_measured.empty(); });
+  auto head = std::vector<Cell>{"Joint",  left("Runs"), "Design",       "Narrowest", "at",
+                                "Widest", "at",         "Largest step", "at",        "Places"};
+  if (with_reason) head.push_back(left("Why it is not measured"));
+  table_head(html, head);
   Scope body(html, "tbody");
-  for (const auto& joint : surfaces.joints) write_joint_row(html, *joint);
+  for (const auto& joint : surfaces.joints) write_joint_row(html, *joint, with_reason);
 }
 
 }  // namespace

@@ -47,6 +47,11 @@ TEST(SurfacePage, ShowsFacadesApartAndWhatWasNotMeasured) {
   EXPECT_EQ(count("10.10 ± 0.20"), 1);
   EXPECT_EQ(count("13.20 ± 0.20"), 1);
   EXPECT_EQ(count("2 of 9"), 1);
+  EXPECT_EQ(count("Why it is not measured"), 0);
+  surfaces.joints[0]->not_measured = "an edge is hidden";
+  const std::string hidden = render_surface_page(surfaces, nullptr, "Surfaces");
+  EXPECT_NE(hidden.find("Why it is not measured"), std::string::npos);
+  EXPECT_NE(hidden.find("an edge is hidden"), std::string::npos);
   EXPECT_EQ(count("nan"), 0) << "no step where a panel was not measured";
 }
 
