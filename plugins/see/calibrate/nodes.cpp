@@ -100,6 +100,7 @@ struct CalibrateBoard : Node {
       }
       refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
       one.parts = compare_parts(one.selection.views, options, one.calibration);
+      one.calibration.covariance *= std::pow(shown_too_small_by(one.parts), 2);
       one.as_two = as_two_cameras(one.selection.views, options, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);
