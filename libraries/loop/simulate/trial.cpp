@@ -196,7 +196,10 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
     for (std::size_t b = 0; b < site.design().brackets.size(); ++b) {
       const Bracket& bracket = site.design().brackets[b];
       if (bracket.id != item->id) continue;
-      const double off = (bracket.design + site.true_deviations()[b] - item->expected).cwiseAbs().maxCoeff();
+      // On the control that there is.
+      const Eigen::Vector3d place =
+          bracket.design + site.true_deviations()[b] + site.control_height(bracket.floor) * Eigen::Vector3d::UnitZ();
+      const double off = (place - item->expected).cwiseAbs().maxCoeff();
       if (off <= 0.0045) continue;  // tolerance of a setting and four standard deviations of a campaign
       ++result.planted_verified;
       for (const PlantedFault& fault : site.planted())

@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <map>
 
-#include "loop/state/transitions.hpp"
+#include "base/text/words.hpp"
 
 namespace plumbline::loop {
 namespace {
 
 constexpr double kSame = 1e-6;  ///< [m]
 
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 6;
-  std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > kMost ? text + " and " + std::to_string(names.size() - kMost) + " more" : text;
-}
+/// Names that are told.
+constexpr std::size_t kMost = 6;
 
 }  // namespace
 
@@ -33,7 +29,7 @@ ControlChange control_change(const ControlMarks& before, const ControlMarks& now
     const double off = (mark->place - found->second).norm();
     known.erase(found);
     if (off <= kSame) continue;
-    change.moved.push_back(mark->id + " by " + millimetres(off));
+    change.moved.push_back(mark->id + " by " + text::millimetres(off));
     change.largest = std::max(change.largest, off);
   }
   for (const auto& [id, place] : known) change.gone.push_back(id);
@@ -42,11 +38,11 @@ ControlChange control_change(const ControlMarks& before, const ControlMarks& now
 
 std::string words_of(const ControlChange& change) {
   if (change.none()) return {};
-  std::string text;
-  if (!change.moved.empty()) text += "; it has other coordinates: " + listed(change.moved);
-  if (!change.added.empty()) text += "; they did not have " + listed(change.added);
-  if (!change.gone.empty()) text += "; this campaign does not have " + listed(change.gone);
-  return "the control is not that of the campaigns before: " + text.substr(2);
+  std::string words;
+  if (!change.moved.empty()) words += "; it has other coordinates: " + text::join(change.moved, kMost);
+  if (!change.added.empty()) words += "; they did not have " + text::join(change.added, kMost);
+  if (!change.gone.empty()) words += "; this campaign does not have " + text::join(change.gone, kMost);
+  return "the control is not that of the campaigns before: " + words.substr(2);
 }
 
 }  // namespace plumbline::loop

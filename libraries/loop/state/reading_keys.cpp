@@ -4,6 +4,7 @@
 #include <map>
 #include <tuple>
 
+#include "base/text/words.hpp"
 #include "loop/state/hash.hpp"
 
 namespace plumbline::loop {
@@ -84,14 +85,13 @@ RepeatedReadings repeated_readings(const std::vector<ReadingKey>& readings, cons
 
 std::string words_of(const RepeatedReadings& repeated) {
   if (repeated.count == 0) return {};
-  std::string names;
-  std::size_t n = 0;
+  std::vector<std::string> names;
   for (const std::string& name : repeated.set_ups)
-    if (++n <= 4 && !name.empty()) names += (names.empty() ? "" : ", ") + name;
-  if (n > 4) names += " and " + std::to_string(n - 4) + " more";
+    if (!name.empty()) names.push_back(name);
   return std::to_string(repeated.count) + " of " + std::to_string(repeated.all) +
          " readings are those of a campaign before, to the last digit" +
-         (names.empty() ? "" : std::string(n > 1 ? " (set-ups " : " (set-up ") + names + ")") +
+         (names.empty() ? ""
+                        : std::string(names.size() > 1 ? " (set-ups " : " (set-up ") + text::join(names, 4) + ")") +
          ": the points that they see do not count as measured since, and this campaign counts alone. Give each round "
          "the readings of its own campaign only";
 }
