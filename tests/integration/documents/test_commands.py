@@ -27,7 +27,7 @@ MINUTES, WHERE = "LONG: ", "NOT HERE: "
 RULES = [
     # Names that pages use, where a line is run as it stands otherwise.
     (r"plumbline (new|watch|bench|run|run --rehash|run --isolate|serve|schema|list|doctor|help|cache)", r"plumbline \1 --help"),
-    (r"plumbline bench FILE", "plumbline bench quick --status"),
+    (r"plumbline bench FILE", "plumbline bench quick --seeds 1-2 --out out/quick"),
     (r"plumbline new (TEMPLATE|survey_reader) NAME", "plumbline new survey_reader mine --out NEW"),
     (r"plumbline new pose_solver plane", "plumbline new pose_solver plane --out NEW"),
     (r"(plumbline (?:describe|doctor|validate|plan|graph|verify|verify --each)) (KIND|FILE|PIPELINE)", None),
@@ -46,7 +46,7 @@ RULES = [
     (r"plumbline run epoch_series .*", "plumbline run epoch_series folder=epochs movements.with.days=[0,30,61]"),
     (r"plumbline campaign (init|check) \S+", r"plumbline campaign check site"),
     # Surveys.
-    (r'plumbline run survey_network file=job.gsi "network.with.exclude=.*', 'plumbline run survey_network file=job.gsi "network.with.exclude=[point F01-C03-R2: knocked over, line job.gsi:64: read twice]"'),
+    (r'plumbline run survey_network file=job.gsi "network.with.exclude=.*', 'plumbline run survey_network file=job.gsi "network.with.exclude=[point F01-C03-R2: knocked over, line job.gsi:46: read twice]"'),
     (r"plumbline run survey_network file=job.gsi map=EPSG:25832.*", WHERE + "the survey of the site lies in no map: Georeference.* in tests/unit/survey"),
     (r"plumbline run (?:pipelines/)?(survey_network|read_survey)(?:\.yaml)? file=(?:…|FILE|job\.gsi)(.*?)( --out OUT)?", r"plumbline run \1 file=job.gsi\2"),
     (r"plumbline run survey_network", "plumbline run survey_network file=job.gsi"),
@@ -79,7 +79,7 @@ RULES = [
      f'plumbline run image_block folder={DATA}/blocks/aicon "block.with.free=[]"'),
     (r"plumbline run read_design file=building.ifc", "plumbline run read_design file=site/design.ifc"),
     # Simulated sites, small ones.
-    (r"plumbline run single_floor (camera=quick_6mp optics=real) seed=…", MINUTES + r"plumbline run single_floor SMALL optics=real"),
+    (r"plumbline run (single_floor|full_height) camera=quick_6mp optics=real seed=…", MINUTES + r"plumbline run \1 SMALL optics=real"),
     (r"plumbline run (full_height_surfaces .*)", MINUTES + r"plumbline run \1 camera=quick_6mp"),
     (r"plumbline run (?:pipelines/)?(full_height|full_height_free|single_floor)(?:\.yaml)?(?: camera=quick_6mp)?((?: (?!--out|seed=|camera=)\S+)*)( --out \S+| seed=…)?",
      r"plumbline run \1 SMALL\2"),
@@ -94,7 +94,7 @@ RULES = [
     (r"plumbline bench quick --out out/quick --archive supplement", "plumbline bench quick --seeds 1-2 --out out/quick --archive supplement"),
     (r"plumbline bench verify (\S+).*", "plumbline bench verify supplement --cells 4"),
     (r"plumbline bench quick|plumbline bench benchmarks/paper/quick.yaml", MINUTES + "plumbline bench quick --out out/whole_quick"),
-    (r"plumbline bench benchmarks/crossval.yaml folder=…", "plumbline bench benchmarks/crossval.yaml folder=observed --seeds 1-2 --out out/crossval"),
+    (r"plumbline bench benchmarks/crossval.yaml folder=…", "plumbline bench benchmarks/crossval.yaml folder=site --seeds 1-2 --out out/crossval"),
     (r"plumbline bench (benchmarks/paper/(?:rendered|detectors).yaml).*", MINUTES + r"plumbline bench \1 --seeds 1 --out out/rendered"),
     (r"plumbline bench (benchmarks/\S+\.yaml).*", MINUTES + r"plumbline bench \1 --seeds 1-2 --out out/paper"),
 ]
