@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "artifacts/camera_artifact.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "survey/files/survey_format.hpp"
 #include "survey/start/merge_surveys.hpp"
@@ -30,12 +31,8 @@ std::string read_text(const fs::path& path) {
 CameraT to_artifact(const CameraCalibration& c, const std::string& source) {
   CameraT camera;
   camera.id = c.id;
-  camera.width = c.camera.width;
-  camera.height = c.camera.height;
   camera.pixel_pitch = c.pixel_pitch;
-  const auto parameters = c.camera.parameters();
-  camera.parameters.assign(parameters.begin(), parameters.end());
-  camera.covariance = pack_symmetric(c.covariance);
+  set_interior(c.camera, c.covariance, camera);
   camera.source = source;
   return camera;
 }
