@@ -67,6 +67,7 @@ Json kind_json(const runtime::Kind& kind) {
             {"summary", node.summary},
             {"version", node.version},
             {"deterministic", node.deterministic != 0},
+            {"lacks", node.lacks},
             {"plugin", kind.plugin->identity.name},
             {"plugin_version", kind.plugin->identity.version},
             {"licence", kind.plugin->identity.licence},
@@ -147,7 +148,7 @@ int describe(const Options& options) {
   }
   const plumbline_node& node = *kind->node;
   std::printf("%s  %s\n", paint(Colour::bold, node.kind).c_str(), node.summary);
-  if (*node.role) std::printf("role %s, ", node.role);
+  if (*node.role) std::printf("role %s%s%s, ", node.role, *node.lacks ? " without " : "", node.lacks);
   std::printf("version %u, plugin %s %s (%s)\n", node.version, kind->plugin->identity.name.c_str(),
               kind->plugin->identity.version.c_str(), kind->plugin->identity.licence.c_str());
   if (const std::string linked = licences_in_words(*kind->plugin); !linked.empty()) std::printf("%s\n", linked.c_str());

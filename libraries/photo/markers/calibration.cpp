@@ -13,7 +13,7 @@
 #include "geometry/median.hpp"
 #include "photo/bundle/adjust.hpp"
 #include "photo/markers/planar_pose.hpp"
-#include "plumbline/stop.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -217,24 +217,20 @@ class Calibrator {
     require_determined();
     try {
       adjusted_ = bundle::adjust(problem_, *layout_, state_, options);
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
-      throw std::runtime_error(no_convergence());
+      throw NotConverged(no_convergence());
     }
     state_ = adjusted_.state;
   }
 
   void require_determined() const {
     bundle::Elimination elimination(problem_, *layout_, bundle::Side::images);
-    if (!elimination.build(state_)) throw std::runtime_error(no_convergence());
+    if (!elimination.build(state_)) throw NotConverged(no_convergence());
     try {
       bundle::require_determined(problem_, *layout_, state_, elimination, {});
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(std::string(error.what()) +
-                               "; photograph the board tilted, from several sides, and over the whole image");
+      throw BadInput(std::string(error.what()) +
+                     "; photograph the board tilted, from several sides, and over the whole image");
     }
   }
 
@@ -375,8 +371,6 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
       result.held_flat = bent && !(attempts[k].bend_sigma > 0);
       result.held_highest = attempts[k].free.size() < options.free.size();
       return result;
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       if (k + 1 == attempts.size()) throw;
     }

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "photo/markers/calibration.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -15,8 +14,6 @@ std::optional<Calibration> attempt(const std::vector<CalibrationView>& views, in
                                    const CalibrationOptions& options) {
   try {
     return calibrate(views, width, height, options);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }
@@ -89,8 +86,6 @@ CalibrationOfLens calibrate_lens_and_camera(const std::vector<CalibrationView>& 
   const double good = 1e-3 * std::max(width, height);
   try {
     result.calibration = calibrate(views, width, height, options);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {  // a circle of 180 degrees is none of Brown's
     options.lens = LensModel::fisheye;
     const auto as_fisheye = attempt(views, width, height, options);

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "photo/markers/marker_block.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -46,8 +45,6 @@ double widest_angle(const MarkerBlock& block, const MarkerResult& result) {
 std::optional<MarkerResult> adjusted_if_possible(const MarkerBlock& block, const MarkerOptions& options) {
   try {
     return adjust_marker_block(block, options);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return std::nullopt;
   }

@@ -12,7 +12,6 @@
 #include "output.hpp"
 #include "photo/markers/camera_groups.hpp"
 #include "plumbline/node.hpp"
-#include "plumbline/stop.hpp"
 
 namespace {
 
@@ -95,11 +94,9 @@ struct CalibrateBoard : Node {
       Calibrated& one = all.back();
       try {
         one.lenses = calibrate_told(one, options);
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
-        throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
+        throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
       CalibrationOptions as_found = options;
       as_found.lens = one.calibration.camera.lens;
