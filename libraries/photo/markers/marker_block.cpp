@@ -147,6 +147,7 @@ std::vector<std::vector<BrownCamera>> camera_candidates(const MarkerBlock& block
         const double extent = std::max(camera.width, camera.height);
         double f = factor > 0 ? factor * extent : focal_length_from_tags(block, static_cast<int>(c));
         if (!(f > 0.4 * extent && f < 8 * extent)) f = 1.2 * extent;
+        if (camera.lens == LensModel::fisheye) f = 0.4 * extent * (factor > 0 ? factor : 1.0);
         camera.fx = camera.fy = f;
         camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
       }

@@ -84,6 +84,29 @@ void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string
   warnings.emplace_back(text);
 }
 
+/// Which lens the photographs show, where that is not Brown's as asked for.
+void add_lens(const LensComparison& lenses, LensModel used, std::vector<std::string>& warnings) {
+  const bool as_fisheye = used == LensModel::fisheye;
+  if (!lenses.is_fisheye()) {
+    if (as_fisheye && !(lenses.brown > 0))
+      warnings.emplace_back(
+          "The lens is a fisheye: Brown's model does not fit the photographs at all, and it is calibrated with the "
+          "fisheye's (Kannala and Brandt)");
+    return;
+  }
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "The lens is a fisheye: over %.0f degrees off the axis, %s fit to %.2f px with the fisheye's model (Kannala "
+      "and Brandt, 8 parameters) and to %.2f px with Brown's (9). %s",
+      lenses.widest * 180 / M_PI, lenses.held_out ? "photographs that the lens was not fitted to" : "the photographs",
+      lenses.fisheye, lenses.brown,
+      as_fisheye ? "It is calibrated as one, which camera.yaml says"
+                 : "As Brown's it is wrong towards the corners by more than its standard deviations: "
+                   "lens=fisheye");
+  warnings.emplace_back(text);
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Calibrated& one) {
@@ -91,8 +114,10 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   const Calibration& c = one.calibration;
   std::vector<std::string> warnings;
   char text[400];
+  add_lens(one.lenses, c.camera.lens, warnings);
+  const size_t before = warnings.size();
   for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
-  if (c.truth.change && !one.as_two.empty()) warnings.front() += ". " + with_capital(one.as_two);
+  if (c.truth.change && !one.as_two.empty()) warnings[before] += ". " + with_capital(one.as_two);
   if (!c.truth.empirical.judged) {
     std::snprintf(
         text, sizeof text,
@@ -119,10 +144,11 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
     warnings.emplace_back(
         "The photographs are too much alike to tell a bend of the board from the lens: the board is taken as flat, and "
         "the standard deviations know nothing of a bend");
-  if (c.held_k3)
-    warnings.emplace_back(
-        "The photographs do not determine the third radial coefficient: k3 is held at 0. Bring the board into the "
-        "corners of the image");
+  if (c.held_highest)
+    warnings.push_back(
+        std::string("The photographs do not determine the ") +
+        (c.camera.lens == LensModel::fisheye ? "fourth radial coefficient: k4" : "third radial coefficient: k3") +
+        " is held at 0. Bring the board into the corners of the image");
   // Coverage in a 4 × 4 grid of the image.
   std::array<int, 16> cells{};
   for (const auto& view : c.views)
@@ -168,7 +194,7 @@ Json scatter_json(const Calibrated& one) {
   const EmpiricalCovariance& empirical = c.truth.empirical;
   Json formal, ratio;
   for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
-    const char* name = BrownCamera::parameter_names[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
+    const char* name = c.camera.names()[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
     ratio[name] = empirical.sigma_ratio(k);
@@ -191,12 +217,14 @@ Json calibration_json(const Calibrated& one) {
   const Calibration& c = one.calibration;
   Json parameters, sigmas, correlations = Json::array();
   const auto values = c.camera.parameters();
-  for (size_t i = 0; i < values.size(); ++i) {
+  const auto names = c.camera.names();
+  const auto count = static_cast<Eigen::Index>(names.size());
+  for (size_t i = 0; i < names.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
-    parameters[BrownCamera::parameter_names[i]] = values[i];
-    sigmas[BrownCamera::parameter_names[i]] = std::sqrt(c.covariance(k, k));
+    parameters[names[i]] = values[i];
+    sigmas[names[i]] = std::sqrt(c.covariance(k, k));
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < 9; ++j) {
+    for (Eigen::Index j = 0; j < count; ++j) {
       const double scale = std::sqrt(c.covariance(k, k) * c.covariance(j, j));
       row.push_back(scale > 0 ? c.covariance(k, j) / scale : (k == j ? 1.0 : 0.0));
     }
@@ -209,17 +237,21 @@ Json calibration_json(const Calibrated& one) {
     halves = {{"median_difference_px", one.parts.front().difference},
               {"median_expected_px", one.parts.front().expected}};
   for (const auto& text : warnings_of(one)) warnings.push_back(text);
-  for (Eigen::Index i = 0; i < 9; ++i)
+  for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
   return {
       {"board", selection.board},
       {"width", selection.width},
       {"height", selection.height},
-      {"model", "Brown, as OpenCV: fx, fy, cx, cy, k1, k2, k3, p1, p2; the centre of the top-left pixel is (0, 0)"},
+      {"lens", name_of(c.camera.lens)},
+      {"model",
+       c.camera.lens == LensModel::fisheye
+           ? "fisheye (Kannala and Brandt), as OpenCV's: fx, fy, cx, cy, k1, k2, k3, k4; the centre of the top-left "
+             "pixel is (0, 0)"
+           : "Brown, as OpenCV: fx, fy, cx, cy, k1, k2, k3, p1, p2; the centre of the top-left pixel is (0, 0)"},
       {"parameters", parameters},
       {"sigmas", sigmas},
-      {"parameter_order",
-       std::vector<std::string>(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end())},
+      {"parameter_order", std::vector<std::string>(names.begin(), names.end())},
       {"correlations", correlations},
       {"covariance_lower_triangle", covariance},
       {"rms_px", c.rms},
@@ -232,6 +264,11 @@ Json calibration_json(const Calibrated& one) {
       {"scatter_of_photographs", scatter_json(one)},
       {"halves", halves},
       {"parts", parts_json(one.parts)},
+      {"lenses",
+       {{"fisheye_px", one.lenses.fisheye},
+        {"brown_px", one.lenses.brown},
+        {"of_photographs_not_fitted_to", one.lenses.held_out},
+        {"widest_deg", one.lenses.widest * 180 / M_PI}}},
       {"projection_uncertainty_px", grid_json(projection_uncertainty(c.camera, c.covariance, map_columns, map_rows))},
       {"warnings", warnings},
       {"rejected", rejected},
@@ -254,10 +291,11 @@ Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::ve
   for (Eigen::Index i = 0; i < 6; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
   const auto values = c.interior.parameters();
-  for (size_t k = 0; k < values.size(); ++k) {
+  const auto names = c.interior.names();
+  for (size_t k = 0; k < names.size(); ++k) {
     const Eigen::Index i = static_cast<Eigen::Index>(k);
-    parameters[BrownCamera::parameter_names[k]] = values[k];
-    sigmas[BrownCamera::parameter_names[k]] = std::sqrt(c.interior_covariance(i, i));
+    parameters[names[k]] = values[k];
+    sigmas[names[k]] = std::sqrt(c.interior_covariance(i, i));
   }
   const RigidTransform& t = c.cam_from_reference;
   const Eigen::Matrix<double, 6, 1> sigma = c.covariance.diagonal().cwiseSqrt();

@@ -199,13 +199,14 @@ Eigen::MatrixXd weak_prior(const BrownCamera& camera, double of_distance, double
   Eigen::VectorXd sigma(9);
   const double f = of_distance * camera.fx, c = of_width * camera.width;
   sigma << f, f, c, c, distortion, 2 * distortion, 4 * distortion, 0.03 * distortion, 0.03 * distortion;
+  if (camera.lens == LensModel::fisheye) sigma.tail<2>() << 4 * distortion, 0;  // k4
   return sigma.cwiseAbs2().asDiagonal();
 }
 
 /// With priors so weak that the same observations do not count twice: once here, once in the adjustment that follows.
 CameraT start_of(const MarkerCamera& given, const AdjustedMarkerCamera& adjusted) {
   CameraT camera = camera_artifact(given, adjusted);
-  camera.covariance = pack_symmetric(weak_prior(adjusted.camera, 0.1, 0.02, 0.3));
+  set_interior(adjusted.camera, weak_prior(adjusted.camera, 0.1, 0.02, 0.3), camera);
   return camera;
 }
 
@@ -267,8 +268,8 @@ void AdjustMarkerStart::run(Context& context) {
   const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
   if (known.empty())
     for (MarkerCamera& one : input.block.cameras)  // few photographs do not calibrate
-      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1);
-  const MarkerResult network = adjust_marker_block(input.block, {});
+      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1), one.any_lens = true;
+  const MarkerResult network = adjust_lens_and_block(input.block, {});
   for (const auto& text : network.left_out) context.warn("left out: " + text);
   for (const auto& text : network.warnings)  // what EXIF says is no calibration to contradict or to improve
     if (!known.empty() || !(text.starts_with("the photographs contradict the calibration") ||

@@ -56,6 +56,38 @@ TEST(MarkerBlock, RecoversTagsAndCameraWithoutNoiseAndWithoutAnyStart) {
   EXPECT_LT(result.markers[0].world_from_tag.translation.norm(), 1e-12) << "the frame is that of the lowest id";
 }
 
+/// A fisheye calibrates itself with its tags, and takes a calibration.
+TEST(MarkerBlock, RecoversTagsThroughAFisheye) {
+  Scene s = scene(0, 1, 10, true_fisheye());
+  const MarkerResult result = adjust_marker_block(s.block, {});
+  ASSERT_EQ(result.markers.size(), 12u);
+  EXPECT_LT(error_of(s, result), 5e-6);
+  EXPECT_EQ(result.cameras[0].camera.lens, LensModel::fisheye);
+  EXPECT_NEAR(result.cameras[0].camera.fx, 560, 0.3);
+  s.block.cameras[0].camera = true_fisheye();
+  s.block.cameras[0].covariance = Eigen::MatrixXd::Zero(9, 9);
+  s.block.cameras[0].covariance.diagonal().head<8>() << 1, 1, 1, 1, 1e-4, 1e-4, 1e-4, 1e-4;
+  s.block.cameras[0].camera.fx += 0.5, s.block.cameras[0].camera.k4 += 1e-3;
+  const MarkerResult calibrated = adjust_marker_block(s.block, {});
+  EXPECT_LT(error_of(s, calibrated), 5e-6);
+  EXPECT_NEAR(calibrated.cameras[0].camera.fx, 560, 0.3);
+}
+
+/// Asked for nothing, the tags say which lens it was; of a lens that is Brown's they say so, too.
+TEST(MarkerBlock, TellsAFisheyeByItsTags) {
+  Scene fisheye = scene(0.1, 1, 10, true_fisheye()), brown = scene(0.1, 1);
+  fisheye.block.cameras[0].camera.lens = LensModel::brown;
+  const MarkerResult found = adjust_lens_and_block(fisheye.block, {});
+  EXPECT_EQ(found.cameras[0].camera.lens, LensModel::fisheye);
+  EXPECT_EQ(fisheye.block.cameras[0].camera.lens, LensModel::fisheye) << "halves of the block follow it";
+  ASSERT_FALSE(found.warnings.empty());
+  EXPECT_THAT(found.warnings.front(), HasSubstr("the lens is a fisheye"));
+  EXPECT_LT(error_of(fisheye, found), 2e-3);
+  const MarkerResult plain = adjust_lens_and_block(brown.block, {});
+  EXPECT_EQ(plain.cameras[0].camera.lens, LensModel::brown);
+  for (const auto& words : plain.warnings) EXPECT_THAT(words, testing::Not(HasSubstr("fisheye")));
+}
+
 TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
   double nees = 0;
   int count = 0;
@@ -344,7 +376,7 @@ TEST(Calibration, RecoversCameraAndBendAndStatesTheirUncertainty) {
   for (size_t k = 0; k < found.size(); ++k) {
     const double sigma = std::sqrt(c.covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)));
     EXPECT_GT(sigma, 0);
-    EXPECT_LT(std::abs(found[k] - truth[k]), 4 * sigma) << BrownCamera::parameter_names[k];
+    EXPECT_LT(std::abs(found[k] - truth[k]), 4 * sigma) << InteriorOrientation::names_of(LensModel::brown)[k];
   }
   EXPECT_NEAR(c.bend_x, 4e-4, 4 * c.bend_x_sigma);
   EXPECT_NEAR(c.sigma, 0.15, 0.015);

@@ -100,7 +100,7 @@ TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
     for (size_t k = 0; k < 9; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       EXPECT_NEAR(predicted(i), after[k] - before[k], 0.08 * std::sqrt(all.formal_covariance(i, i)))
-          << BrownCamera::parameter_names[k];
+          << BrownCamera::names_of(LensModel::brown)[k];
     }
   }
 }
