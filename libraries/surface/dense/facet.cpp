@@ -134,12 +134,9 @@ double variance_of(const Normal& normal, size_t views) {
   return freedom > 1 ? normal.squares / freedom : 0;
 }
 
-/// How many times larger the variance of the height is than if every place erred by itself: where a facet is no plane,
-/// or the photographs show it in their own ways, neighbouring places pull alike. Source: Newey and West (1987), with a
-/// window of Bartlett's in both directions.
+/// Facet::neighbours. Source: Newey and West (1987), with a window of Bartlett's in both directions.
 double of_neighbours(const Eigen::ArrayXXd& pull) {
   constexpr Eigen::Index window = 4;
-  constexpr double by_chance = 1.8;  // of places that err each by itself it is 1 ± 0.4
   const Eigen::Index n = pull.rows();
   const double alone = pull.square().sum();
   if (!(alone > 0) || n < window) return 1;
@@ -151,7 +148,7 @@ double of_neighbours(const Eigen::ArrayXXd& pull) {
       together +=
           2 * weight * (pull.block(first, 0, n - apart, n - j) * pull.block(first + i, j, n - apart, n - j)).sum();
     }
-  return together > by_chance * alone ? together / alone : 1;
+  return together / alone;
 }
 
 void settle(const Normal& normal, const std::vector<Share>& shares, double spacing, Facet& facet) {
@@ -171,7 +168,8 @@ void settle(const Normal& normal, const std::vector<Share>& shares, double spaci
     facet.outcome = FacetOutcome::no_texture;
     return;
   }
-  facet.sigma = std::sqrt(variance / weight * of_neighbours(normal.pull));
+  facet.sigma = std::sqrt(variance / weight);
+  facet.neighbours = of_neighbours(normal.pull);
   for (const Share& share : shares) {
     facet.views.push_back(share.number);
     facet.by_shift.push_back(-(texture * (share.parallax - middle)) / weight);

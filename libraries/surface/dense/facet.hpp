@@ -43,7 +43,10 @@ struct FacetView {
 struct Facet {
   FacetOutcome outcome = FacetOutcome::too_few_views;
   double height = 0;  ///< [m]
-  double sigma = 0;   ///< random part only: noise of the photographs, and what they disagree by [m]
+  double sigma = 0;   ///< random part only: noise of the photographs, each place by itself [m]
+  /// How many times larger the height's variance is because neighbouring places pull alike: where a facet is no plane,
+  /// or the photographs show it in their own ways. 1 ± 0.4 of one facet if each place errs by itself.
+  double neighbours = 1;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< by u and v
   double correlation = 0;                           ///< mean over the photographs that agree
   std::vector<int> views;                           ///< those, numbers into the list given

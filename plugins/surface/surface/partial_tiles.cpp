@@ -28,7 +28,7 @@ void put(std::string& bytes, const T* values, size_t count) {
 template <typename T>
 bool take(std::string_view& bytes, T* values, size_t count) {
   if (bytes.size() / sizeof(T) < count) return false;
-  std::memcpy(values, bytes.data(), count * sizeof(T));
+  std::memcpy(static_cast<void*>(values), bytes.data(), count * sizeof(T));
   bytes.remove_prefix(count * sizeof(T));
   return true;
 }

@@ -44,7 +44,7 @@ void make(const fs::path& folder) {
   for (const Eigen::Vector3d& point : points) near.push_back(point - Eigen::Vector3d(352000, 5810000, 0));
   for (const char* kind : {"scaled", "single", "double", "spherical"}) {
     plumbline::cloud_bytes::E57ScanBytes scan;
-    scan.points = near, scan.kind = kind;
+    scan.points = near, scan.kind = kind, scan.index = false;  // which the other reader does not step over
     save(folder / (std::string("e57_") + kind + ".e57"), plumbline::cloud_bytes::e57_file({scan}));
   }
 }

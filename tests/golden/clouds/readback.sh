@@ -14,4 +14,4 @@ fi
 rm -rf "$work/files"
 mkdir "$work/files"
 "$make" "$work/files" "$work/listing.json" "$fixtures"
-cd "$work" && exec node --no-warnings "$source/readback.mjs" listing.json files "$fixtures"
+cd "$work" && exec node --no-warnings --experimental-wasm-modules "$source/readback.mjs" listing.json files "$fixtures"

@@ -100,6 +100,8 @@ TEST(Fuse, WhatOneHasAloneStaysAndWhatNobodyHasIsEmpty) {
 /// Faces of two designs' layers, or of a panel that a design has twice.
 TEST(Fuse, WhereFacesOverlapEachPointIsOneFacesOnly) {
   PanelFace behind = kFace, twice = kFace;
+  FuseOptions every;
+  every.least_points = 1;
   behind.plane.origin -= 0.03 * kFace.plane.axes.col(2), behind.width = 0.6;
   for (const PanelFace& other : {behind, twice}) {
     const std::vector<PanelFace> faces = {kFace, other};
@@ -110,7 +112,7 @@ TEST(Fuse, WhereFacesOverlapEachPointIsOneFacesOnly) {
     size_t given = 0, kept[2] = {0, 0};
     for (const auto& source : sources) given += source[0].points.size();
     for (const size_t which : {0, 1})
-      for (const MeasuredTile& tile : fuse_face(faces, which, sources, {1, 1}, 0.1, {}).tiles)
+      for (const MeasuredTile& tile : fuse_face(faces, which, sources, {1, 1}, 0.1, every).tiles)
         kept[which] += tile.points.size();
     EXPECT_EQ(kept[0] + kept[1], given) << "each point is written once";
     const bool layered = other.width < kFace.width;

@@ -419,6 +419,7 @@ TEST(FuseNode, ASourceWithoutPlaceAmongOthersIsRefused) {
   placed.node.run(), alone.node.run();
   const auto fuse = [](const std::vector<SurfacePointsT>& sources) {
     NodeHarness node("surface.fuse");
+    node.set("least_points", "1");
     for (const SurfacePointsT& source : sources) node.input<SurfacePoints>("surfaces", source);
     try {
       node.run();
@@ -463,7 +464,10 @@ TEST(FindPlanesNode, APlaneIsMeasuredAsAPanelIs) {
   NodeHarness planes("surface.planes");
   planes.set("file", path);
   EXPECT_THROW(planes.run(), NodeFailed) << "nobody says which side is outside";
-  planes.set("seen_from", "[120, 70, 9]");
+  planes.set("seen_from",
+             "120\x1f"
+             "70\x1f"
+             "9");
   planes.run();
   const DesignT design = planes.output<Design>("design");
   ASSERT_EQ(design.elements.size(), 1U);
