@@ -14,6 +14,7 @@
 #include "building/ifc/ifc_model.hpp"
 #include "building/ifc/ifc_placement.hpp"
 #include "building/ifc/ifc_units.hpp"
+#include "building/ifc/what_hangs.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -25,22 +26,23 @@ constexpr std::size_t kArgumentsOfProduct = 7;
 /// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
 constexpr std::size_t kOtherShapes = 100;
 
-/// Its kind, behind Tag in every schema; IFC2X3 has none for plates.
-bool is_of_kind(const Entity& entity, const char* kind) {
+/// Its own kind, behind Tag in every schema; IFC2X3 has none for plates. Empty where it says nothing.
+std::string own_kind(const Entity& entity) {
   constexpr std::size_t predefined_type = 8;
-  if (entity.arguments().size() <= predefined_type) return false;
+  if (entity.arguments().size() <= predefined_type) return "";
   const step::Value& value = entity.arguments()[predefined_type];
-  return value.kind == step::Kind::enumeration && value.text == kind;
+  return value.kind == step::Kind::enumeration && value.text != "NOTDEFINED" ? value.text : "";
 }
 
-bool clads(const Entity& entity, const std::string& ifc_class) {
-  return ifc_class == "IfcCurtainWall" || (ifc_class == "IfcCovering" && is_of_kind(entity, "CLADDING")) ||
-         (ifc_class.starts_with("IfcPlate") && is_of_kind(entity, "CURTAIN_PANEL"));
+bool clads(const std::string& ifc_class, const std::string& kind) {
+  return ifc_class == "IfcCurtainWall" || (ifc_class == "IfcCovering" && kind == "CLADDING") ||
+         (ifc_class.starts_with("IfcPlate") && kind == "CURTAIN_PANEL");
 }
 
 /// Walls too, where they hang before their anchors (wall_panels.cpp).
-bool may_be_panel(const Entity& entity, const std::string& ifc_class) {
-  return clads(entity, ifc_class) || ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase";
+bool may_be_panel(const std::string& ifc_class, const std::string& kind) {
+  const bool plate = ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase";
+  return clads(ifc_class, kind) || (plate && !is_fixing_plate(kind));
 }
 
 class Reader {
@@ -54,7 +56,8 @@ class Reader {
         properties_(model_, damage_),
         placements_(model_) {
     for (const std::string& text : rule.selections) selections_.emplace_back(text);
-    for (const std::string& text : rule.panels) panel_selections_.emplace_back(text);
+    for (const std::string& text : rule.panels)
+      if (text != "none") panel_selections_.emplace_back(text);
     selecting_.resize(selections_.size()), selecting_panels_.resize(panel_selections_.size());
     design_.file_name = file.name();
     design_.schema = schema_name(model_.schema());
@@ -82,7 +85,9 @@ class Reader {
     read_shapes();
     place_aggregates();
     refuse_unplaced();
+    if (rule_.panels.empty()) leave_out_fixing_plates(design_);
     if (walls_may_hang()) hang_walls(design_, rule_.facades);
+    if (rule_.panels.empty()) tell_hanging();
     read_properties();
     read_site();
     read_map_conversion(model_, damage_, design_);
@@ -161,8 +166,9 @@ class Reader {
         element.is_anchor = matches(element, pattern);
         // IfcProxy is no IfcElement, but old exporters write anchors as such.
         if (element.ifc_class == "IfcProxy" && !element.is_anchor) continue;
-        element.is_panel = is_panel(entity, element) && !element.is_anchor;
-        element.is_cladding = element.is_panel && (!panel_selections_.empty() || clads(entity, element.ifc_class));
+        const std::string kind = kind_of(entity, element.ifc_class);
+        element.is_panel = is_panel(element, kind) && !element.is_anchor;
+        element.is_cladding = element.is_panel && (!rule_.panels.empty() || clads(element.ifc_class, kind));
         if (!entity.optional_reference("ObjectPlacement")) unplaced_.insert(element.instance);
         design_.elements.push_back(std::move(element));
       } catch (const step::Error& error) {
@@ -177,9 +183,16 @@ class Reader {
            std::any_of(panel_selections_.begin(), panel_selections_.end(), needs);
   }
 
+  /// What it says of itself goes before what its type says.
+  std::string kind_of(const Entity& entity, const std::string& ifc_class) const {
+    if (!ifc_class.starts_with("IfcPlate") && ifc_class != "IfcCovering") return "";
+    const std::string own = own_kind(entity);
+    return own.empty() ? properties_.kind_of_type(entity.id()) : own;
+  }
+
   /// Those of the user alone, if he names any.
-  bool is_panel(const Entity& entity, const Element& element) {
-    if (panel_selections_.empty()) return may_be_panel(entity, element.ifc_class);
+  bool is_panel(const Element& element, const std::string& kind) {
+    if (rule_.panels.empty()) return may_be_panel(element.ifc_class, kind);
     bool selected = false;
     for (std::size_t i = 0; i < panel_selections_.size(); ++i)
       if (panel_selections_[i].matches(facts_of(element))) selected = selecting_panels_[i] = true;
@@ -189,7 +202,7 @@ class Reader {
   /// Walls are looked at only where nothing else is a panel: there may be thousands, and most are none.
   bool walls_may_hang() const {
     const auto any = [&](auto is) { return std::any_of(design_.elements.begin(), design_.elements.end(), is); };
-    return panel_selections_.empty() && any([](const Element& e) { return e.is_anchor; }) &&
+    return rule_.panels.empty() && any([](const Element& e) { return e.is_anchor; }) &&
            !any([](const Element& e) { return e.is_panel; });
   }
 
@@ -225,6 +238,16 @@ class Reader {
                                                    ", keep the origin of their placement") +
                                  " as reference point: " + kind);
     }
+  }
+
+  void tell_hanging() {
+    std::unordered_set<std::uint64_t> fillings;
+    for_all(model_, "IFCRELFILLSELEMENT", damage_,
+            [&](const Entity& relation) { fillings.insert(relation.reference("RelatedBuildingElement")); });
+    Extents extents(model_, units_.plane_angle);
+    tell_what_hangs(
+        design_, [&](Element& element) { read_shape(model_.entity(element.instance), extents, element); },
+        [&](std::uint64_t id) { return fillings.contains(id); });
   }
 
   /// What has neither placement nor shape is nowhere; a part of something else may get by without, an anchor cannot.

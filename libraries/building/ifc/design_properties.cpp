@@ -40,6 +40,19 @@ const std::string& Properties::type_name(std::uint64_t object) const {
   return type == types_.end() ? none : type_names_.at(type->second);
 }
 
+std::string Properties::kind_of_type(std::uint64_t object) const {
+  const auto type = types_.find(object);
+  const auto instance = type == types_.end() ? std::nullopt : model_.file().find(type->second);
+  if (!instance) return "";
+  // Of all types of elements: behind ElementType, the ninth argument.
+  constexpr std::size_t predefined_type = 9;
+  const auto arguments = model_.file().arguments(*instance);
+  if (arguments.size() <= predefined_type || arguments[predefined_type].kind != step::Kind::enumeration ||
+      arguments[predefined_type].text == "NOTDEFINED")
+    return "";
+  return arguments[predefined_type].text;
+}
+
 void Properties::find_sets(const std::unordered_set<std::uint64_t>& objects) {
   for_all(model_, "IFCRELDEFINESBYPROPERTIES", damage_, [&](const Entity& relation) {
     std::vector<std::uint64_t> sets;

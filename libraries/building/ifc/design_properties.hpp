@@ -21,6 +21,8 @@ class Properties {
   double length_unit = 1;
 
   const std::string& type_name(std::uint64_t object) const;
+  /// PredefinedType of its type, such as CURTAIN_PANEL; empty if it has none, or one that says nothing.
+  std::string kind_of_type(std::uint64_t object) const;
   /// Looks up which sets these objects have, once and for all of them; without it objects have those of their types.
   void find_sets(const std::unordered_set<std::uint64_t>& objects);
   /// Its properties, those of the object before its type's: single and bounded values; of others the name only.

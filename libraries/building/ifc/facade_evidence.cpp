@@ -1,13 +1,13 @@
 // What a design says of the way its anchors and panels face, and what follows from it.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "building/ifc/anchor_cells.hpp"
 #include "building/ifc/design.hpp"
 #include "building/ifc/facade_lines.hpp"
 #include "building/ifc/facades.hpp"
@@ -23,6 +23,9 @@ constexpr double kNearlyAll = 0.9;
 /// Neighbours that show the line of a facade, in plan [m].
 constexpr double kRow = 8;
 
+/// An anchor at the surface of its panel counts as outside of it [m].
+constexpr double kAtSurface = 0.005;
+
 /// All that is known of one element.
 struct Evidence {
   std::optional<Eigen::Vector3d> own;
@@ -36,7 +39,7 @@ struct Evidence {
 
 class Assigner {
  public:
-  explicit Assigner(Design& design) : design_(design) {
+  explicit Assigner(Design& design) : design_(design), cells_(design) {
     for (Element& element : design.elements) {
       if (!element.guid.empty()) by_guid_.try_emplace(element.guid, &element);
       if (element.is_anchor) anchors_.push_back(&element);
@@ -97,47 +100,23 @@ class Assigner {
 
   /// Which anchors each panel is fixed by, and at the edges of which slabs and walls they sit.
   void find_fixings() {
-    for (Element* anchor : anchors_) cells_[cell_of(anchor->position)].push_back(anchor);
     for (Element* panel : panels_) {
       for (const std::string& guid : panel->anchor_guids)
         if (const auto anchor = by_guid_.find(guid); anchor != by_guid_.end()) fix(*panel, *anchor->second);
       if (panel->anchor_guids.empty() && panel->has_box)
-        for_anchors_at(*panel, kPanelReach, [&](const Element& anchor, const Eigen::Vector3d& off) {
+        cells_.for_anchors_at(*panel, kPanelReach, [&](const Element& anchor, const Eigen::Vector3d& off) {
           if (off.norm() <= kPanelReach) fix(*panel, anchor);
         });
     }
     for (const Element& element : design_.elements)
       if (carries(element))
-        for_anchors_at(element, kStorey, [&](const Element& anchor, const Eigen::Vector3d& off) {
+        cells_.for_anchors_at(element, kStorey, [&](const Element& anchor, const Eigen::Vector3d& off) {
           if (anchor.host_guid == element.guid || off.head<2>().norm() > kAtFace || std::abs(off.z()) > kStorey) return;
           auto line = line_of_host(element, anchor.position);
           if (!line || !line->outward) return;
           line->may_hang = element.ifc_class.starts_with("IfcWall");
           edges_[&anchor].push_back(*line);
         });
-  }
-
-  using Cell = std::array<int, 3>;
-  static Cell cell_of(const Eigen::Vector3d& p) {
-    const auto index = [&](int k) { return static_cast<int>(std::floor(std::clamp(p[k], -1e8, 1e8) / 4)); };
-    return {index(0), index(1), index(2)};
-  }
-
-  /// All anchors that may be within `reach` of the element's box, with the way from the box to them.
-  template <class Visit>
-  void for_anchors_at(const Element& element, double reach, const Visit& visit) const {
-    const RigidTransform own = element.project_from_element.inverse();
-    const Eigen::Vector3d half = axes_of(element).cwiseAbs() * (0.5 * (element.box_high - element.box_low));
-    const Cell low = cell_of(middle_of(element) - half - Eigen::Vector3d::Constant(reach)),
-               high = cell_of(middle_of(element) + half + Eigen::Vector3d::Constant(reach));
-    for (auto it = cells_.lower_bound({low[0], low[1], low[2]}); it != cells_.end() && it->first[0] <= high[0]; ++it) {
-      const Cell& cell = it->first;
-      if (cell[1] < low[1] || cell[1] > high[1] || cell[2] < low[2] || cell[2] > high[2]) continue;
-      for (const Element* anchor : it->second) {
-        const Eigen::Vector3d at = own * anchor->position;
-        visit(*anchor, axes_of(element) * (at - at.cwiseMax(element.box_low).cwiseMin(element.box_high)));
-      }
-    }
   }
 
   void fix(const Element& panel, const Element& anchor) {
@@ -154,11 +133,14 @@ class Assigner {
     if (fixings == fixed_by_.end()) return line;
     double nearest = 1e300, farthest = -1e300;
     for (const Element* anchor : fixings->second) {
-      const double beside = line.direction.dot(middle_of(panel) - anchor->position);
-      nearest = std::min(nearest, beside), farthest = std::max(farthest, beside);
+      const double before = line.direction.dot(middle_of(panel) - anchor->position);
+      nearest = std::min(nearest, before), farthest = std::max(farthest, before);
     }
-    line.outward = nearest > kBeside || farthest < -kBeside;
-    if (farthest < -kBeside) line.direction = -line.direction;
+    // An anchor within the thickness of its panel (a hook inside a unitised one) does not tell its sides apart.
+    const double thickness = (panel.box_high - panel.box_low)[*thin];
+    const double beside = std::max(kBeside, 0.5 * thickness - kAtSurface);
+    line.outward = nearest > beside || farthest < -beside;
+    if (farthest < -beside) line.direction = -line.direction;
     return line;
   }
 
@@ -364,10 +346,10 @@ class Assigner {
   }
 
   Design& design_;
+  AnchorCells cells_;
   std::vector<Element*> anchors_, panels_;
   std::unordered_map<std::string, Element*> by_guid_;
   std::unordered_map<const Element*, std::vector<const Element*>> fixed_by_, holds_;
-  std::map<Cell, std::vector<Element*>> cells_;  ///< anchors by place
   std::unordered_map<const Element*, std::vector<FacadeLine>> edges_;
   std::optional<Eigen::Vector3d> building_;
   bool turned_ = false;

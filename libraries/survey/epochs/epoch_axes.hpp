@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "survey/epochs/compare_epochs.hpp"
-
 namespace plumbline::survey {
 
 /// A coordinate of a point in an epoch.
@@ -17,14 +15,8 @@ enum class Measured {
   missing  ///< the point has no such coordinate there
 };
 
-struct ComparedAxes {
-  std::vector<Eigen::Index> axes;   ///< 0 E, 1 N, 2 H
-  std::vector<std::size_t> epochs;  ///< those in which all of them were measured, as indices into what was given
-};
-
-/// Of all sets of axes the one with most to compare, axes times epochs after the first; of equals that with more axes.
-/// None if no axis was measured twice.
-ComparedAxes compared_axes(const std::vector<std::array<Measured, 3>>& epochs);
+/// E, N, H that two epochs or more measured: each is compared in those, whatever the others are there.
+std::array<bool, 3> compared_axes(const std::vector<std::array<Measured, 3>>& epochs);
 
 /// What is not compared though some epoch has it, in words: "epoch E2: H of A held, not measured; ...". Points alike
 /// are told together.
@@ -32,7 +24,7 @@ class NotCompared {
  public:
   /// `seen[k]` is the epoch numbered `numbers[k]`.
   void add(const std::string& id, const std::vector<std::array<Measured, 3>>& seen,
-           const std::vector<std::size_t>& numbers, const ComparedAxes& compared);
+           const std::vector<std::size_t>& numbers, const std::array<bool, 3>& compared);
   std::vector<std::string> words(const std::vector<std::string>& epoch_names) const;
 
  private:

@@ -1,7 +1,6 @@
 #include "survey/epochs/epoch_series.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -13,6 +12,7 @@
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
 #include "survey/epochs/epoch_axes.hpp"
+#include "survey/epochs/epoch_motion.hpp"
 #include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
@@ -153,109 +153,6 @@ void align(const Epoch& reference, const std::vector<std::string>& stable, int f
   epoch.covariance = (s * epoch.covariance * s.transpose()).eval();
 }
 
-Level level_of(double length, double sigma, double level) {
-  constexpr double kOneSided = 1.645;
-  if (!(level > 0)) return Level::below;
-  return length > level ? Level::reached : length + kOneSided * sigma > level ? Level::may_be_reached : Level::below;
-}
-
-double critical_of(double alpha, int rank, int degrees) {
-  return degrees > 0 ? rank * fisher_f_quantile(1 - alpha, rank, degrees) : chi_squared_quantile(1 - alpha, rank);
-}
-
-/// A point in one epoch: the coordinates it has.
-struct Seen {
-  size_t epoch;
-  double time;
-  Vector3d at;
-  Matrix3d covariance;
-  Vector3d before;  ///< variances before it was laid on the stable points
-};
-
-/// Directions in which the datum leaves a point free, as columns: a point that carries it alone cannot move at all, of
-/// two none across their line. What is computed there is rounding, and no movement.
-MatrixXd free_directions(const std::vector<Seen>& seen, const std::vector<Index>& axes) {
-  constexpr double kNothing = 1e-9;  // of the variance that a point had: rounding leaves 1e-14
-  const auto n = static_cast<Index>(axes.size());
-  MatrixXd sum = MatrixXd::Zero(n, n);
-  double before = 0;
-  for (const Seen& s : seen) sum += s.covariance(axes, axes), before += Eigen::VectorXd(s.before(axes)).maxCoeff();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(sum);
-  const Index none = (spectrum.eigenvalues().array() <= kNothing * before).count();
-  return none == 0 ? MatrixXd(MatrixXd::Identity(n, n)) : MatrixXd(spectrum.eigenvectors().rightCols(n - none));
-}
-
-void add_movements(const std::vector<Seen>& seen, const std::vector<Index>& axes, const MatrixXd& directions,
-                   const SeriesOptions& options, int degrees, SeriesPoint& point) {
-  for (size_t k = 1; k < seen.size(); ++k) {
-    SeriesPoint::At at;
-    at.epoch = seen[k].epoch;
-    at.movement.setConstant(std::numeric_limits<double>::quiet_NaN());
-    at.sigma = at.movement;
-    const MatrixXd c = MatrixXd(seen[k].covariance + seen[0].covariance)(axes, axes);
-    const Eigen::VectorXd d = Eigen::VectorXd(seen[k].at - seen[0].at)(axes);
-    for (size_t a = 0; a < axes.size(); ++a) {
-      const auto i = static_cast<Index>(a);
-      at.movement[axes[a]] = d[i], at.sigma[axes[a]] = std::sqrt(std::max(0.0, c(i, i)));
-    }
-    const Eigen::VectorXd free = directions.transpose() * d;
-    if (free.size() > 0) at.statistic = free.dot(MatrixXd(directions.transpose() * c * directions).ldlt().solve(free));
-    at.critical = critical_of(options.alpha0, static_cast<int>(std::max<Index>(1, free.size())), degrees);
-    at.moved = at.statistic > at.critical;
-    const double length = d.norm(),
-                 sigma = length > 0 ? std::sqrt(d.dot(c * d)) / length : std::sqrt(c.diagonal().maxCoeff());
-    at.warning = level_of(length, sigma, options.warning_level);
-    at.alarm = level_of(length, sigma, options.alarm_level);
-    point.at.push_back(at);
-  }
-}
-
-void add_velocity(const std::vector<Seen>& seen, const std::vector<Index>& axes, const MatrixXd& directions,
-                  const SeriesOptions& options, int degrees, SeriesPoint& point) {
-  point.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
-  for (const Index axis : axes) point.velocity[axis] = 0;
-  point.velocity_sigma = point.velocity;
-  const Index n = directions.cols();
-  point.velocity_critical = critical_of(options.alpha0, static_cast<int>(std::max<Index>(1, n)), degrees);
-  if (n == 0) return;
-  MatrixXd normal = MatrixXd::Zero(2 * n, 2 * n);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * n);
-  const auto design = [&](const Seen& s) {
-    MatrixXd a(n, 2 * n);
-    a << MatrixXd::Identity(n, n), (s.time - seen.front().time) * MatrixXd::Identity(n, n);
-    return a;
-  };
-  const auto moved = [&](const Seen& s) {
-    return Eigen::VectorXd(directions.transpose() * Eigen::VectorXd(s.at - seen.front().at)(axes));
-  };
-  const auto covariance_of = [&](const Seen& s) {
-    return MatrixXd(directions.transpose() * s.covariance(axes, axes) * directions);
-  };
-  for (const Seen& s : seen) {
-    const MatrixXd weighted = covariance_of(s).ldlt().solve(design(s));
-    normal += design(s).transpose() * weighted;
-    right += weighted.transpose() * moved(s);
-  }
-  const auto factor = normal.ldlt();
-  const Eigen::VectorXd x = factor.solve(right);
-  const MatrixXd q = factor.solve(MatrixXd::Identity(2 * n, 2 * n));
-  const Eigen::VectorXd v = x.tail(n), along = directions * v,
-                        variances = (directions * q.bottomRightCorner(n, n) * directions.transpose()).diagonal();
-  for (size_t a = 0; a < axes.size(); ++a) {
-    const auto i = static_cast<Index>(a);
-    point.velocity[axes[a]] = along[i], point.velocity_sigma[axes[a]] = std::sqrt(std::max(0.0, variances[i]));
-  }
-  point.velocity_statistic = v.dot(MatrixXd(q.bottomRightCorner(n, n)).ldlt().solve(v));
-  point.moves = point.velocity_statistic > point.velocity_critical;
-  if (seen.size() < 3) return;
-  for (const Seen& s : seen) {
-    const Eigen::VectorXd r = moved(s) - design(s) * x;
-    point.misfit += r.dot(covariance_of(s).ldlt().solve(r));
-  }
-  point.misfit_critical =
-      critical_of(options.alpha0, static_cast<int>(n) * (static_cast<int>(seen.size()) - 2), degrees);
-}
-
 }  // namespace
 
 std::optional<double> day_of_date(const std::string& date) {
@@ -326,34 +223,38 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
   NotCompared not_compared;
   for (const std::string& id : ids) {
     stop_point();
-    std::vector<Seen> all, seen;
+    std::vector<SeenPoint> seen;
     std::vector<std::array<Measured, 3>> measured;
     std::vector<size_t> numbers;
     for (size_t k = 0; k < laid.size(); ++k)
       if (const Index row = row_of(laid[k], id); row >= 0) {
-        all.push_back({k, epochs[k].time, laid[k].coordinates.segment<3>(row), laid[k].covariance.block<3, 3>(row, row),
-                       before[k].segment<3>(row)});
+        seen.push_back({k,
+                        epochs[k].time,
+                        laid[k].coordinates.segment<3>(row),
+                        laid[k].covariance.block<3, 3>(row, row),
+                        before[k].segment<3>(row),
+                        {}});
         numbers.push_back(k);
         auto& of = measured.emplace_back();
         for (Index c = 0; c < 3; ++c)
-          of[static_cast<size_t>(c)] = !std::isfinite(all.back().at[c]) ? Measured::missing
-                                       : all.back().before[c] > 0       ? Measured::yes
-                                                                        : Measured::held;
+          of[static_cast<size_t>(c)] = !std::isfinite(seen.back().at[c]) ? Measured::missing
+                                       : seen.back().before[c] > 0       ? Measured::yes
+                                                                         : Measured::held;
       }
-    const auto [axes, compared] = compared_axes(measured);
-    not_compared.add(id, measured, numbers, {axes, compared});
-    for (const size_t k : compared) seen.push_back(all[k]);
-    if (axes.empty()) {
+    const std::array<bool, 3> compared = compared_axes(measured);
+    not_compared.add(id, measured, numbers, compared);
+    for (size_t k = 0; k < seen.size(); ++k)
+      for (size_t c = 0; c < 3; ++c) seen[k].compared[c] = compared[c] && measured[k][c] == Measured::yes;
+    std::erase_if(seen, [](const SeenPoint& s) { return s.axes().empty(); });
+    if (seen.empty()) {
       series.seen_once.push_back(id);
       continue;
     }
     SeriesPoint point;
     point.id = id;
-    point.first = seen.front().epoch;
     point.stable = std::find(series.stable.begin(), series.stable.end(), id) != series.stable.end();
-    const MatrixXd directions = free_directions(seen, axes);
-    add_movements(seen, axes, directions, options, series.degrees_of_freedom, point);
-    add_velocity(seen, axes, directions, options, series.degrees_of_freedom, point);
+    add_movements(seen, options, series.degrees_of_freedom, point);
+    add_velocity(seen, options, series.degrees_of_freedom, point);
     series.points.push_back(std::move(point));
   }
   std::vector<std::string> names;

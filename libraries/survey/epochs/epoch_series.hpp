@@ -11,6 +11,7 @@
 // Überwachungsmessungen, 9.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,14 +43,17 @@ struct SeriesPoint {
   bool stable = false;  ///< carries the datum
   struct At {
     size_t epoch = 0;
-    Eigen::Vector3d movement = Eigen::Vector3d::Zero();  ///< since the point's first epoch [m]; NaN: no such coordinate
+    /// Of each coordinate since the epoch that measured it first, `reference` [m]; NaN: not measured in this epoch.
+    Eigen::Vector3d movement = Eigen::Vector3d::Zero();
     Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
     double statistic = 0, critical = 0;
     bool moved = false;
     Level warning = Level::below, alarm = Level::below;
   };
-  std::vector<At> at;                        ///< epochs that saw it, from its second on
-  size_t first = 0;                          ///< its first epoch
+  std::vector<At> at;  ///< epochs that measured any coordinate again
+  size_t first = 0;    ///< its first epoch
+  std::array<size_t, 3> reference = {0, 0,
+                                     0};     ///< first epoch of each coordinate; of no meaning where none is compared
   Eigen::Vector3d velocity, velocity_sigma;  ///< [m per unit of time]; NaN with fewer than two epochs
   double velocity_statistic = 0, velocity_critical = 0;
   bool moves = false;                      ///< the velocity is significant

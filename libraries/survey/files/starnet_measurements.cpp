@@ -54,7 +54,10 @@ void StarNetReader::take(const Parts& parts, std::size_t first, const std::vecto
     if (first + n + i < end) {
       const auto sigma = sigma_of(parts[first + n + i], o.kind);
       if (!sigma) return reject(parts[first + n + i], "a standard deviation above zero, '&', '!' or '*'");
-      if (*sigma == 0) continue;
+      if (*sigma == 0) {
+        ++freed_;
+        continue;
+      }
       o.sigma = *sigma;
     }
     made.push_back(std::move(o));

@@ -104,6 +104,12 @@ void StarNetReader::read_option(const Parts& parts) {
     if (has("off")) off_since_ = line_;
   } else if (is_option(".lweight")) {
     read_level_weight(parts);
+  } else if (option.starts_with(".add") && is_option(".addcentering")) {
+    // OFF is the rule: a standard deviation that is written counts as it stands.
+    if (words.size() != 1 || !has("off"))
+      reject(line_text_,
+             ".ADDCENTERING OFF: with ON centring would be added to each standard deviation that is written, which is "
+             "not done here; write them with it, or leave them to the instrument");
   } else if (option == ".gps") {
     finish_vector();
     read_gps_option(parts);
@@ -292,6 +298,11 @@ SurveyObservations StarNetReader::read() {
   }
   finish_vector();
   leave_out_side_shots();
+  if (freed_ > 0)
+    builder_.warn(
+        std::to_string(freed_) +
+        " values are freed by '*' and take no part, not in approximate coordinates either: where the network "
+        "cannot be adjusted without them, give these, or let the values take part with a large standard deviation");
   if (off_since_ > 0) builder_.warn("from line " + std::to_string(off_since_) + " on the file is off by .DATA OFF");
   if (used_order_ && !has_order_)
     builder_.warn("the file has no .ORDER: coordinates are taken as N, E; say .ORDER EN if they are E, N");

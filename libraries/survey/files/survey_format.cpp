@@ -110,17 +110,20 @@ enum class StarNetLine { no, weak, strong };
 // A table may have points called A or C: only options, names joined by '-' and direction sets are sure.
 StarNetLine starnet_line(std::string_view text) {
   const auto parts = text::split_blanks(text);
-  if (parts.size() < 2) return StarNetLine::no;
+  if (parts.empty()) return StarNetLine::no;
   const std::string code = text::to_lower(parts[0]);
-  for (const char* option : {".units", ".order", ".3d", ".2d", ".delta"})
+  for (const char* option : {".units", ".order", ".3d", ".2d", ".delta", ".gps", ".inst", ".lweight"})
     if (code == option) return StarNetLine::strong;
-  for (const char* joined : {"a", "d", "v", "b", "m", "bm", "dv", "ss", "l"})
+  if (parts.size() < 2) return StarNetLine::no;
+  for (const char* joined : {"a", "d", "v", "b", "m", "bm", "dv", "ss", "l", "g1"})
     if (code == joined && parts.size() > 2)
       return parts[1].find('-', 1) != std::string_view::npos && !text::parse_number(parts[1]) ? StarNetLine::strong
                                                                                               : StarNetLine::no;
   for (const char* set : {"db", "dn", "dm", "tb", "te"})
     if (code == set) return StarNetLine::strong;
-  return code == "c" || code == "e" || code == "t" ? StarNetLine::weak : StarNetLine::no;
+  for (const char* alone : {"c", "e", "t", "g0", "g2", "g3"})
+    if (code == alone) return StarNetLine::weak;
+  return StarNetLine::no;
 }
 
 bool is_krumm_section(std::string_view text) {

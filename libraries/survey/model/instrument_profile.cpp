@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/text/one_document.hpp"
+#include "base/text/whole_file.hpp"
 #include "builtin_profiles.hpp"
 #include "survey/words/network_words.hpp"
 
@@ -168,14 +167,6 @@ YAML::Node load(const std::string& yaml, const std::string& origin) {
   return root;
 }
 
-std::string text_of(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error("cannot read instrument profile '" + path + "'");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
 InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin) {
@@ -208,10 +199,10 @@ std::map<std::string, InstrumentProfile> parse_instruments(const std::string& ya
 }
 
 std::map<std::string, InstrumentProfile> read_instruments(const std::string& path) {
-  return parse_instruments(text_of(path), path);
+  return parse_instruments(text::read_whole(path), path);
 }
 
-InstrumentProfile read_profile(const std::string& path) { return parse_profile(text_of(path), path); }
+InstrumentProfile read_profile(const std::string& path) { return parse_profile(text::read_whole(path), path); }
 
 std::vector<const char*> profile_names() {
   std::vector<const char*> names;

@@ -238,6 +238,7 @@ void SetUpChain::grow(size_t root) {
     }
   };
   const auto evaluate = [&](size_t f) {
+    stop_point();
     std::vector<FigurePair> pairs;
     for (const LocalSight& sight : figures_[f].sights)
       if (const auto at = places.find(sight.point); at != places.end() && at->second)

@@ -44,7 +44,9 @@ struct ReadIfc : Node {
       "panel_selection", std::vector<std::string>{},
       "elements that are facade panels, such as 'class=IfcWall & name~^FT-'; empty: IfcPlate, IfcCurtainWall, "
       "IfcCovering "
-      "that is CLADDING, and, where a design has none of these, walls that hang before their anchors"};
+      "that is CLADDING, and, where a design has none of these, walls that hang before their anchors; 'none': nothing "
+      "is "
+      "a panel"};
   Param<std::vector<std::string>> facades{
       "facades", std::vector<std::string>{},
       "which way anchors and panels face, where the design does not say it or says it wrongly: 'name~^N-: "

@@ -24,7 +24,7 @@ struct CollectReadings : Node {
                              "Puts what readers of other plugins have read together with the files that it is from"};
   List<SurveyReadings> offered{"offered", frame("frame=building"), "which files each reader got"};
   List<SurveyObservations> observations{"observations", frame("frame=building"),
-                                        "what they read, in the order of those files"};
+                                        "what they read of them, each of the one file that it names"};
   Out<SurveyReadings> readings{"readings", frame("frame=building"), "all of it, each file by itself"};
   void run(Context& context) override;
 };

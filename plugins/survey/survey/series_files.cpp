@@ -65,6 +65,15 @@ std::string components(const Eigen::Vector3d& value, const Eigen::Vector3d& sigm
   return text + " " + unit + " (sigma " + sigmas + ")";
 }
 
+/// ", H since 2025-03-14" of coordinates that another epoch than the point's first measured first.
+std::string later_references(const SeriesPoint& p, const SeriesPoint::At& at, const SeriesText& text) {
+  std::string words;
+  for (size_t k = 0; k < 3; ++k)
+    if (p.reference[k] != p.first && std::isfinite(at.movement[static_cast<Eigen::Index>(k)]))
+      words += ", " + std::string(1, "ENH"[k]) + " since " + text.labels[p.reference[k]];
+  return words;
+}
+
 }  // namespace
 
 double velocity_factor(const SeriesText& text) { return 1000 * (text.unit == "day" ? 365.25 : 1); }
@@ -77,7 +86,8 @@ std::string in_words(const SeriesPoint& p, const SeriesText& text) {
   if (p.moves) add("moves, " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text)));
   if (p.uneven() && (p.moves || last.moved)) add("not evenly");
   if (last.moved)
-    add("moved since " + text.labels[p.first] + " by " + components(last.movement, last.sigma, 1000, "mm"));
+    add("moved since " + text.labels[p.first] + " by " + components(last.movement, last.sigma, 1000, "mm") +
+        later_references(p, last, text));
   else if (std::any_of(p.at.begin(), p.at.end(), [](const auto& at) { return at.moved; }))
     add("was elsewhere in between");
   if (last.alarm != Level::below)
@@ -117,6 +127,9 @@ std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
     json_field("id", out, true), json_text(p.id, out);
     json_field("stable", out), out += p.stable ? "true" : "false";
     json_field("first_epoch", out), out += std::to_string(p.first);
+    json_field("reference_epochs", out);  // of E, N, H
+    out += "[" + std::to_string(p.reference[0]) + ", " + std::to_string(p.reference[1]) + ", " +
+           std::to_string(p.reference[2]) + "]";
     json_field("velocity", out), json_vector(p.velocity, out);
     json_field("velocity_sigma", out), json_vector(p.velocity_sigma, out);
     json_field("velocity_statistic", out), json_number(p.velocity_statistic, out);

@@ -64,19 +64,21 @@ class Chart {
            "\" font-size=\"12\" text-anchor=\"" + anchor + "\">" + xml_escaped(text) + "</text>";
   }
   std::string component(int k) const {
-    if (!std::isfinite(p_.at.back().movement[k])) return "";
+    const double from = text_.times[p_.reference[static_cast<size_t>(k)]];
     const char* colour = kColours[k];
-    std::string path = "M" + place_in_chart(x(text_.times[p_.first])) + " " + place_in_chart(y(0)), marks;
+    std::string path = "M" + place_in_chart(x(from)) + " " + place_in_chart(y(0)), marks;
     for (const auto& at : p_.at) {
+      if (!std::isfinite(at.movement[k])) continue;
       const double shift = 3 * (k - 1), t = x(text_.times[at.epoch]) + shift, v = 1000 * at.movement[k],
                    s = 2000 * at.sigma[k];
       path += " L" + place_in_chart(t) + " " + place_in_chart(y(v));
       marks += line(t, y(v - s), t, y(v + s), colour, "") + "<circle cx=\"" + place_in_chart(t) + "\" cy=\"" +
                place_in_chart(y(v)) + "\" r=\"3\" fill=\"" + colour + "\"/>";
     }
+    if (marks.empty()) return "";
     std::string out = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\"/>" + marks;
     if (p_.moves) {
-      const double from = text_.times[p_.first], to = text_.times.back();
+      const double to = text_.times.back();
       out += line(x(from), y(0), x(to), y(1000 * p_.velocity[k] * (to - from)), colour, "5 4");
     }
     return out + "<text x=\"" + std::to_string(710) + "\" y=\"" + std::to_string(40 + 20 * k) +
@@ -148,7 +150,8 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
     out += "<p class=\"n\">Not compared (seen in one epoch only, or held without error): " +
            xml_escaped(join(s.seen_once, 20)) + ".</p>";
   out +=
-      "<p class=\"n\">Movements are against the first epoch that saw the point, bars are two standard deviations; a "
+      "<p class=\"n\">Movements are against the first epoch that measured the coordinate, bars are two standard "
+      "deviations; a "
       "broken "
       "line is the velocity where it is significant (error of the first kind " +
       fixed_digits(100 * text.options.alpha0, 1) + " %).</p>";

@@ -247,6 +247,86 @@ TEST(Anchors, TheFileMayTieThemToAPanel) {
   EXPECT_EQ(named(design, "Panel 1").anchor_guids, std::vector<std::string>{"21vctVUKr0kugbFTf53O9L"});
 }
 
+/// A plate of `side` [mm] at the anchor F2-C1, with `kind` as PredefinedType (IFC4 on).
+std::string plate_at_anchor(int side, const std::string& kind) {
+  const std::string size = std::to_string(side) + ".";
+  return "#500=IFCCARTESIANPOINT((2000.,-20.,400.));#501=IFCAXIS2PLACEMENT3D(#500,$,$);#502=IFCLOCALPLACEMENT(#34,#501)"
+         ";"
+         "#503=IFCRECTANGLEPROFILEDEF(.AREA.,$,#49," +
+         size + ",20.);#504=IFCEXTRUDEDAREASOLID(#503,#21,#24," + size +
+         ");#505=IFCSHAPEREPRESENTATION(#22,'Body','SweptSolid',(#504));#506=IFCPRODUCTDEFINITIONSHAPE($,$,(#505));"
+         "#507=IFCPLATE('3bvctVUKr0kugbFTf53O9L',#5,'Base',$,$,#502,#506,$" +
+         kind + ");";
+}
+
+TEST(Panels, PlatesOfAFixingAreNone) {
+  const auto base = [](const std::string& schema, const std::string& extra, const AnchorRule& rule = {}) {
+    const Design design = read(small_building(schema, extra), rule);
+    EXPECT_TRUE(named(design, "Panel 1").is_panel);
+    const bool told = std::any_of(design.warnings.begin(), design.warnings.end(), [](const std::string& warning) {
+      return warning.find("1 small plate ('Base')") != std::string::npos;
+    });
+    return std::pair(named(design, "Base").is_panel, told);
+  };
+  EXPECT_EQ(base("IFC4", plate_at_anchor(200, ",$")), std::pair(false, true)) << "beside a panel fifty times as large";
+  EXPECT_EQ(base("IFC2X3", plate_at_anchor(200, "")), std::pair(false, true));
+  EXPECT_EQ(base("IFC4", plate_at_anchor(800, ",$")), std::pair(true, false)) << "may be a panel";
+  EXPECT_EQ(base("IFC4", plate_at_anchor(200, ",.CURTAIN_PANEL.")), std::pair(true, false)) << "says that it clads";
+  EXPECT_EQ(base("IFC4X3", plate_at_anchor(800, ",.BASE_PLATE.")), std::pair(false, false)) << "says what it is";
+  AnchorRule all;
+  all.panels = {"class=IfcPlate"};
+  EXPECT_EQ(base("IFC4", plate_at_anchor(200, ",$"), all), std::pair(true, false)) << "the user's word";
+}
+
+TEST(Panels, AKindMayStandAtTheType) {
+  const std::string type =
+      "#510=IFCPLATETYPE('3cvctVUKr0kugbFTf53O9L',#5,'Type',$,$,$,$,$,$,.KIND.);"
+      "#511=IFCRELDEFINESBYTYPE('3dvctVUKr0kugbFTf53O9L',#5,$,$,(#507),#510);";
+  const auto with = [&](const std::string& kind, const std::string& own) {
+    std::string text = type;
+    return plate_at_anchor(200, own) + text.replace(text.find("KIND"), 4, kind);
+  };
+  const Design clads = read(small_building("IFC2X3", with("CURTAIN_PANEL", "")));
+  EXPECT_TRUE(named(clads, "Base").is_panel && named(clads, "Base").is_cladding);
+  const Design fixing = read(small_building("IFC4X3", with("BASE_PLATE", ",.NOTDEFINED.")));
+  EXPECT_FALSE(named(fixing, "Base").is_panel);
+  const Design own = read(small_building("IFC4X3", with("BASE_PLATE", ",.CURTAIN_PANEL.")));
+  EXPECT_TRUE(named(own, "Base").is_panel) << "its own goes first";
+}
+
+TEST(Panels, WhatHangsAtAnchorsWithoutAWordIsNotPassedOver) {
+  std::string bytes = small_building("IFC4");
+  for (const std::string ifc_class : {"IFCCURTAINWALL(", "IFCPLATE("})
+    bytes.replace(bytes.find(ifc_class), ifc_class.size(), "IFCBUILDINGELEMENTPROXY(");
+  const auto asked = [](const std::string& file, const AnchorRule& rule) {
+    std::string text;
+    for (const NotApplied& request : read(file, rule).not_applied) text += request.asked + ": " + request.reason;
+    return text;
+  };
+  const std::string told = asked(bytes, {});
+  EXPECT_NE(told.find("IfcBuildingElementProxy at anchors ('Facade' and 1 more)"), std::string::npos) << told;
+  EXPECT_NE(told.find("panel_selection=['class=IfcBuildingElementProxy']"), std::string::npos) << told;
+  EXPECT_NE(told.find("panel_selection=[none]"), std::string::npos) << told;
+  AnchorRule none, panels;
+  none.panels = {"none"}, panels.panels = {"class=IfcBuildingElementProxy"};
+  EXPECT_EQ(asked(bytes, none), "");
+  EXPECT_EQ(asked(bytes, panels), "");
+  EXPECT_TRUE(named(read(bytes, panels), "Panel 1").is_panel);
+  // Narrow (a mullion), in the opening of a wall, and away from any anchor: nobody hangs it here.
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string text = bytes;
+    return text.replace(text.find(from), from.size(), to);
+  };
+  EXPECT_EQ(asked(changed("$,#49,2200.,20.)", "$,#49,300.,20.)"), {}), "");
+  EXPECT_EQ(asked(changed("(3000.,-100.,0.)", "(3000.,-900.,0.)"), {}), "");
+  EXPECT_EQ(asked(changed("ENDSEC;\r\nEND-",
+                          "#590=IFCRELFILLSELEMENT('3evctVUKr0kugbFTf53O9L',#5,$,$,#220,#228);"
+                          "#591=IFCRELFILLSELEMENT('3fvctVUKr0kugbFTf53O9L',#5,$,$,#228,#220);"
+                          "ENDSEC;\r\nEND-"),
+                  {}),
+            "");
+}
+
 TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
   const std::string crs = "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,#501);#501=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);";
   const Design good =

@@ -393,6 +393,30 @@ TEST(Facades, APlateBehindItsAnchorsConfirmsNoSide) {
         }
 }
 
+/// A hook inside a unitised panel may lie before or behind the middle of it: only what hangs beside its anchors proves
+/// a side.
+TEST(Facades, APanelAroundItsAnchorsConfirmsNoSide) {
+  const Shape south{"south", {{{0, 0}, 180}}, {4, 3, 0}};
+  for (const double half : {0.04, 0.25}) {  // beside its anchors, around them
+    Design design = design_of(south, no_slabs, false);
+    for (Element& e : design.elements)
+      if (e.is_panel)
+        e.position.y() = e.project_from_element.translation.y() = 0.1, e.box_low.y() = -half, e.box_high.y() = half;
+    assign_facades(design, {});
+    for (const Element& e : design.elements)
+      if (e.is_anchor && e.position.z() < 2) {
+        EXPECT_FALSE(e.facade.confirmed) << half << ": behind, where its axes say the opposite";
+      }
+    for (Element& e : design.elements)
+      if (e.is_panel) e.position.y() = e.project_from_element.translation.y() = -0.1;
+    assign_facades(design, {});
+    for (const Element& e : design.elements)
+      if (e.is_anchor && e.position.z() < 2) {
+        EXPECT_EQ(e.facade.confirmed, half < 0.1) << half << ": " << e.facade.note;
+      }
+  }
+}
+
 TEST(Facades, CladdingGoesBeforeTheBasePlatesBehindIt) {
   Design design = design_of({"north", {{{8, 0}, 0}}, {4, -3, 0}}, no_slabs, true);
   const std::vector<Element> before = design.elements;

@@ -221,31 +221,57 @@ TEST(EpochSeries, DatesAreReadAsTheirFormatsHaveThem) {
 
 /// What an epoch holds was not measured in it: the others are compared, and that is said; before, the coordinate was
 /// dropped from all of them without a word.
+void hold(Epoch& epoch, Eigen::Index row) {
+  epoch.covariance.row(row).setZero();
+  epoch.covariance.col(row).setZero();
+}
+
 TEST(EpochSeries, AnEpochThatHoldsACoordinateIsLeftOutForItAndSaid) {
   Site site{5, 4};
-  site.velocity_of_m7 = {0, 0, -0.2 * kMillimetre};
+  site.velocity_of_m7 = {0.1 * kMillimetre, 0, -0.2 * kMillimetre};
   std::vector<DatedEpoch> epochs = site.make();
   const SeriesPoint before = of(epoch_series(epochs, {}), "M7");
   ASSERT_TRUE(before.moves);
-  epochs[2].epoch.covariance.row(3 * 6 + 2).setZero();
-  epochs[2].epoch.covariance.col(3 * 6 + 2).setZero();
+  hold(epochs[2].epoch, 3 * 6 + 2);
   const EpochSeries s = epoch_series(epochs, {});
   const SeriesPoint& p = of(s, "M7");
-  ASSERT_EQ(p.at.size(), 3u);  // epochs 2, 4 and 5 against the first
-  EXPECT_EQ(p.at[1].epoch, 3u);
-  EXPECT_TRUE(p.moves);
+  ASSERT_EQ(p.at.size(), 4u);  // the third epoch has its plan still
+  EXPECT_TRUE(std::isnan(p.at[1].movement.z()));
+  EXPECT_NEAR(p.at[1].movement.x(), before.at[1].movement.x(), 1e-5);
+  EXPECT_NEAR(p.velocity.x(), before.velocity.x(), 3e-7);
   EXPECT_NEAR(p.velocity.z(), -0.2 * kMillimetre, 0.03 * kMillimetre);
+  EXPECT_GT(p.velocity_sigma.z(), 1.0001 * before.velocity_sigma.z() - 1e-9);
   ASSERT_EQ(s.not_compared.size(), 1u);
-  EXPECT_EQ(s.not_compared[0], "E3: H of M7 held there, not measured; the point is compared in the other epochs only");
+  EXPECT_EQ(s.not_compared[0], "E3: H of M7 held there, not measured; compared in the other epochs only");
+}
+
+/// Held in height when the series began, and measured since: what it did in plan is against the first epoch, in height
+/// against the second.
+TEST(EpochSeries, APointHeldInHeightAtFirstKeepsItsPlan) {
+  Site site{6, 4};
+  site.velocity_of_m7 = {0.15 * kMillimetre, 0, -0.2 * kMillimetre};
+  std::vector<DatedEpoch> epochs = site.make();
+  const SeriesPoint whole = of(epoch_series(epochs, {}), "M7");
+  hold(epochs[0].epoch, 3 * 6 + 2);
+  const EpochSeries s = epoch_series(epochs, {});
+  const SeriesPoint& p = of(s, "M7");
+  EXPECT_EQ(p.first, 0u);
+  EXPECT_EQ(p.reference, (std::array<size_t, 3>{0, 0, 1}));
+  ASSERT_EQ(p.at.size(), 5u);
+  EXPECT_EQ(p.at[0].epoch, 1u);
+  EXPECT_TRUE(std::isnan(p.at[0].movement.z()));
+  EXPECT_NEAR(p.at[4].movement.x(), whole.at[4].movement.x(), 1e-5);
+  EXPECT_NEAR(p.at[4].movement.head<2>().norm(), 150 * 0.15 * kMillimetre, 2.5 * kMillimetre);
+  EXPECT_NEAR(p.at[4].movement.z(), -120 * 0.2 * kMillimetre, 2.5 * kMillimetre);
+  EXPECT_NEAR(p.velocity_sigma.x(), whole.velocity_sigma.x(), 1e-2 * whole.velocity_sigma.x());
+  EXPECT_TRUE(p.moves);
+  EXPECT_FALSE(p.uneven()) << p.misfit << " " << p.misfit_critical;
 }
 
 TEST(EpochSeries, ACoordinateHeldInAllButOneIsNotComparedAndSaid) {
   std::vector<DatedEpoch> epochs = Site{3, 4}.make();
   for (size_t k = 1; k < 3; ++k)
-    for (Eigen::Index row : {3 * 6, 3 * 6 + 1}) {
-      epochs[k].epoch.covariance.row(row).setZero();
-      epochs[k].epoch.covariance.col(row).setZero();
-    }
+    for (Eigen::Index row : {3 * 6, 3 * 6 + 1}) hold(epochs[k].epoch, row);
   epochs[0].epoch.coordinates[3 * 8 + 2] = std::numeric_limits<double>::quiet_NaN();  // M9 has no height there
   const EpochSeries s = epoch_series(epochs, {});
   const SeriesPoint& p = of(s, "M7");
@@ -257,14 +283,13 @@ TEST(EpochSeries, ACoordinateHeldInAllButOneIsNotComparedAndSaid) {
   EXPECT_NE(s.not_compared[1].find("H of M9"), std::string::npos) << s.not_compared[1];
 }
 
-TEST(ComparedAxes, TakesWhatComparesMost) {
+TEST(ComparedAxes, AreThoseThatWereMeasuredTwice) {
   using enum Measured;
   const std::array<Measured, 3> all = {yes, yes, yes}, plan = {yes, yes, held}, none = {missing, missing, missing};
-  EXPECT_EQ(compared_axes({all, all, plan}).axes.size(), 2u) << "two axes twice before three once";
-  EXPECT_EQ(compared_axes({all, all, all, plan}).epochs, (std::vector<std::size_t>{0, 1, 2})) << "of equals all axes";
-  EXPECT_TRUE(compared_axes({all, none}).axes.empty());
-  EXPECT_TRUE(compared_axes({all}).axes.empty());
-  EXPECT_EQ(compared_axes({all, plan, plan, plan}).axes.size(), 2u);
+  EXPECT_EQ(compared_axes({all, all, plan}), (std::array{true, true, true}));
+  EXPECT_EQ(compared_axes({all, plan}), (std::array{true, true, false}));
+  EXPECT_EQ(compared_axes({all, none}), (std::array{false, false, false}));
+  EXPECT_EQ(compared_axes({all}), (std::array{false, false, false}));
 }
 
 /// A point that is first seen later is compared with where it was then.

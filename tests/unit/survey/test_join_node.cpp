@@ -6,6 +6,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "artifacts/survey_readings.hpp"
 #include "node_harness.hpp"
 #include "simulated_network.hpp"
 
@@ -92,6 +93,49 @@ TEST(JoinNode, TwoInstrumentsKeepTheirProfilesWhicheverIsConnectedFirst) {
     EXPECT_NE(model.find("used for 36 of 72 readings"), std::string::npos) << model;
   }
   EXPECT_TRUE(warns(join(precise, silent), "the instrument that the files name differs"));
+}
+
+SurveyReadingsT offered(const std::string& reader, const std::vector<std::string>& paths) {
+  SurveyReadingsT readings;
+  for (const std::string& path : paths) {
+    auto one = std::make_unique<ReadSurveyFileT>();
+    one->path = path, one->reader = reader;
+    readings.files.push_back(std::move(one));
+  }
+  return readings;
+}
+
+NodeHarness collected(const std::vector<SurveyReadingsT>& offers, const std::vector<SurveyObservationsT>& read) {
+  NodeHarness node("survey.collect");
+  for (const auto& o : offers) node.input<SurveyReadings>("offered", o);
+  for (const auto& r : read) node.input<SurveyObservations>("observations", r);
+  return node;
+}
+
+/// Readers may be connected in any order: each file gets what was read of it, by its name.
+TEST(CollectNode, PairsReadingsWithTheirFilesByName) {
+  const std::vector<SurveyReadingsT> offers = {offered("read.x", {"b.x", "a.x"}), offered("read.y", {"c.y"})};
+  NodeHarness node = collected(offers, {sensor("c.y", 3, "C"), sensor("a.x", 1, "A"), sensor("b.x", 2, "B")});
+  node.run();
+  const auto all = node.output<SurveyReadings>("readings");
+  ASSERT_EQ(all.files.size(), 3u);
+  for (size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(all.files[i]->path, (std::vector<std::string>{"a.x", "b.x", "c.y"})[i]);
+    EXPECT_EQ(all.files[i]->observations->files.at(0), all.files[i]->path);
+    EXPECT_EQ(survey::from_artifact(*all.files[i]->observations).info.instrument, std::string(1, "ABC"[i]));
+  }
+  EXPECT_EQ(all.files[2]->reader, "read.y");
+}
+
+TEST(CollectNode, RefusesReadingsOfOtherFiles) {
+  const std::vector<SurveyReadingsT> offers = {offered("read.x", {"a.x", "b.x"})};
+  const auto refusal = [&](const std::vector<SurveyObservationsT>& read) { return collected(offers, read).outcome(); };
+  EXPECT_NE(refusal({sensor("a.x", 1, ""), sensor("c.x", 2, "")}).find("observations[1] is of c.x"), std::string::npos);
+  EXPECT_NE(refusal({sensor("a.x", 1, ""), sensor("a.x", 2, "")}).find("a.x was read twice"), std::string::npos);
+  EXPECT_NE(refusal({sensor("a.x", 1, "")}).find("b.x was given to read.x"), std::string::npos);
+  auto of_two = sensor("a.x", 1, "");
+  of_two.files.push_back("b.x");
+  EXPECT_NE(refusal({of_two}).find("names 2 files"), std::string::npos);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "plumbline/stop.hpp"
 #include "simulated_network.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/start/approximate_figure.hpp"
@@ -219,6 +220,30 @@ TEST(SetUpChain, PutsEveryPointWhereItIs) {
   expect_truth(n, *start_from_chain(chain, 4, wrong), 1e-3);
   (++wrong.begin())->second.y() -= 7;
   EXPECT_FALSE(start_from_chain(chain, 4, wrong)) << "two of four: who is right?";
+}
+
+long asks = 0;
+bool nobody_waits(const void*) {
+  ++asks;
+  return false;
+}
+
+/// Many set-ups over the same markers: each is fitted a few times, not once for each set-up before it. It asks whether
+/// anybody waits at each fit.
+TEST(SetUpChain, TakesTwiceAsLongForTwiceAsManySetUps) {
+  const auto fits = [](int set_ups) {
+    test::SimulationSettings settings;
+    settings.columns = 4, settings.rows = 3, settings.set_ups = set_ups, settings.coordinates = false;
+    const auto n = test::simulate(settings, 41);
+    asks = 0;
+    const StopScope scope(&nobody_waits, nullptr);
+    const SetUpChain chain = chain_of(n.survey);
+    for (size_t f = 0; f < chain.figures().size(); ++f) EXPECT_TRUE(chain.placed(f));
+    return asks;
+  };
+  const long few = fits(12), many = fits(36);
+  EXPECT_GT(few, 12);
+  EXPECT_LT(many, 4 * few) << few;
 }
 
 TEST(SetUpChain, WithoutKnownPointsItBeginsAtTheLargestSetUp) {

@@ -173,6 +173,25 @@ TEST_F(Tables, VerdictAsASurveyorReadsIt) {
     EXPECT_NE(text.find(words), std::string::npos) << words << " in:\n" << text;
 }
 
+/// Of a network in a plane no height is the weakest: it has none.
+TEST(TablesOfAPlane, HaveNoHeightAmongTheWeakest) {
+  SurveyObservations plane = test::simulate({}, 5).survey;
+  for (Point& p : plane.points) p.roles[2] = CoordinateRole::unused, p.coordinates.z() = kNotGiven;
+  std::erase_if(plane.observations, [](const Observation& o) { return o.kind == ObservationKind::zenith_angle; });
+  for (Observation& o : plane.observations)
+    if (o.kind == ObservationKind::slope_distance) o.kind = ObservationKind::horizontal_distance, o.sigma = 0.1;
+  plumbline::test::NodeHarness adjust("survey.adjust"), node("survey.tables");
+  adjust.input<plumbline::SurveyObservations>("observations", to_artifact(plane));
+  adjust.set("datum", "inner");
+  adjust.run();
+  node.input<Points>("points", adjust.output<Points>("points"));
+  node.input<SurveyNetwork>("network", adjust.output<SurveyNetwork>("network"));
+  node.run();
+  const std::string verdict = text_of(node.output<File>("verdict"));
+  EXPECT_NE(verdict.find("Weakest at 95 %: in plan "), std::string::npos) << verdict;
+  EXPECT_EQ(verdict.find("in height"), std::string::npos) << verdict;
+}
+
 TEST_F(Tables, BlocksAndTheFullCovarianceForNumPy) {
   auto node = tables();
   node.set("full_covariance", "true");

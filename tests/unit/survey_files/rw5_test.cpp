@@ -79,6 +79,22 @@ TEST(Rw5, ABacksightThatWasSetIsADirectionOnly) {
   EXPECT_NE(survey.warnings[0].find("line 4: ZE90 with SD0"), std::string::npos);
 }
 
+// Of the backsight only the name is given, and its coordinates: they are its azimuth.
+TEST(Rw5, ABacksightWithoutAzimuthIsAtItsCoordinates) {
+  const std::string head =
+      "MO,AD0,UN1,SF1.0\nSP,PN100,N 1000.0,E 5000.0,EL100.0,--\nSP,PN101,N 900.0,E 4900.0,EL99.5,--\n"
+      "OC,OP100,N 1000.0,E 5000.0,EL100.0,--\nLS,HI1.5,HR1.8\n";
+  const auto oriented = [&](const std::string& backsight) {
+    const auto survey = read_rw5(head + backsight + "SS,OP100,FP1,AR45.1234,ZE95.0000,SD100.0,--\n", "t.rw5");
+    EXPECT_EQ(survey.observations.size(), 3u);
+    return survey.set_ups.at(0).stated_orientation;
+  };
+  EXPECT_NEAR(oriented("BK,OP100,BP101,BC0.0000\n"), 1.25 * std::numbers::pi, 1e-12);
+  EXPECT_NEAR(oriented("BK,OP100,BP101,BS200.0000,BC0.0000\n"), 200 * std::numbers::pi / 180, 1e-12)
+      << "what is stated wins";
+  EXPECT_TRUE(std::isnan(oriented("BK,OP100,BP102,BC0.0000\n"))) << "of a point nobody knows";
+}
+
 TEST(Rw5, OtherTextIsRefused) {
   EXPECT_NE(error_of([] { read_rw5("hello\n", "x.rw5"); }).find("x.rw5:1:1: found 'hello'"), std::string::npos);
 }

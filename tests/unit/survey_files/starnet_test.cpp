@@ -92,6 +92,26 @@ TEST(StarNetWords, ThatNothingReadsAreErrors) {
 
 /// Three side shots to one chimney from three places were three different tops: as measurements they moved the
 /// stations.
+TEST(StarNetFlags, WhatIsFreedTakesNoPartAndIsSaid) {
+  const auto survey = read_starnet(
+      ".3D\n.ORDER NE\nC A 0 0 0 ! ! !\nC B 10 0 0\nDB A\nDM B 0-00-00 10.0 90-00-00 &&* 1.5/1.5\nDN B 0-00-00 &\nDE\n",
+      "f");
+  EXPECT_EQ(survey.observations.size(), 3u) << "without the zenith angle";
+  ASSERT_FALSE(survey.warnings.empty());
+  EXPECT_TRUE(survey.warnings.back().starts_with("1 values are freed by '*'")) << survey.warnings.back();
+}
+
+TEST(StarNetOptions, CentringIsNotAddedToWhatIsWrittenAndOnIsRefused) {
+  const std::string line = "C A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0000 0.010\n";
+  EXPECT_TRUE(read_starnet(".3D\n.ADDC OFF\n" + line, "f").skipped.empty());
+  for (const std::string on : {".ADDC ON", ".ADDC", ".ADDCENTERING ON"}) {
+    const auto survey = read_starnet(".3D\n" + on + "\n" + line, "f");
+    ASSERT_EQ(survey.skipped.size(), 1u) << on;
+    EXPECT_EQ(survey.skipped[0].found, "'" + on + "'");
+    EXPECT_NE(survey.skipped[0].expected.find(".ADDCENTERING OFF"), std::string::npos);
+  }
+}
+
 TEST(StarNetSideShots, PlaceAPointAndTakeNoPart) {
   const auto s = read_starnet(
       ".3D\n.ORDER EN\nC A 0 0 100 ! ! !\nC B 100 0 100 ! ! !\nM A-B-P 315-00-00 70.7107 90-00-00\nSS A-B-Q 300-00-00 "

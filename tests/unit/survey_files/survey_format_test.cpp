@@ -53,6 +53,18 @@ TEST(SurveyFormat, IsFoundFromTheContentAlone) {
   }
 }
 
+// A public job of STAR*NET has nothing but points and vectors.
+TEST(SurveyFormat, StarNetWithVectorsAloneIsFound) {
+  const std::string vectors =
+      "C FRDN 7437047.544 2487601.211 117.930 ! ! !\nC GPS1 7438438.738 2488810.241 64.839\n.GPS WEIGHT COVARIANCE\n"
+      "G0 'V1\nG1 FRDN-GPS1 1022.0 -760.5 853.1\nG2 1E-6 2E-6 2E-6\nG3 1E-7 1E-7 -1E-6\n";
+  EXPECT_EQ(detect_survey_format(vectors, "job.txt"), SurveyFormat::starnet);
+  EXPECT_EQ(detect_survey_format(".3D\nC A 0 0 0 ! ! !\nC B 10 0 0\nD A-B 10.001\n", "job.txt"), SurveyFormat::starnet);
+  EXPECT_NE(detect_survey_format("C 1 100.0 200.0 3.0\nG2 110.0 200.0 3.0\nE 120.0 200.0 3.0\n", "points.txt"),
+            SurveyFormat::starnet)
+      << "points may be called so";
+}
+
 TEST(SurveyFormat, UnknownContentIsNoFormat) {
   for (const char* text : {"", "   \n", "Dear all,\nplease find attached\nthe report.\n", "<html><body/></html>",
                            "{\"a\": 1}", "<", "<!--", "<!DOCTYPE x [", "<?xml"})
