@@ -26,7 +26,7 @@ MINUTES, WHERE = "LONG: ", "NOT HERE: "
 # What is typed for a command (regular expression over the whole line), in the folder that `prepare` makes. The first that fits holds.
 RULES = [
     # Names that pages use, where a line is run as it stands otherwise.
-    (r"plumbline (new|watch|bench|run|run --rehash|run --isolate|serve|schema|list|doctor|help|cache)", r"plumbline \1 --help"),
+    (r"plumbline (new|watch|bench|run|run --rehash|run --isolate|serve|schema|list|describe|doctor|help|cache)", r"plumbline \1 --help"),
     (r"plumbline bench FILE", "plumbline bench quick --seeds 1-2 --out out/quick"),
     (r"plumbline new (TEMPLATE|survey_reader) NAME", "plumbline new survey_reader mine --out NEW"),
     (r"plumbline new pose_solver plane", "plumbline new pose_solver plane --out NEW"),
