@@ -55,6 +55,8 @@ void add(const TrialResult& r, Sum& s) {
   s.verified += r.verified, s.wrong += r.verified_wrong, s.infeasible += r.infeasible, s.items += r.panels;
   s.worst = std::max(s.worst, r.verified_worst);
   for (const std::string& line : r.missed) std::fprintf(stderr, "missed  %s\n", line.c_str());
+  for (const std::string& line : r.wrong) std::fprintf(stderr, "outside  %s\n", line.c_str());
+  for (const std::string& line : r.left) std::fprintf(stderr, "left  %s\n", line.c_str());
   for (const auto& [kind, count] : r.planted_by_kind) s.kinds[kind] += count;
   s.planted += r.planted, s.missed += r.planted_verified, s.looks += r.looks;
   s.nees += r.joint_nees, s.diagonal += r.joint_nees_diagonal, s.joint_values += r.joint_values;

@@ -49,8 +49,7 @@ struct Suspect {
 class Comparison {
  public:
   Comparison(const AnchorPlaces& before, const AnchorPlaces& campaign, const Eigen::MatrixXd& drifted,
-             const Meeting& meeting)
-      : before_(before), meeting_(meeting) {
+             const Meeting& meeting) {
     const Indices rows = coordinates_of(meeting.before), now = coordinates_of(meeting.now);
     difference_ = campaign.places(now) - before.places(rows);
     factor_ = factor_of(drifted(rows, rows) + campaign.own(now, now));
@@ -60,33 +59,69 @@ class Comparison {
   double chi_squared() const { return difference_.dot(weighted_); }
   const Eigen::LLT<Eigen::MatrixXd>& factor() const { return factor_; }
   const Eigen::VectorXd& weighted() const { return weighted_; }
+  const Eigen::VectorXd& difference() const { return difference_; }
+
+ private:
+  Eigen::VectorXd difference_, weighted_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+/// What is left of a comparison once what moved is taken out of it, one after the other, the worst first. The inverse
+/// covariance of what is left is the Schur complement of what is taken out, so nothing is factorised again.
+class Suspects {
+ public:
+  Suspects(const AnchorPlaces& before, const Comparison& comparison, const Meeting& meeting)
+      : before_(before), left_(meeting.before), difference_(comparison.difference()) {
+    weights_ = comparison.factor().solve(Eigen::MatrixXd::Identity(difference_.size(), difference_.size()));
+  }
 
   /// Each anchor alone and each floor as a whole, against that nothing moved. Nothing if none is over `critical`.
   Suspect worst(double critical) const {
-    const Eigen::MatrixXd weights = factor_.solve(Eigen::MatrixXd::Identity(difference_.size(), difference_.size()));
+    const Eigen::VectorXd weighted = weights_ * difference_;
     Suspect worst;
     worst.moved.statistic = critical;
     std::map<int, Indices> floors;
-    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(meeting_.before.size()); ++i) {
-      const auto at = static_cast<std::size_t>(meeting_.before[static_cast<std::size_t>(i)]);
-      look_at({i}, before_.ids[at], before_.floors[at], weights, worst);
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(left_.size()); ++i) {
+      const auto at = static_cast<std::size_t>(left_[static_cast<std::size_t>(i)]);
+      look_at({i}, before_.ids[at], before_.floors[at], weighted, worst);
       floors[before_.floors[at]].push_back(i);
     }
     for (const auto& [floor, which] : floors)
-      if (which.size() >= 3) look_at(which, {}, floor, weights, worst);
+      if (which.size() >= 3) look_at(which, {}, floor, weighted, worst);
     worst.moved.critical = critical;
     return worst;
   }
 
+  /// Their ids.
+  std::set<std::string> take_out(const Indices& which) {
+    std::set<std::string> ids;
+    Indices kept;
+    for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(left_.size()); ++i)
+      if (std::find(which.begin(), which.end(), i) == which.end())
+        kept.push_back(i);
+      else
+        ids.insert(before_.ids[static_cast<std::size_t>(left_[static_cast<std::size_t>(i)])]);
+    const Indices rows = coordinates_of(kept), out = coordinates_of(which);
+    const Eigen::MatrixXd across = weights_(out, rows);
+    const Eigen::MatrixXd rest =
+        weights_(rows, rows) - across.transpose() * factor_of(weights_(out, out)).solve(across);
+    weights_ = 0.5 * (rest + rest.transpose());
+    difference_ = Eigen::VectorXd(difference_(rows));
+    Indices left;
+    for (const Eigen::Index i : kept) left.push_back(left_[static_cast<std::size_t>(i)]);
+    left_ = std::move(left);
+    return ids;
+  }
+
  private:
   /// One shift for all of them: generalised least squares under the hypothesis, and its chi-squared.
-  void look_at(const Indices& which, const std::string& id, int floor, const Eigen::MatrixXd& weights,
+  void look_at(const Indices& which, const std::string& id, int floor, const Eigen::VectorXd& weighted,
                Suspect& worst) const {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (const Eigen::Index a : which) {
-      right += weighted_.segment<3>(3 * a);
-      for (const Eigen::Index b : which) normal += weights.block<3, 3>(3 * a, 3 * b);
+      right += weighted.segment<3>(3 * a);
+      for (const Eigen::Index b : which) normal += weights_.block<3, 3>(3 * a, 3 * b);
     }
     const Eigen::Vector3d shift = normal.ldlt().solve(right);
     const double statistic = shift.dot(right);
@@ -96,9 +131,9 @@ class Comparison {
   }
 
   const AnchorPlaces& before_;
-  const Meeting& meeting_;
-  Eigen::VectorXd difference_, weighted_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Indices left_;  ///< of the estimate, by place in `weights_`
+  Eigen::VectorXd difference_;
+  Eigen::MatrixXd weights_;
 };
 
 /// Anchors that errors tie together, in the estimate or in the campaign; each group is combined by itself.
@@ -217,6 +252,21 @@ AnchorPlaces what_is_new(const AnchorPlaces& before, const AnchorPlaces& campaig
   return chosen(campaign, which);
 }
 
+/// Ids of what is not where the estimate has it.
+std::set<std::string> take_out_what_moved(const AnchorPlaces& before, const AnchorPlaces& campaign,
+                                          const Eigen::MatrixXd& drifted, const Meeting& meeting, double critical,
+                                          CombinedCampaigns& out) {
+  std::set<std::string> moved;
+  if (meeting.before.empty()) return moved;
+  Suspects suspects(before, Comparison(before, campaign, drifted, meeting), meeting);
+  for (;;) {
+    const Suspect suspect = suspects.worst(critical);
+    if (suspect.which.empty()) return moved;
+    out.moved.push_back(suspect.moved);
+    moved.merge(suspects.take_out(suspect.which));
+  }
+}
+
 void combine_group(AnchorPlaces before, const AnchorPlaces& all_of_campaign, double critical,
                    const CombineOptions& options, CombinedCampaigns& out) {
   const AnchorPlaces campaign = what_is_new(before, all_of_campaign);
@@ -225,27 +275,19 @@ void combine_group(AnchorPlaces before, const AnchorPlaces& all_of_campaign, dou
     out.known += static_cast<int>(all_of_campaign.size() - campaign.size());
   Eigen::MatrixXd drifted = with_drift(before, options.drift_per_storey);
   if (campaign.size() == 0) drifted = before.own;
-  for (;;) {
-    const Meeting meeting = meeting_of(before, campaign);
-    Suspect suspect;
-    if (!meeting.before.empty()) {
-      const Comparison comparison(before, campaign, drifted, meeting);
-      suspect = comparison.worst(critical);
-      if (suspect.which.empty())
-        out.compared += static_cast<int>(meeting.before.size()), out.chi_squared += comparison.chi_squared();
-    }
-    if (suspect.which.empty()) {
-      const AnchorPlaces group = fused(before, campaign, drifted, meeting);
-      out.estimate = out.estimate.size() == 0 ? group : fused(out.estimate, group, out.estimate.own, {});
-      return;
-    }
-    out.moved.push_back(suspect.moved);
-    std::set<std::string> ids;
-    for (const Eigen::Index i : suspect.which)
-      ids.insert(before.ids[static_cast<std::size_t>(meeting.before[static_cast<std::size_t>(i)])]);
-    before = chosen(before, ids, false);
+  Meeting meeting = meeting_of(before, campaign);
+  if (const std::set<std::string> moved = take_out_what_moved(before, campaign, drifted, meeting, critical, out);
+      !moved.empty()) {
+    before = chosen(before, moved, false);
     drifted = with_drift(before, options.drift_per_storey);
+    meeting = meeting_of(before, campaign);
   }
+  if (!meeting.before.empty()) {
+    out.compared += static_cast<int>(meeting.before.size());
+    out.chi_squared += Comparison(before, campaign, drifted, meeting).chi_squared();
+  }
+  const AnchorPlaces group = fused(before, campaign, drifted, meeting);
+  out.estimate = out.estimate.size() == 0 ? group : fused(out.estimate, group, out.estimate.own, {});
 }
 
 }  // namespace

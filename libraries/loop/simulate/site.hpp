@@ -82,6 +82,9 @@ class SimulatedSite {
   bool hangs(const std::string& panel) const { return not_hung_.count(panel) == 0; }
   void hang_what_does_not(const std::string& panel) { not_hung_.erase(panel); }
 
+  /// By how much the control of a floor is too high, the same in all campaigns [m]: no number of them tells it.
+  double control_height(int floor) const { return walk_[static_cast<std::size_t>(floor - 1)]; }
+
   /// Judged values as they really are, in the order of `judged`.
   std::vector<double> true_values(const std::vector<JudgedValue>& judged, const std::vector<PanelPose>& poses) const;
   const std::vector<Eigen::Vector3d>& true_deviations() const { return truth_; }

@@ -152,13 +152,26 @@ void measured_once(SimulatedSite& site, TrialResult& result) {
   for (int floor = 1; floor <= facade.panels.back().floor; ++floor) site.hang(floor);
 }
 
+std::string planted_at(const SimulatedSite& site, const Panel& panel) {
+  std::string words;
+  for (const Hook& hook : panel.hooks)
+    for (const PlantedFault& fault : site.planted())
+      if (fault.item == site.design().brackets[hook.bracket].id && fault.size > 0)
+        words += "; " + fault.item + ": " + fault.kind + " in round " + std::to_string(fault.round);
+  return words;
+}
+
 std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
   const Truth truth(site.design());
   const auto& panels = site.design().panels;
   std::set<std::string> verified;
   for (const auto& item : state.items) {
     result.reworks += item->reworks;
-    if (item->kind == "panel" && item->status == ItemStatus::verified) verified.insert(item->id);
+    if (item->kind != "panel") continue;
+    if (item->status == ItemStatus::verified)
+      verified.insert(item->id);
+    else
+      result.left.push_back(item->id + " " + name_of(item->status) + ": " + item->why);
   }
   std::vector<bool> hung;
   for (const Panel& panel : panels) hung.push_back(verified.count(panel.id) > 0);
@@ -167,6 +180,7 @@ std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& st
     if (!hung[j]) continue;
     ++result.verified, result.verified_wrong += worst[j] > 0;
     result.verified_worst = std::max(result.verified_worst, worst[j]);
+    if (worst[j] > 0) result.wrong.push_back(panels[j].id + planted_at(site, panels[j]));
   }
   return hung;
 }
@@ -182,7 +196,10 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
     for (std::size_t b = 0; b < site.design().brackets.size(); ++b) {
       const Bracket& bracket = site.design().brackets[b];
       if (bracket.id != item->id) continue;
-      const double off = (bracket.design + site.true_deviations()[b] - item->expected).cwiseAbs().maxCoeff();
+      // On the control that there is.
+      const Eigen::Vector3d place =
+          bracket.design + site.true_deviations()[b] + site.control_height(bracket.floor) * Eigen::Vector3d::UnitZ();
+      const double off = (place - item->expected).cwiseAbs().maxCoeff();
       if (off <= 0.0045) continue;  // tolerance of a setting and four standard deviations of a campaign
       ++result.planted_verified;
       for (const PlantedFault& fault : site.planted())
@@ -194,17 +211,20 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
   }
 }
 
-/// A person goes where the state sends one: to brackets that moved without explanation, and to the control of a floor
-/// that was in doubt twice in a row (once may have been the campaign).
+/// A person goes where the state sends one: to brackets that moved without explanation, once to each that was set too
+/// often, and to the control of a floor that was in doubt twice in a row (once may have been the campaign).
 void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std::string>& in_doubt,
-                           TrialResult& result) {
+                           std::set<std::string>& set_too_often, TrialResult& result) {
   const std::vector<std::string> control = state.moved_control;
   for (const std::string& name : control)
     if (in_doubt.count(name)) accept_item(state, name), ++result.looks;
   in_doubt = {state.moved_control.begin(), state.moved_control.end()};
   std::vector<std::string> rejected;
   for (const auto& item : state.items) {
-    if (item->status != ItemStatus::rejected || item->why.find("look whether") == std::string::npos) continue;
+    const bool is_doubtful = item->why.find("look whether") != std::string::npos;
+    const bool was_set_too_often = item->kind == "bracket" && item->why.rfind("after ", 0) == 0;
+    if (item->status != ItemStatus::rejected || !(is_doubtful || was_set_too_often)) continue;
+    if (!is_doubtful && !set_too_often.insert(item->id).second) continue;
     rejected.push_back(item->id);
     if (item->kind == "bracket") site.mend_plate(item->id), ++result.looks;
   }
@@ -249,7 +269,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
   constexpr int kMostRounds = 20;  // of one floor
   LoopStateT state;
   const MachineOptions options;
-  std::set<std::string> in_doubt;
+  std::set<std::string> in_doubt, set_too_often;
   int round = 0;
   for (int floor = 1; floor <= site.design().panels.back().floor; ++floor) {
     std::set<std::string> limited;
@@ -265,7 +285,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
         result.settings += item->kind == "bracket" && item->status == ItemStatus::released;
       apply_actuals(state, site.execute(state, round));
       close_round(state);
-      look_at_what_is_asked(site, state, in_doubt, result);
+      look_at_what_is_asked(site, state, in_doubt, set_too_often, result);
       bool open = false;
       for (const auto& item : state.items)
         open = open || (item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&

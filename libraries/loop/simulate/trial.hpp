@@ -36,6 +36,8 @@ struct TrialResult {
   int planted = 0, planted_verified = 0;  ///< faults that left a hook off; brackets VERIFIED although still off by one
   std::map<std::string, int> planted_by_kind;
   std::vector<std::string> missed;  ///< of the latter: what was planted there, and their lines of the journal
+  std::vector<std::string> left;    ///< of the closed loop: panels that are not VERIFIED at its end, and why
+  std::vector<std::string> wrong;   ///< panels VERIFIED and outside in truth, and what was planted at their brackets
 };
 
 TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64_t seed);

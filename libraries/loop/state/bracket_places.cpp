@@ -30,6 +30,11 @@ Eigen::Vector3d place_of(const LoopItemT& item, const BracketSettingT& bracket) 
   return asked ? Eigen::Vector3d(item.expected + from_axes(bracket, item.pending)) : item.expected;
 }
 
+Eigen::Vector3d setting_of(const LoopItemT& item, const Eigen::Vector3d& place, const Eigen::Matrix3d& axes) {
+  if (item.expected.allFinite() || item.unset.size() != 3 || !place.allFinite()) return item.setting;
+  return axes.transpose() * (place - Eigen::Map<const Eigen::Vector3d>(item.unset.data()));
+}
+
 std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, double most) {
   const Eigen::Vector3d moved = along_axes(bracket, bracket.measured - item.expected);
   const auto is = [&](double times) { return (moved - times * item.pending).cwiseAbs().maxCoeff() <= most; };

@@ -18,6 +18,10 @@ Eigen::Vector3d along_axes(const BracketSettingT& bracket, const Eigen::Vector3d
 /// Where its anchor should be measured now: that a robot was asked does not move it, that it says so does.
 Eigen::Vector3d place_of(const LoopItemT& item, const BracketSettingT& bracket);
 
+/// What a bracket has been set by in all, along right, up, out [m], where its anchor is at `place`: as it was reported
+/// and measured, or, where somebody had to look at it since or a robot failed on it, by where it is measured now.
+Eigen::Vector3d setting_of(const LoopItemT& item, const Eigen::Vector3d& place, const Eigen::Matrix3d& axes);
+
 /// How a robot comes to move a bracket as it did, from where it stood when it was asked; empty if nothing explains it.
 std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, double most);
 

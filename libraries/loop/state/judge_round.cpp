@@ -37,6 +37,7 @@ void Round::verify_brackets() {
       judge_bracket(item, *bracket);
     else
       look_again(item, *bracket);
+    if (item.unset.empty()) note_unset(item, *bracket);
     // What nobody touched keeps the place that it is judged by: small movements would add up unseen.
     if (item.status == ItemStatus::rejected || (item.status == ItemStatus::planned && !(is_known && was_planned)))
       item.expected = bracket->measured;
@@ -65,7 +66,16 @@ void Round::verify(LoopItemT& item, const BracketSettingT& bracket, const std::s
   item.expected = bracket.measured, item.pending.setZero();
 }
 
+void Round::note_unset(LoopItemT& item, const BracketSettingT& bracket) {
+  Eigen::Vector3d unset = bracket.measured;
+  for (int k = 0; k < 3; ++k) unset -= item.setting[k] * bracket.axes[static_cast<std::size_t>(k)];
+  item.unset.assign(unset.begin(), unset.end());
+}
+
 void Round::look_again(LoopItemT& item, const BracketSettingT& bracket) {
+  Eigen::Matrix3d axes;
+  axes << bracket.axes[0], bracket.axes[1], bracket.axes[2];
+  item.setting = setting_of(item, bracket.measured, axes);
   if (item.status == ItemStatus::executed)
     move(state_, item, ItemStatus::relocalised, {"measured on control that was looked at", {}, {}, rests_on_});
   if (item.status != ItemStatus::relocalised) return;

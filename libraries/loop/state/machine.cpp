@@ -237,7 +237,8 @@ bool accept_control(LoopStateT& state, const std::string& name) {
   if (known == state.moved_control.end()) return false;
   state.moved_control.erase(known);
   for (auto& item : state.items)
-    if (item->kind == "bracket" && control_of_floor(item->floor) == name) item->expected.setConstant(kUnknown);
+    if (item->kind == "bracket" && control_of_floor(item->floor) == name)
+      item->expected.setConstant(kUnknown), item->unset.clear();
   return true;
 }
 
@@ -251,7 +252,7 @@ bool accept_item(LoopStateT& state, const std::string& id) {
       note(state, *item, {"a person has seen it hang", {}, {}, {}});
     }
     if (item->id != id || item->status != ItemStatus::rejected) continue;
-    found = true, item->reworks = 0;
+    found = true, item->reworks = item->waited = 0;
     // What hangs is not released again: the next measurement judges it.
     move(state, *item, item->hangs ? ItemStatus::relocalised : ItemStatus::planned,
          {"accepted by a person", {}, {}, {}});

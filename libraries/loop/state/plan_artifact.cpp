@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "loop/state/bracket_places.hpp"
 #include "loop/state/hash.hpp"
 #include "loop/state/rounds_estimate.hpp"
 
@@ -125,7 +126,8 @@ void apply_state(Facade& facade, const LoopStateT& state) {
     const ItemStatus status = item->second->status;
     bracket.fixed = bracket.fixed || status == ItemStatus::executed || status == ItemStatus::relocalised ||
                     status == ItemStatus::verified;
-    bracket.type.low -= item->second->setting, bracket.type.high -= item->second->setting;
+    const Eigen::Vector3d used = setting_of(*item->second, bracket.design + bracket.deviation, bracket.axes);
+    bracket.type.low -= used, bracket.type.high -= used;
     bracket.type.low = bracket.type.low.cwiseMin(0.0), bracket.type.high = bracket.type.high.cwiseMax(0.0);
   }
 }

@@ -15,6 +15,8 @@ constexpr double kLikely = 0.5;
 /// hundredth is bought by many rounds.
 constexpr double kClear = 0.01;
 constexpr int kMostCampaigns = 10;
+/// So many rounds in a row nothing but another campaign is waited for; then somebody decides.
+constexpr int kMostWaits = 10;
 
 }  // namespace
 
@@ -65,9 +67,20 @@ std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) 
 
 void Round::unset_what_does_not_do() {
   for (const auto& panel : plan_.panels) {
-    const LoopItemT& hung = *item("panel", panel->id);
+    LoopItemT& hung = *item("panel", panel->id);
     if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
     if (another_campaign_may_do(*panel)) {
+      if (turn_of(*panel) && ++hung.waited > kMostWaits) {
+        reject_item(state_, hung,
+                    {"waited for " + std::to_string(kMostWaits) +
+                         " campaigns more, and none decided it: measure it more precisely, or have its brackets set "
+                         "by hand, then accept it; " +
+                         panel->reason,
+                     {},
+                     {},
+                     rests_on_});
+        continue;
+      }
       measured_again_.insert(panel->id);
       state_.to_measure = state_.to_measure || turn_of(*panel);
       continue;
@@ -89,6 +102,15 @@ bool Round::turn_of(const PlannedPanelT& panel) const {
   });
 }
 
+std::string Round::neighbour_that_waits(const PlannedPanelT& panel) const {
+  for (const auto& other : plan_.panels) {
+    if (other->id == panel.id || measured_again_.count(other->id) == 0 || !turn_of(*other)) continue;
+    for (const std::string& id : other->brackets)
+      if (!carries(id) && std::count(panel.brackets.begin(), panel.brackets.end(), id) > 0) return other->id;
+  }
+  return {};
+}
+
 void Round::release() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& item = *this->item("panel", panel->id);
@@ -106,6 +128,11 @@ void Round::release() {
       item.why = "waits for its brackets";
       continue;
     }
+    if (const std::string other = neighbour_that_waits(*panel); !other.empty()) {
+      item.why = "waits for " + other + ", which shares a bracket with it and waits for another campaign";
+      continue;
+    }
+    item.waited = 0;
     item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
     move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
   }

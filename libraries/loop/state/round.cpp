@@ -5,10 +5,18 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "loop/fit/facade.hpp"
+#include "loop/state/control_change.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/floor_moves.hpp"
 
 namespace plumbline::loop {
+namespace {
+
+/// Of the tolerance of a setting: control that moved by less changes no job that is out.
+constexpr double kOtherResult = 0.1;
+
+}  // namespace
 
 Round::Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options)
     : state_(state), plan_(plan), options_(options) {
@@ -26,6 +34,8 @@ void Round::run() {
   } else {
     // What campaigns say together is of no use while one of them is in doubt.
     state_.estimate = plan_.estimate ? std::make_unique<AnchorEstimateT>(*plan_.estimate) : nullptr;
+    take_control();
+    take_readings();
     verify_brackets();
     verify_panels();
     find_stale();
@@ -57,6 +67,29 @@ void Round::hold_everything(const std::string& why) {
     if (item->status == ItemStatus::released) recall_item(*item, why);
     if (item->status != ItemStatus::verified && item->status != ItemStatus::rejected) item->why = why;
   }
+}
+
+void Round::take_control() {
+  const ControlChange change = control_change(state_.control, plan_.control);
+  if (!plan_.control.empty()) {
+    state_.control.clear();
+    for (const auto& mark : plan_.control) state_.control.push_back(std::make_unique<ControlMarkT>(*mark));
+  }
+  if (change.largest <= kOtherResult * options_.setting_tolerance) return;
+  const std::string why = words_of(change);
+  for (auto& item : state_.items) {
+    if (item->status == ItemStatus::released)
+      recall_item(*item, "stale: " + why);
+    else if (item->kind == "bracket" && item->status == ItemStatus::verified)
+      move(state_, *item, ItemStatus::relocalised, {why, {}, {}, rests_on_});
+    if (item->kind == "bracket") item->expected.setConstant(kUnknown), item->unset.clear();
+  }
+}
+
+void Round::take_readings() {
+  std::set<std::string> all(state_.readings.begin(), state_.readings.end());
+  all.insert(plan_.readings.begin(), plan_.readings.end());
+  state_.readings.assign(all.begin(), all.end());
 }
 
 void Round::recall_item(LoopItemT& item, const std::string& why) {

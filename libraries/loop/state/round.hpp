@@ -21,6 +21,10 @@ class Round {
   std::string doubt_of_everything() const;
   /// Nothing is verified, done again or released; what waits to be judged says why.
   void hold_everything(const std::string& why);
+  /// Control that has other coordinates than for the campaigns before: where everything was measured, it is no more.
+  void take_control();
+  /// What this campaign read is known from now on.
+  void take_readings();
   void recall_item(LoopItemT& item, const std::string& why);
   /// The measurements that an item rests on: of its anchor, or of the anchors of its panel.
   void note_basis(LoopItemT& item) const;
@@ -44,6 +48,8 @@ class Round {
   /// Measured for the first time, or for the first time since its control was found to be in order again: what carries
   /// a panel is where it is now, what was being set is planned anew.
   void look_again(LoopItemT& item, const BracketSettingT& bracket);
+  /// Where its anchor would be without what it was set by: told once, before anything can have gone wrong with it.
+  void note_unset(LoopItemT& item, const BracketSettingT& bracket);
   /// A measurement of the plate does not tell a bracket that was set elsewhere from a plate that was knocked, also
   /// where a known mistake of a robot would explain its place.
   void judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there);
@@ -64,6 +70,9 @@ class Round {
   /// tell how.
   void unset_what_does_not_do();
   bool turn_of(const PlannedPanelT& panel) const;
+  /// The panel beside it that waits for another campaign: hung now, it would fix a bracket of both that the other one
+  /// may need elsewhere. Empty: none.
+  std::string neighbour_that_waits(const PlannedPanelT& panel) const;
   void release();
   bool bracket_is_ready(const std::string& id);
   /// Whether a panel that is HOLD is likely to be GO as it is planned, once more campaigns leave no error of their own.

@@ -91,6 +91,28 @@ void put_into(Facade& facade, const std::vector<std::size_t>& measured, const An
   }
 }
 
+/// Whether the estimate has each of its anchors by this campaign.
+bool is_known(const AnchorPlaces& campaign, const AnchorPlaces& before) {
+  std::map<std::string, const std::string*> known;
+  for (std::size_t i = 0; i < before.size(); ++i) known[before.ids[i]] = &before.campaigns[i];
+  for (std::size_t i = 0; i < campaign.size(); ++i) {
+    const auto found = known.find(campaign.ids[i]);
+    if (found == known.end() || found->second->find(campaign.campaigns[i]) == std::string::npos) return false;
+  }
+  return true;
+}
+
+/// What was not measured since keeps the hash of the measurement before.
+void keep_bases(Facade& facade, const LoopStateT& state, const std::set<std::string>& repeated) {
+  std::map<std::string, const LoopItemT*> items;
+  for (const auto& item : state.items)
+    if (item->kind == "bracket") items[item->id] = item.get();
+  for (Bracket& bracket : facade.brackets)
+    if (const auto item = items.find(bracket.id);
+        item != items.end() && bracket.measured() && repeated.count(bracket.id) > 0 && !item->second->basis.empty())
+      bracket.basis = item->second->basis;
+}
+
 }  // namespace
 
 std::string basis_of_bracket(const Facade& facade, std::size_t index) {
@@ -104,14 +126,14 @@ std::string basis_of_bracket(const Facade& facade, std::size_t index) {
   return sha256_hex(numbers, 1e-6).substr(0, 16);
 }
 
-RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const CombineOptions& options,
-                              std::size_t most) {
+namespace {
+
+RoundsEstimate combined_rounds(Facade& facade, const LoopStateT* state, const CombineOptions& options, std::size_t most,
+                               bool repeats) {
   RoundsEstimate out;
   std::vector<std::size_t> measured;
-  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
-    facade.brackets[b].basis = basis_of_bracket(facade, b);
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
     if (facade.brackets[b].measured()) measured.push_back(b);
-  }
   if (facade.own.size() == 0 || measured.empty()) return out;
   if (measured.size() > most) {
     out.words.push_back(std::to_string(measured.size()) + " anchors were measured: campaigns are combined up to " +
@@ -134,9 +156,13 @@ RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const Com
                         "measures them: an estimate has " +
                         std::to_string(most) + " anchors at most");
   }
+  const AnchorPlaces campaign = campaign_of(facade, measured);
   CombinedCampaigns combined;
   try {
-    combined = combine_campaigns(before, campaign_of(facade, measured), anew, options);
+    if (repeats && !is_known(campaign, before))
+      combined.estimate = campaign;
+    else
+      combined = combine_campaigns(before, campaign, anew, options);
   } catch (const std::runtime_error& error) {
     out.words.push_back(std::string(error.what()) + "; the last campaign counts alone");
     facade.own.resize(0, 0);
@@ -145,6 +171,16 @@ RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const Com
   put_into(facade, measured, combined.estimate, options.drift_per_storey);
   for (std::string& line : words_of(combined)) out.words.push_back(std::move(line));
   out.estimate = artifact_of(combined.estimate);
+  return out;
+}
+
+}  // namespace
+
+RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const CombineOptions& options, std::size_t most,
+                              const std::set<std::string>& repeated) {
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) facade.brackets[b].basis = basis_of_bracket(facade, b);
+  RoundsEstimate out = combined_rounds(facade, state, options, most, !repeated.empty());
+  if (state) keep_bases(facade, *state, repeated);
   return out;
 }
 

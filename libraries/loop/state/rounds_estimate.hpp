@@ -1,6 +1,8 @@
 // The anchors of a facade by all campaigns of a loop: from its state into the plan, and back.
 #pragma once
 
+#include <set>
+
 #include "artifacts/loop_state.hpp"
 #include "loop/estimate/combine_campaigns.hpp"
 #include "loop/fit/facade.hpp"
@@ -17,9 +19,11 @@ struct RoundsEstimate {
 /// What was reported as worked on since it was measured, failed, or was accepted by a person starts anew. An anchor
 /// that this campaign did not measure stays unmeasured in the facade, and keeps its estimate. Fills Bracket::basis,
 /// difference_sigma and campaigns. Above `most` anchors nothing is combined, and that is said; nor does
-/// the estimate grow beyond: what this campaign did not measure leaves it then.
+/// the estimate grow beyond: what this campaign did not measure leaves it then. `repeated`: anchors with readings of a
+/// campaign before: unless it is that campaign once more, this one counts alone, and they keep the basis they had, as
+/// they were not measured since.
 RoundsEstimate combine_rounds(Facade& facade, const LoopStateT* state, const CombineOptions& options = {},
-                              std::size_t most = 500);
+                              std::size_t most = 500, const std::set<std::string>& repeated = {});
 
 /// Of an anchor's own measurement, to a micrometre, 16 hexadecimal digits: what is measured or designed elsewhere does
 /// not change it. Empty: not measured.

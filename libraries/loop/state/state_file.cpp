@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kVersion = 2;
+constexpr int kVersion = 3, kOldest = 2;  ///< of version 2 control and readings are not known
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -63,7 +63,9 @@ Json json_of(const LoopItemT& item) {
           {"hangs", item.hangs},
           {"seen", item.seen},
           {"basis", item.basis},
-          {"jobs", item.jobs}};
+          {"jobs", item.jobs},
+          {"unset", item.unset},
+          {"waited", item.waited}};
 }
 
 ItemStatus status_of(const std::string& name) {
@@ -82,6 +84,9 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   json.at("by").get_to(item->by), json.at("at").get_to(item->at), json.at("why").get_to(item->why);
   json.at("hangs").get_to(item->hangs), json.at("seen").get_to(item->seen);
   json.at("basis").get_to(item->basis), json.at("jobs").get_to(item->jobs);
+  if (json.contains("unset")) json.at("unset").get_to(item->unset), json.at("waited").get_to(item->waited);
+  if (item->unset.size() != 0 && item->unset.size() != 3)
+    throw std::runtime_error("where " + item->id + " stands unset has not three numbers");
   return item;
 }
 
@@ -123,6 +128,9 @@ std::string state_json(const LoopStateT& state) {
            {"items", Json::array()},
            {"journal", state.journal}};
   for (const auto& item : state.items) out["items"].push_back(json_of(*item));
+  out["control"] = Json::array(), out["readings"] = state.readings;
+  for (const auto& mark : state.control)
+    out["control"].push_back({{"id", mark->id}, {"place", numbers_or_null(mark->place)}});
   if (state.estimate) out["estimate"] = json_of(*state.estimate);
   // As it is read back: what is no UTF-8 was replaced on the way.
   out = Json::parse(dumped(out));
@@ -131,12 +139,26 @@ std::string state_json(const LoopStateT& state) {
   return dumped(out) + "\n";
 }
 
+namespace {
+
+/// Control and readings of the campaigns.
+void take_what_it_rests_on(const Json& json, LoopStateT& state) {
+  json.at("readings").get_to(state.readings);
+  for (const Json& mark : json.at("control")) {
+    auto out = std::make_unique<ControlMarkT>();
+    mark.at("id").get_to(out->id), out->place = numbers_of(mark.at("place"));
+    state.control.push_back(std::move(out));
+  }
+}
+
+}  // namespace
+
 LoopStateT read_state_json(const std::string& text, const std::string& source) {
   try {
     Json json = Json::parse(text);
     if (!json.is_object() || !json.contains("plumbline_loop_state"))
       throw std::runtime_error("is no state of a loop: expected state.json as a round of site_loop wrote it");
-    if (json["plumbline_loop_state"] != kVersion)
+    if (json["plumbline_loop_state"] != kVersion && json["plumbline_loop_state"] != kOldest)
       throw std::runtime_error("is a state of version " + json["plumbline_loop_state"].dump() + ", expected " +
                                std::to_string(kVersion));
     const std::string seal = json.value("seal", "");
@@ -154,6 +176,7 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     if (json.contains("estimate")) state.estimate = estimate_of(json["estimate"]);
     json.at("journal").get_to(state.journal);
     for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
+    if (json["plumbline_loop_state"] == kVersion) take_what_it_rests_on(json, state);
     check_items(state);
     return state;
   } catch (const nlohmann::json::exception& error) {

@@ -291,8 +291,12 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
 }
 
 /// An inset that is not significant is set to zero, but its uncertainty stays in all covariances: with one distance it
-/// cannot be told from the size of the tags, and half a millimetre in ten metres hangs on 0.01 px of it.
+/// cannot be told from the size of the tags, and half a millimetre in ten metres hangs on 0.01 px of it. Not where a
+/// detector states how far it may draw edges inwards: then the estimate is the best there is, and zero would err by up
+/// to three of the standard deviations that are stated.
 void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run) {
+  if (std::any_of(block.images.begin(), block.images.end(), [](const MarkerImage& i) { return i.inset_sigma > 0; }))
+    return;
   constexpr double always_significant = 0.1;  // [px]
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     const bundle::Ref ref{bundle::Kind::inset, run.model.inset_batch(c)};

@@ -108,12 +108,17 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
   tile.measured.centre = plane.world({tile.place.x(), tile.place.y(), 0});
   tile.sensitivity = Eigen::MatrixXd::Zero(3, orientations.size());
   TileSensitivity sensitivity;
+  // Of one facet it is too noisy to weight points by.
+  double neighbours = 0, count = 0;
+  for (const auto& [at, facet] : facets)
+    if (facet.outcome == FacetOutcome::measured) neighbours += facet.neighbours, count += 1;
+  const double larger = std::sqrt(std::max(1.0, neighbours / std::max(count, 1.0)));
   for (const auto& [at, facet] : facets) {
     ++tile.outcomes[static_cast<size_t>(facet.outcome)];
     if (facet.outcome != FacetOutcome::measured) continue;
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
-        {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(facet.sigma)});
+        {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(larger * facet.sigma)});
     sensitivity.add(at - tile.place, 1 / (facet.sigma * facet.sigma),
                     by_orientations(plane, place, facet, views, orientations));
   }
@@ -169,7 +174,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
                                 ? best.outcome != FacetOutcome::measured || facet.correlation > best.correlation + 1e-6
                                 : best.outcome != FacetOutcome::measured;
         if (better) best = std::move(facet);
-        if (best.outcome == FacetOutcome::measured && best.correlation > 0.95) break;
+        if (best.outcome == FacetOutcome::measured && best.correlation > 0.9) break;
       }
       if (best.outcome == FacetOutcome::measured && ambiguous[static_cast<size_t>(cr) * coarse_columns + cc])
         best.outcome = FacetOutcome::ambiguous;

@@ -162,7 +162,7 @@ class Builder {
     std::size_t found = 0;
     for (const std::string& id : control)
       if (const auto place = point.find(id); place != point.end()) {
-        ++found;
+        ++found, in_.control.push_back(id);
         for (Eigen::Index k = 0; k < 3; ++k) known.push_back(3 * place->second + k);
       }
     if (found == 0) return;

@@ -28,6 +28,7 @@ struct FacadeInput {
   std::vector<std::string> guids;        ///< of the brackets
   std::vector<std::string> panel_guids;  ///< of the panels
   std::vector<std::string> notes;        ///< panels of the design that are not planned
+  std::vector<std::string> control;      ///< points of `control` that are in the model
 };
 
 /// Brackets: all anchors with a place in the design, whether they were measured or not; covariance of the model, plus

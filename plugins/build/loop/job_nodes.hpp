@@ -68,7 +68,7 @@ struct SimulateRobots : Node {
 /// What a surveyor needs who measures a simulated site once more.
 struct SimulateSite : Node {
   static constexpr Info info{
-      "simulate.site", "", 1,
+      "simulate.site", "", 2,
       "Set-ups and control marks before a simulated facade, for simulate.survey: the site is measured again"};
   In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are; their y axis points into the building"};
   Param<double> distance{"distance", 14.0, "m", between(3, 60), "of the set-ups from the facade"};

@@ -1,8 +1,11 @@
 #include "build/loop/plan_node.hpp"
 
+#include <algorithm>
+
 #include "loop/gate/gate.hpp"
+#include "loop/state/control_change.hpp"
 #include "loop/state/plan_artifact.hpp"
-#include "loop/state/rounds_estimate.hpp"
+#include "loop/state/reading_keys.hpp"
 
 namespace plumbline::loop {
 
@@ -27,6 +30,42 @@ FacadeRules PlanInstallation::rules() {
   return rules;
 }
 
+/// This campaign and those before as one estimate, where they rest on the same control and have no reading in common;
+/// else this one alone, and why.
+RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopStateT* before,
+                                                       InstallationPlanT& result) {
+  std::vector<std::string> said;
+  if (control)
+    for (const auto& point : control.unpack().points)
+      if (std::find(input.control.begin(), input.control.end(), point->id) != input.control.end()) {
+        auto mark = std::make_unique<ControlMarkT>();
+        mark->id = point->id, mark->place = point->position;
+        result.control.push_back(std::move(mark));
+      }
+  RepeatedReadings repeated;
+  if (readings) {
+    const std::vector<ReadingKey> keys = reading_keys(readings.unpack());
+    for (const ReadingKey& key : keys) result.readings.push_back(key.hash);
+    if (before) repeated = repeated_readings(keys, before->readings);
+  }
+  if (before)
+    if (const ControlChange change = control_change(before->control, result.control); !change.none()) {
+      before->estimate = nullptr;
+      said.push_back(words_of(change) + ". It counts alone, and the next ones with it");
+    }
+  const bool alone = before && !before->estimate;
+  RoundsEstimate rounds = combine_rounds(input.facade, before, {*drift_per_storey}, 500, repeated.targets);
+  if (control && input.facade.own.size() == 0 && rounds.words.empty())
+    said.push_back("none of the " + std::to_string(control->points()->size()) +
+                    " points of 'control' is in the model: what campaigns share is not known, and each counts alone");
+  // The same campaign planned once more is no other one that repeats it.
+  const bool once_more = repeated.count == repeated.all && !alone && rounds.estimate && before &&
+                         rounds.estimate->campaigns == before->estimate->campaigns;
+  if (repeated.count > 0 && !once_more) said.push_back(words_of(repeated));
+  rounds.words.insert(rounds.words.begin(), said.begin(), said.end());
+  return rounds;
+}
+
 void PlanInstallation::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
@@ -46,17 +85,15 @@ void PlanInstallation::run(Context& context) {
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
   const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
+  InstallationPlanT told;
   RoundsEstimate rounds;
-  if (!is_in_doubt) rounds = combine_rounds(input.facade, state ? &before : nullptr, {*drift_per_storey});
-  if (control && input.facade.own.size() == 0 && rounds.words.empty() && !is_in_doubt)
-    rounds.words.push_back("none of the " + std::to_string(known.size()) +
-                           " points of 'control' is in the model: what campaigns share is not known, and each counts "
-                           "alone");
+  if (!is_in_doubt) rounds = with_campaigns_before(input, state ? &before : nullptr, told);
   const Fit fit = plan_settings(input.facade, {*pose_weight, *gap_weight, *step_weight, *setting_weight});
   const std::vector<PanelGate> gates =
       judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
   result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
+  result.control = std::move(told.control), result.readings = std::move(told.readings);
   for (const std::string& line : result.consistency) context.warn(line);
   result.go_probability = *go_probability,
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";

@@ -7,14 +7,16 @@
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "build/loop/facade_input.hpp"
+#include "loop/state/rounds_estimate.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::loop {
 
 struct PlanInstallation : Node {
   static constexpr Info info{
-      "plan.installation", "", 2,
+      "plan.installation", "", 3,
       "How brackets are to be set so that panels hang right although the anchors are off, and with what probability"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "anchors and panels as judged, with their tolerances"};
   In<Points> model{"model", frame("frame=?F"), "the points that were judged, with their joint covariance"};
@@ -24,6 +26,10 @@ struct PlanInstallation : Node {
   Optional<Points> control{"control", frame("frame=?S"),
                            "points of the model that all campaigns rest on: with them, anchors that did not move since "
                            "the state's campaigns are one estimate; without, this campaign counts alone"};
+  Optional<SurveyObservations> readings{
+      "readings", frame("frame=?S"),
+      "readings of this campaign: one that holds some of a campaign before is found by them; without, only by places "
+      "that are the same"};
   Param<std::vector<std::string>> brackets{
       "brackets", std::vector<std::string>{},
       "what brackets can be set by: 'class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm'; later "
@@ -82,6 +88,7 @@ struct PlanInstallation : Node {
 
  private:
   FacadeRules rules();
+  RoundsEstimate with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result);
 };
 
 }  // namespace plumbline::loop

@@ -101,6 +101,7 @@ struct CalibrateBoard : Node {
       CalibrationOptions as_found = options;
       as_found.lens = one.calibration.camera.lens;
       one.parts = compare_parts(one.selection.views, as_found, one.calibration);
+      one.calibration.covariance *= std::pow(shown_too_small_by(one.parts), 2);
       one.as_two = as_two_cameras(one.selection.views, as_found, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);

@@ -71,17 +71,14 @@ std::string with_capital(std::string text) {
 
 /// Parts that differ by more than the scatter of the photographs, which is in their covariances.
 void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
-  constexpr double told = 4;  // from half of the photographs the covariances themselves are rough
-  const CalibrationParts* worst = nullptr;
-  for (const CalibrationParts& parts : all)
-    if (parts.statistic > told * parts.freedom && (!worst || parts.statistic > worst->statistic)) worst = &parts;
+  const CalibrationParts* worst = contradiction_of(all);
   if (!worst) return;
   char text[400];
   std::snprintf(
       text, sizeof text,
       "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
       "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
-      "board, or the camera changed between them, and the standard deviations are too small by about that",
+      "board, or the camera changed between them. The standard deviations are made larger by that",
       with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
       worst->freedom, worst->difference);
   warnings.emplace_back(text);
@@ -124,9 +121,9 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   if (!c.truth.empirical.judged) {
     std::snprintf(
         text, sizeof text,
-        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are made "
-        "of the corners alone, and what a photograph's corners have in common is not in them",
-        c.truth.empirical.photographs, fewest_to_scatter);
+        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are %.1f times "
+        "those that the corners give, because photographs of a board usually scatter so much more than their corners",
+        c.truth.empirical.photographs, fewest_to_scatter, c.truth.empirical.factor);
     warnings.emplace_back(text);
   }
   if (!c.truth.change) add_parts(one.parts, warnings);
@@ -192,7 +189,8 @@ Json parts_json(const std::vector<CalibrationParts>& all) {
   return list;
 }
 
-Json scatter_json(const Calibration& c) {
+Json scatter_json(const Calibrated& one) {
+  const Calibration& c = one.calibration;
   const EmpiricalCovariance& empirical = c.truth.empirical;
   Json formal, ratio;
   for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
@@ -201,9 +199,15 @@ Json scatter_json(const Calibration& c) {
     formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
     ratio[name] = empirical.sigma_ratio(k);
   }
-  return {{"judged", empirical.judged}, {"photographs", empirical.photographs},
-          {"factor", empirical.factor}, {"bootstrap_over_scatter", empirical.bootstrap_ratio},
-          {"formal_sigmas", formal},    {"sigma_over_formal", ratio}};
+  return {{"judged", empirical.judged},
+          {"photographs", empirical.photographs},
+          {"factor", empirical.factor},
+          {"by_order", empirical.by_order},
+          {"by_place", empirical.by_place},
+          {"by_parts", shown_too_small_by(one.parts)},
+          {"bootstrap_over_scatter", empirical.bootstrap_ratio},
+          {"formal_sigmas", formal},
+          {"sigma_over_formal", ratio}};
 }
 
 }  // namespace
@@ -257,7 +261,7 @@ Json calibration_json(const Calibrated& one) {
       {"degrees_of_freedom", c.degrees_of_freedom},
       {"board_bend_m", {c.bend_x, c.bend_y}},
       {"board_bend_sigma_m", {c.bend_x_sigma, c.bend_y_sigma}},
-      {"scatter_of_photographs", scatter_json(c)},
+      {"scatter_of_photographs", scatter_json(one)},
       {"halves", halves},
       {"parts", parts_json(one.parts)},
       {"lenses",
@@ -377,13 +381,15 @@ Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, con
 namespace {
 
 /// What the standard deviations of the file are made of.
-std::vector<std::string> remarks_of(const Calibration& c) {
+std::vector<std::string> remarks_of(const Calibrated& one) {
+  const Calibration& c = one.calibration;
   const EmpiricalCovariance& empirical = c.truth.empirical;
   char text[200];
   if (!empirical.judged)
     std::snprintf(text, sizeof text,
-                  "sigmas: of the corners alone; %d photographs are too few to see how photographs scatter",
-                  empirical.photographs);
+                  "sigmas: %.2f times those of the corners alone, as is usual: %d photographs are too few to see how "
+                  "they scatter",
+                  empirical.factor, empirical.photographs);
   else if (empirical.factor > 1.05)
     std::snprintf(text, sizeof text,
                   "sigmas: %.2f times those of the corners alone, because the %d photographs scatter that much",
@@ -392,6 +398,11 @@ std::vector<std::string> remarks_of(const Calibration& c) {
     std::snprintf(text, sizeof text, "sigmas: of the corners; the %d photographs scatter no more than these allow",
                   empirical.photographs);
   std::vector<std::string> remarks = {text};
+  if (const CalibrationParts* parts = contradiction_of(one.parts)) {
+    std::snprintf(text, sizeof text, "and that %.1f times, because %s differ by so much",
+                  std::sqrt(parts->statistic / parts->freedom), parts->split.c_str());
+    remarks.emplace_back(text);
+  }
   if (c.truth.change) remarks.push_back("NOT ONE CAMERA: " + in_words(*c.truth.change, c.truth.evidence));
   return remarks;
 }
@@ -403,7 +414,7 @@ std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& i
   for (const auto& one : cameras) {
     const std::string name = cameras.size() == 1 ? id : one.selection.camera;
     const std::string own =
-        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one.calibration)});
+        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one)});
     if (cameras.size() == 1) return own;
     std::string quoted = name;
     for (size_t at = 0; (at = quoted.find_first_of("\"\\", at)) != std::string::npos; at += 2) quoted.insert(at, "\\");

@@ -65,7 +65,24 @@ for host in 192.0.2.1 127.0.0.1.example.invalid 127.example.invalid; do
   if "$robots" --job plain.json --robot RobotCompany/001 --folder spool_other --host "$host" --longest 1 > other.log 2> refused.log; then fail "a plain connection to another machine was tried"; fi
   grep -q 'give --ca' refused.log || fail "it was not said why $host is refused"
 done
-kill "$robot" "$broker"; wait "$robot" "$broker" 2> /dev/null || true
+kill "$robot"; wait "$robot" 2> /dev/null || true
+
+# The client of the documents, started again in the middle of its second action: it says FAILED of that, does the rest, and the exit code tells.
+if /usr/bin/python3 -c 'import paho.mqtt.client' 2> /dev/null; then
+  "$make_job" failed.json 3 job-failed
+  echo '{"job-failed:F01-C02-R1:1": null}' > done_002.json
+  /usr/bin/python3 "$source/../../../docs/examples/robot_client.py" RobotCompany 002 127.0.0.1 "$port" > client.log 2>&1 &
+  client=$! started+=($!)
+  code=0
+  timeout 60 "$robots" --job failed.json --robot RobotCompany/002 --folder spool_failed --port "$port" --longest 50 > failed.log 2>&1 || code=$?
+  [[ $code == 4 ]] || fail "a job with an action that FAILED ends with exit code $code, not 4"
+  grep -q 'the robot FAILED on F01-C02-R1: see to why' failed.log || fail "it was not said what FAILED"
+  [[ $(tail -n 1 spool_failed/states.jsonl | grep -o '"FINISHED"' | wc -l) == 2 ]] || fail "what did not fail was not done"
+  kill "$client"; wait "$client" 2> /dev/null || true
+else
+  echo "without the Python client: python3-paho-mqtt is not installed"
+fi
+kill "$broker"; wait "$broker" 2> /dev/null || true
 
 # TLS, user name and password, a signed job; the wrong password and a changed job are refused.
 openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=127.0.0.1 -addext "subjectAltName=IP:127.0.0.1" -keyout broker.key -out broker.crt 2> openssl.log

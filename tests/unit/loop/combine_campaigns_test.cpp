@@ -146,6 +146,33 @@ TEST(CombineCampaigns, WhatMovedIsNamedAndStartsAnew) {
 
 /// Towers on which nothing moves, six campaigns each: alarms are as rare as is said, and the estimate is as good as it
 /// says.
+/// Many at once: those and no others, and what is left is the estimate without them.
+TEST(CombineCampaigns, ManyThatMovedAreAllNamedAndLeaveTheEstimateOfTheOthers) {
+  constexpr int n = 40;
+  const Eigen::VectorXd before = truth_of(n);
+  Eigen::VectorXd after = before;
+  std::set<std::string> moved;
+  for (int i = 0; i < n; i += 2)
+    after.segment<3>(3 * i) += 0.01 * Eigen::Vector3d(i % 4 == 0 ? 1 : -1, 0.5, 0.1 * (i % 7)),
+        moved.insert("a" + std::to_string(i));
+  const Eigen::MatrixXd own = own_of(n, 0.0003, 0.0008);
+  const AnchorPlaces first = campaign("c1", before, own, 8), second = campaign("c2", after, own, 8);
+  const CombinedCampaigns combined = combine_campaigns(first, second, {}, kNoDrift);
+  std::set<std::string> named;
+  for (const MovedAnchor& one : combined.moved) named.insert(one.id);
+  EXPECT_EQ(named, moved);
+  EXPECT_EQ(combined.compared, n / 2);
+  const AnchorPlaces told = combine_campaigns(first, second, moved, kNoDrift).estimate;
+  ASSERT_EQ(told.size(), combined.estimate.size());
+  for (const std::string& i : told.ids)
+    for (const std::string& j : told.ids) {
+      const Eigen::Index a = row_of(told, i), b = row_of(told, j);
+      const Eigen::Index c = row_of(combined.estimate, i), d = row_of(combined.estimate, j);
+      EXPECT_LT((told.places.segment<3>(a) - combined.estimate.places.segment<3>(c)).norm(), 1e-12) << i;
+      EXPECT_LT((told.own.block<3, 3>(a, b) - combined.estimate.own.block<3, 3>(c, d)).norm(), 1e-15) << i << " " << j;
+    }
+}
+
 TEST(CombineCampaigns, FalseAlarmsAndCovarianceAreTrue) {
   const Eigen::VectorXd truth = truth_of(20);
   const Eigen::MatrixXd own = own_of(20, 0.0003, 0.0004);

@@ -127,5 +127,28 @@ TEST(RoundsEstimate, WithoutWhatCampaignsShareNothingIsCombinedAndTooManyAnchors
   EXPECT_NE(rounds.words[0].find("campaigns are combined up to 5"), std::string::npos);
 }
 
+/// A folder that holds readings of a campaign before: it counts alone, and what those readings see was not measured.
+TEST(RoundsEstimate, WhatIsReadFromACampaignBeforeWasNotMeasuredSince) {
+  LoopStateT state;
+  Facade first = measured(1), second = measured(2), again = measured(2);
+  state.estimate = combine_rounds(first, &state, kNoDrift).estimate;
+  for (const Bracket& bracket : first.brackets) {
+    state.items.push_back(bracket_item(bracket.id, ItemStatus::verified));
+    state.items.back()->basis = bracket.basis;
+  }
+  const std::set<std::string> repeated = {first.brackets[0].id};
+  const std::string own = basis_of_bracket(second, 0), other = basis_of_bracket(second, 1);
+  const RoundsEstimate rounds = combine_rounds(second, &state, kNoDrift, 500, repeated);
+  EXPECT_EQ(second.brackets[0].campaigns, 1);
+  EXPECT_EQ(second.brackets[1].campaigns, 1);
+  EXPECT_EQ(second.brackets[0].basis, first.brackets[0].basis);
+  EXPECT_EQ(second.brackets[1].basis, other);
+  // The estimate knows it by its own name: planned once more it is the same campaign, not one that repeats it.
+  state.estimate = std::make_unique<AnchorEstimateT>(*rounds.estimate);
+  EXPECT_EQ(state.estimate->campaigns[0], own + " ");
+  const RoundsEstimate once_more = combine_rounds(again, &state, kNoDrift, 500, repeated);
+  EXPECT_EQ(once_more.estimate->campaigns, rounds.estimate->campaigns);
+}
+
 }  // namespace
 }  // namespace plumbline::loop

@@ -1,6 +1,7 @@
 // What a plan may and may not conclude: from old measurements, from brackets that nobody sets, of panels that hang.
 #include <gtest/gtest.h>
 
+#include "loop/state/control_change.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
 #include "two_floors.hpp"
@@ -77,6 +78,133 @@ TEST(Rounds, WhatAnotherCampaignMayDecideIsMeasuredAgainAndNotSetAgain) {
     EXPECT_EQ(item(state, "p0").status, ItemStatus::released);
     EXPECT_FALSE(state.to_measure);
   }
+}
+
+/// Where campaigns are not combined each says the same again: after ten of them a person decides.
+TEST(Rounds, MeasuringOnceMoreHasAnEnd) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  for (int round = 0; round < 12; ++round) {
+    InstallationPlanT plan = plan_after_setting(0, "round " + std::to_string(round));
+    plan.panels[0]->gate = GateDecision::hold, plan.panels[0]->p_in = 0.8, plan.panels[0]->p_in_repeated = 0.99;
+    next_plan(state, std::move(plan));
+    close_round(state);
+    EXPECT_EQ(state.to_measure, round < 10) << round;
+    EXPECT_EQ(item(state, "p0").status, round < 10 ? ItemStatus::planned : ItemStatus::rejected) << round;
+  }
+  EXPECT_EQ(item(state, "p0").why.rfind("waited for 10 campaigns more, and none decided it", 0), 0u)
+      << item(state, "p0").why;
+  EXPECT_TRUE(state.done);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
+  ASSERT_TRUE(accept_item(state, "p0"));
+  next_plan(state, plan_after_setting(0, "more precise"));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::released);
+}
+
+/// Hung now, a panel fixes the bracket that it shares with one whose place is not decided yet.
+TEST(Rounds, APanelWaitsForTheOneBesideItThatIsMeasuredOnceMore) {
+  LoopStateT state;
+  InstallationPlanT first = make_plan("first"), second = plan_after_setting(0), third = plan_after_setting(0, "third");
+  for (InstallationPlanT* plan : {&first, &second, &third})
+    for (auto& panel : plan->panels) {
+      panel->depends_on.clear(), panel->brackets = {"b0", "b1"};
+      if (panel->id == "p1") panel->brackets = {"b1", "b0"};
+    }
+  second.panels[1]->gate = GateDecision::hold, second.panels[1]->p_in = 0.8, second.panels[1]->p_in_repeated = 0.99;
+  next_plan(state, first);
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, second);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned);
+  EXPECT_EQ(item(state, "p0").why, "waits for p1, which shares a bracket with it and waits for another campaign");
+  next_plan(state, third);
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::released);
+  EXPECT_EQ(item(state, "p1").status, ItemStatus::released);
+}
+
+/// A robot set it 16 mm down instead of 4 mm up. Somebody looks, and the plate is in order: what it can still be set by
+/// is told by where it is, not by what was asked for.
+TEST(Rounds, WhatABracketHasLeftAfterALookIsWhatIsMeasured) {
+  Facade facade = random_facade({1, 1}, 4);
+  facade.brackets.resize(1), facade.panels.clear(), facade.joints.clear();
+  Bracket& bracket = facade.brackets[0];
+  bracket.id = "b0", bracket.design.setZero(), bracket.deviation = {0, 0, -0.020};
+  bracket.axes << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  LoopStateT state;
+  next_plan(state, make_plan("first"));
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  InstallationPlanT second = plan_after_setting(0);
+  second.brackets[0]->measured.z() = -0.020;
+  next_plan(state, std::move(second));
+  ASSERT_EQ(item(state, "b0").status, ItemStatus::rejected);
+  ASSERT_TRUE(accept_item(state, "b0"));
+  Facade planned = facade;
+  apply_state(planned, state);
+  EXPECT_NEAR(planned.brackets[0].type.high.y(), 0.015 + 0.016, 1e-9);
+  EXPECT_NEAR(planned.brackets[0].type.low.y(), 0, 1e-9);
+  InstallationPlanT third = plan_after_setting(0, "third");
+  third.brackets[0]->measured.z() = -0.020, third.brackets[0]->setting.y() = 0.020;
+  next_plan(state, std::move(third));
+  EXPECT_NEAR(item(state, "b0").setting.y(), -0.016, 1e-9);
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
+  // Control that was found in order elsewhere says nothing of that any more.
+  recall(state, {"control of floor 1"}, "moved");
+  accept_item(state, "control of floor 1");
+  EXPECT_TRUE(item(state, "b0").unset.empty());
+}
+
+std::unique_ptr<ControlMarkT> mark(const std::string& id, double height) {
+  auto out = std::make_unique<ControlMarkT>();
+  out->id = id, out->place = {1, 2, height};
+  return out;
+}
+
+/// What was released is for places on the control as it was; what was verified is measured again on the new one.
+TEST(Rounds, ControlWithOtherCoordinatesRecallsWhatIsReleased) {
+  for (const double by : {0.0, 0.0001, 0.004}) {
+    LoopStateT state;
+    InstallationPlanT first = make_plan("first"), second = plan_after_setting(0),
+                      third = plan_after_setting(0, "third");
+    for (InstallationPlanT* plan : {&first, &second}) plan->control.push_back(mark("CP3", 3));
+    third.control.push_back(mark("CP3", 3 + by));
+    for (auto& bracket : third.brackets) bracket->measured.z() += by;
+    next_plan(state, first);
+    apply_actuals(state, done({"b0", "b1"}, 1));
+    next_plan(state, second);
+    ASSERT_EQ(item(state, "p0").status, ItemStatus::released);
+    const int revision = item(state, "p0").revision;
+    next_plan(state, third);
+    EXPECT_EQ(state.control[0]->place.z(), 3 + by);
+    if (by < 0.001) {
+      EXPECT_EQ(item(state, "p0").revision, revision);
+      continue;
+    }
+    EXPECT_NE(item(state, "p0").status, ItemStatus::verified);
+    EXPECT_TRUE(item(state, "p0").status == ItemStatus::planned || item(state, "p0").revision > revision);
+    EXPECT_EQ(apply_actuals(state, done({"p0"}, revision)).size(), 1u);
+    std::string journal;
+    for (const std::string& line : state.journal) journal += line + "\n";
+    EXPECT_NE(journal.find("stale: the control is not that of the campaigns before: it has other coordinates: CP3 by "
+                           "4.0 mm"),
+              std::string::npos)
+        << journal;
+    EXPECT_EQ(item(state, "b0").expected.allFinite(), true);
+  }
+}
+
+TEST(ControlChange, NamesWhatMovedWhatIsNewAndWhatIsMissing) {
+  ControlMarks before, now;
+  for (const char* id : {"CP1", "CP2", "CP3"}) before.push_back(mark(id, 3));
+  EXPECT_TRUE(control_change(before, {}).none());
+  EXPECT_TRUE(control_change({}, before).none());
+  EXPECT_TRUE(control_change(before, before).none());
+  now.push_back(mark("CP1", 3)), now.push_back(mark("CP2", 3.0021)), now.push_back(mark("CP7", 3));
+  const ControlChange change = control_change(before, now);
+  EXPECT_NEAR(change.largest, 0.0021, 1e-12);
+  EXPECT_EQ(
+      words_of(change),
+      "the control is not that of the campaigns before: it has other coordinates: CP2 by 2.1 mm; they did not have "
+      "CP7; this campaign does not have CP3");
 }
 
 TEST(Rounds, WhatWasReportedAsSetIsPlannedAsItStands) {

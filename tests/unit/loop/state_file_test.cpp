@@ -17,6 +17,9 @@ LoopStateT some_state() {
   next_plan(state, plan_after_setting(0.0004));
   recall(state, {"CP3"}, "control point CP3 moved");
   close_round(state);
+  state.readings = {"00aa", "11bb"};
+  state.control.push_back(std::make_unique<ControlMarkT>());
+  state.control[0]->id = "CP1", state.control[0]->place = {1.25, 2.5, 3.125};
   return state;
 }
 
@@ -38,6 +41,11 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
   LoopStateT state = some_state(), read = read_state_json(state_json(state), "state.json");
   EXPECT_EQ(state_json(read), state_json(state));
   EXPECT_EQ(read.moved_control, state.moved_control);
+  EXPECT_EQ(read.readings, state.readings);
+  ASSERT_EQ(read.control.size(), 1u);
+  EXPECT_EQ(read.control[0]->place, state.control[0]->place);
+  EXPECT_EQ(read.items[0]->unset, state.items[0]->unset);
+  EXPECT_EQ(read.items[0]->unset.size(), 3u);
   for (LoopStateT* s : {&state, &read}) accept_item(*s, "CP3"), next_plan(*s, plan_after_setting(0, "third"));
   EXPECT_EQ(read.journal, state.journal);
   for (std::size_t i = 0; i < state.items.size(); ++i) {

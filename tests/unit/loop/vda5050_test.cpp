@@ -237,6 +237,31 @@ TEST(Vda5050, MessagesThatAreWrongAreRefusedWithTheirLine) {
     EXPECT_NE(refused.find(words), std::string::npos) << words << " in\n" << refused;
 }
 
+/// Bytes changed, left out and cut off at random: refused with the line or read, never an error, and never a report of
+/// what the message does not hold.
+TEST(Vda5050, BrokenMessagesEndNothing) {
+  const Job job = make_job();
+  std::mt19937 random(11);
+  int refused = 0;
+  for (int trial = 0; trial < 400; ++trial) {
+    std::string message = make_state(job, "wwww", 1, at_second(1), VdaVersion::v2_0).dump();
+    for (int i = static_cast<int>(random() % 4); i >= 0; --i) {
+      const std::size_t at = random() % message.size();
+      if (trial % 3 == 0)
+        message[at] = static_cast<char>(random() % 256);
+      else if (trial % 3 == 1)
+        message.erase(at, 1 + random() % 20);
+      else
+        message.resize(std::max<std::size_t>(1, at));
+    }
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    const ActualsT actuals = vda_actuals(message + "\n", job, "states.jsonl");
+    EXPECT_TRUE(actuals.items.empty()) << message;
+    refused += !actuals.refused.empty();
+  }
+  EXPECT_GT(refused, 200);
+}
+
 /// Where it stands, then the first node with work; not where it stands already.
 TEST(Vda5050, AnOrderBeginsWhereTheRobotStands) {
   for (const VdaVersion version : {VdaVersion::v2_0, VdaVersion::v3_0}) {

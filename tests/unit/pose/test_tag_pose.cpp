@@ -206,6 +206,48 @@ TEST(TagPose, HasACovarianceThatCoversItsError) {
   }
 }
 
+/// Edges that a photograph draws inwards, all by the same: each corner slides by it along both of its edges.
+TEST(TagPose, HasWhatAllEdgesAreDrawnInwardsByInItsCovariance) {
+  constexpr double inset_sigma = 0.3;
+  double with = 0, without = 0;
+  const int trials = 60;
+  Random random(7);
+  for (int k = 0; k < trials; ++k) {
+    const Field field{.point_sigma = 0.0005,
+                      .rotation_sigma = 0.001,
+                      .pixel_sigma = 0.03,
+                      .seed = static_cast<std::uint64_t>(k + 10)};
+    Scene scene = make_scene(field);
+    const double inset = inset_sigma * random.normal();
+    for (TagView& view : scene.views) {
+      const auto corners = view.pixels;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Eigen::Vector2d next = (corners[(i + 1) % 4] - corners[i]).normalized(),
+                              last = (corners[(i + 3) % 4] - corners[i]).normalized();
+        Eigen::Matrix2d distances;  // of a point from the line towards `next` and from that towards `last`
+        distances << -next.y(), next.x(), last.y(), -last.x();
+        if (distances.row(0).dot(last) < 0) distances = -distances;
+        view.pixels[i] += distances.inverse() * Eigen::Vector2d(inset, inset);
+        view.bearings[i] = unproject(scene.camera, view.pixels[i])->homogeneous().normalized();
+      }
+    }
+    TagPoseOptions options = options_for(field);
+    options.max_samples = 30, options.inlier_probability = 0.999999;
+    for (const bool told : {false, true}) {
+      options.inset_sigma = told ? inset_sigma : 0;
+      const TagPose found =
+          estimate_tag_pose(scene.camera, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
+      const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
+      Eigen::Matrix<double, 6, 1> e;
+      e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
+      (told ? with : without) += e.dot(found.covariance.ldlt().solve(e)) / (6 * trials);
+    }
+  }
+  EXPECT_GT(without, 2) << "the case shows nothing";
+  EXPECT_GT(with, 0.7);
+  EXPECT_LT(with, 1.4);
+}
+
 /// The approximate anchors allow for millimetres that all corners of a tag have in common, not for a bent one.
 TEST(TagPose, AgreesWithBentTagsOfWhichItWasTold) {
   const Field bent{.point_sigma = 0.02, .rotation_sigma = 0.03, .pixel_sigma = 0.03, .shape_sigma = 0.0005, .seed = 3};

@@ -1,0 +1,26 @@
+// Whether a campaign rests on the control of the campaigns before: what all of them share is shared only then.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "artifacts/loop_state.hpp"
+
+namespace plumbline::loop {
+
+using ControlMarks = std::vector<std::unique_ptr<ControlMarkT>>;
+
+struct ControlChange {
+  std::vector<std::string> moved;        ///< "CP3 by 4.0 mm": has other coordinates than before
+  std::vector<std::string> gone, added;  ///< names: of the campaigns before alone, of this one alone
+  double largest = 0;                    ///< of the moved ones [m]
+  bool none() const { return moved.empty() && gone.empty() && added.empty(); }
+};
+
+/// Coordinates differ by more than a micrometre. Nothing where one of the two does not say its control.
+ControlChange control_change(const ControlMarks& before, const ControlMarks& now);
+
+/// "the control is not that of the campaigns before: CP3 by 4.0 mm; CP5 was not in them".
+std::string words_of(const ControlChange& change);
+
+}  // namespace plumbline::loop

@@ -1,0 +1,99 @@
+#include "loop/state/reading_keys.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "base/text/words.hpp"
+#include "loop/state/hash.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+constexpr double kStep = 1e-7;  ///< of the numbers [rad], [m]
+constexpr std::size_t kSighting = 2, kRepeats = 3;
+
+ReadingKey key_of(const std::string& from, const std::string& to, const std::string& set_up,
+                  const std::vector<double>& values) {
+  return {sha256_hex(from + "\n" + to + "\n" + sha256_hex(values, kStep)).substr(0, 16), set_up, to};
+}
+
+void add_pointings(const SurveyObservationsT& o, std::vector<ReadingKey>& keys) {
+  // The order of the values within a pointing is that of the file.
+  std::map<std::tuple<int, int, std::string>, std::vector<const SurveyObservationT*>> pointings;
+  for (const auto& one : o.observations)
+    if (one->pointing >= 0) pointings[{one->set_up, one->pointing, one->to}].push_back(one.get());
+  for (const auto& [which, sighted] : pointings) {
+    if (sighted.size() < kSighting) continue;
+    std::vector<double> values;
+    for (const SurveyObservationT* one : sighted)
+      values.insert(values.end(), {static_cast<double>(one->kind), static_cast<double>(one->face), one->value});
+    const int at = std::get<0>(which);
+    const bool has_set_up = at >= 0 && at < static_cast<int>(o.set_ups.size());
+    keys.push_back(key_of(sighted.front()->from, sighted.front()->to,
+                          has_set_up ? o.set_ups[static_cast<std::size_t>(at)]->id : "", values));
+  }
+}
+
+}  // namespace
+
+std::vector<ReadingKey> reading_keys(const SurveyObservationsT& o) {
+  std::vector<ReadingKey> keys;
+  add_pointings(o, keys);
+  for (const auto& one : o.local_coordinates) {
+    const bool has_set_up = one->set_up >= 0 && one->set_up < static_cast<int>(o.set_ups.size());
+    const SurveySetUpT* set_up = has_set_up ? o.set_ups[static_cast<std::size_t>(one->set_up)].get() : nullptr;
+    keys.push_back(key_of(set_up ? set_up->station : "", one->point, set_up ? set_up->id : "",
+                          {one->position.x(), one->position.y(), one->position.z()}));
+  }
+  for (const auto& group : o.coordinates) {
+    if (group->is_control) continue;
+    std::map<std::string, std::vector<double>> values;
+    for (std::size_t i = 0; i < group->points.size() && i < group->values.size(); ++i)
+      values[group->points[i]].push_back(group->values[i]);
+    for (const auto& [point, place] : values)
+      if (place.size() >= kSighting) keys.push_back(key_of("", point, group->file, place));
+  }
+  for (const auto& group : o.vectors)
+    for (std::size_t i = 0; i < group->from.size() && 3 * i + 2 < group->values.size(); ++i)
+      keys.push_back(key_of(group->from[i], group->to[i], group->from[i],
+                            {group->values[3 * i], group->values[3 * i + 1], group->values[3 * i + 2]}));
+  return keys;
+}
+
+RepeatedReadings repeated_readings(const std::vector<ReadingKey>& readings, const std::vector<std::string>& known) {
+  struct SetUp {
+    std::size_t all = 0;
+    std::vector<const ReadingKey*> known;
+  };
+  std::map<std::string, SetUp> set_ups;
+  for (const ReadingKey& reading : readings) {
+    SetUp& at = set_ups[reading.set_up];
+    ++at.all;
+    if (std::binary_search(known.begin(), known.end(), reading.hash)) at.known.push_back(&reading);
+  }
+  RepeatedReadings out;
+  out.all = readings.size();
+  for (const auto& [name, at] : set_ups) {
+    if (at.known.empty() || at.known.size() < std::min(kRepeats, at.all)) continue;
+    out.count += at.known.size();
+    out.set_ups.insert(name);
+    for (const ReadingKey* reading : at.known) out.targets.insert(reading->target);
+  }
+  return out;
+}
+
+std::string words_of(const RepeatedReadings& repeated) {
+  if (repeated.count == 0) return {};
+  std::vector<std::string> names;
+  for (const std::string& name : repeated.set_ups)
+    if (!name.empty()) names.push_back(name);
+  return std::to_string(repeated.count) + " of " + std::to_string(repeated.all) +
+         " readings are those of a campaign before, to the last digit" +
+         (names.empty() ? ""
+                        : std::string(names.size() > 1 ? " (set-ups " : " (set-up ") + text::join(names, 4) + ")") +
+         ": the points that they see do not count as measured since, and this campaign counts alone. Give each round "
+         "the readings of its own campaign only";
+}
+
+}  // namespace plumbline::loop
