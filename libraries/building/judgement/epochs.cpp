@@ -7,9 +7,9 @@
 #include <cstdio>
 #include <map>
 #include <set>
-#include <stdexcept>
 
 #include "geometry/statistics.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -219,9 +219,8 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
                        Eigen::Matrix3d(earlier->covariance + now.covariance)});
   }
   if (met.empty())
-    throw std::runtime_error("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) +
-                             " of " + before.design_file +
-                             ") is in this one; 'before' is as_built.json of another building");
+    throw BadInput("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) + " of " +
+                   before.design_file + ") is in this one; 'before' is as_built.json of another building");
   for (const EpochItem& item : before.items) {
     if (met.contains(&item)) continue;
     EpochItem gone = item;

@@ -35,7 +35,7 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
 /// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
-/// of all by the same, that is taken away and told: it is the control or the frame. Throws std::runtime_error if no
+/// of all by the same, that is taken away and told: it is the control or the frame. Throws BadInput if no
 /// anchor is in both: it is a record of another building.
 AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch);
 

@@ -228,7 +228,7 @@ InstrumentProfile built_in_profile(const std::string& name) {
 InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
                                  const std::string& instrument, std::string& remark) {
   if (!profile_file.empty()) {
-    const std::string text = text_of(profile_file);
+    const std::string text = text::read_whole(profile_file);
     if (is_starnet_project(text))
       remark = "of the project " + profile_file +
                " the instruments are taken; not what else it sets, which is to be given: " +

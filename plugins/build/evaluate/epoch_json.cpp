@@ -1,12 +1,12 @@
 #include "build/evaluate/epoch_json.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "base/text/whole_file.hpp"
 #include "build/evaluate/long_lists.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -109,18 +109,15 @@ std::string epoch_json(const EpochRecord& record, const AsBuiltChangesT& changes
 }
 
 EpochRecord read_epoch(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("parameter 'before': " + path + " cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  const auto document = nlohmann::json::parse(text, nullptr, false);
+  const auto document = nlohmann::json::parse(text::read_whole(path), nullptr, false);
   const auto format = document.is_object() ? document.find("format") : document.end();
   if (!document.is_object() || format == document.end() || *format != kFormat)
-    throw std::runtime_error("parameter 'before': " + path + " is " +
-                             (document.is_discarded() ? "no JSON"
-                              : !document.is_object() || format == document.end() || !format->is_string()
-                                  ? "JSON of another kind"
-                                  : format->get<std::string>()) +
-                             ", expected as_built.json of the campaign before (" + kFormat + ")");
+    throw BadInput("parameter 'before': " + path + " is " +
+                   (document.is_discarded() ? "no JSON"
+                    : !document.is_object() || format == document.end() || !format->is_string()
+                        ? "JSON of another kind"
+                        : format->get<std::string>()) +
+                   ", expected as_built.json of the campaign before (" + kFormat + ")");
   try {
     EpochRecord record{document.value("epoch", ""),
                        document.value("design_file", ""),
@@ -130,7 +127,7 @@ EpochRecord read_epoch(const std::string& path) {
     for (const auto& item : document.at("items")) record.items.push_back(item_of(item));
     return record;
   } catch (const std::exception& error) {
-    throw std::runtime_error("parameter 'before': " + path + " is damaged: " + error.what());
+    throw BadInput("parameter 'before': " + path + " is damaged: " + error.what());
   }
 }
 
