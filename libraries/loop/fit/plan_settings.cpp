@@ -16,9 +16,6 @@ namespace {
 constexpr double kLargestGuard = 0.9;
 /// Limits broken by less are kept [mm].
 constexpr double kBroken = 1e-5;
-/// Limits that the second solution and later ones come this near to are known to the next one, too, which moves little
-/// [mm]; of narrow limits a tenth of their width. It saves a solution of five.
-constexpr double kNear = 1.0;
 /// An excess above this is told [mm].
 constexpr double kTold = 0.01;
 
@@ -51,23 +48,19 @@ ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit
     const ConvexOptimum optimum = minimise(program.with(working));
     ++solves;
     bool complete = true;
-    std::vector<std::pair<std::size_t, int>> next;  // a limit and its side
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const double at = program.at(limits[i], optimum.x);
-      const double near = solves > 1 ? std::min(kNear, 0.1 * (limits[i].high - limits[i].low)) : -kBroken;
-      const double below = limits[i].low - at, above = at - limits[i].high;
-      if (below > -near && !known[i][0])
-        next.emplace_back(i, 0), complete = complete && below <= kBroken;
-      else if (above > -near && !known[i][1])
-        next.emplace_back(i, 1), complete = complete && above <= kBroken;
+      Limit side = limits[i];
+      if (at < limits[i].low - kBroken && !known[i][0]) {
+        side.high = infinity, known[i][0] = true;
+      } else if (at > limits[i].high + kBroken && !known[i][1]) {
+        side.low = -infinity, known[i][1] = true;
+      } else {
+        continue;
+      }
+      working.push_back(side), complete = false;
     }
     if (complete) return optimum;
-    for (const auto& [i, is_above] : next) {
-      Limit side = limits[i];
-      (is_above ? side.low : side.high) = is_above ? -infinity : infinity;
-      known[i][static_cast<std::size_t>(is_above)] = true;
-      working.push_back(side);
-    }
   }
 }
 
