@@ -292,7 +292,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;
   }
-  if (!result.ok() || !delivered) return 1;
+  if (!result.ok() || !delivered) return result.not_converged() ? 4 : 1;
   return is_invalid(result) || unfinished ? 3 : 0;
 }
 

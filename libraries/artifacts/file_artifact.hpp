@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <string>
 
 #include "artifacts/file.hpp"
+#include "base/text/whole_file.hpp"
 
 namespace plumbline {
 
@@ -50,11 +50,7 @@ inline FileT file_reference(const std::string& name, const std::string& media_ty
 template <typename Resolve>
 std::string file_bytes(const FileT& file, const Resolve& resolve) {
   if (file.uri.empty()) return {file.content.begin(), file.content.end()};
-  const std::filesystem::path path = resolve(file.uri);
-  std::ifstream stream(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw std::runtime_error("cannot read " + path.string());
-  return bytes;
+  return text::read_whole(resolve(file.uri));
 }
 
 }  // namespace plumbline

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "geometry/brown_distortion.hpp"
+#include "geometry/lens_distortion.hpp"
 
 namespace plumbline {
 

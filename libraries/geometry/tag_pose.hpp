@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "geometry/camera.hpp"
+#include "plumbline/failure.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline {
@@ -65,9 +66,9 @@ struct TagPose {
 };
 
 /// No pose agrees with three tags. The text says how far the best one came.
-class NoTagPose : public std::runtime_error {
+class NoTagPose : public BadInput {
  public:
-  using std::runtime_error::runtime_error;
+  using BadInput::BadInput;
 };
 
 /// Throws NoTagPose, also for fewer views than a sample needs. Same input, same bits.

@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "geometry/brown_distortion.hpp"
+#include "geometry/lens_distortion.hpp"
 
 namespace plumbline {
 namespace {

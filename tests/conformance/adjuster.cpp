@@ -4,6 +4,7 @@
 
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
+#include "runtime/plugins/programs.hpp"
 #include "synthetic_facade.hpp"
 
 namespace {
@@ -11,18 +12,19 @@ namespace {
 using namespace plumbline;
 using namespace plumbline::test;
 
-/// What a node says it cannot do is in its description, word for word.
+/// What a node of this role cannot do it declares.
 bool gives_no_covariance(const std::string& kind) {
-  return std::string(built_registry().find(kind)->node->summary).find("gives no covariance") != std::string::npos;
+  return std::string(built_registry().find(kind)->node->lacks) == "covariance";
 }
 
-/// The program that a node needs, from "(apt install PROGRAM)" in its description, if it is not there.
+/// A program that a node starts, which its parameters name, if it is not there.
 std::string missing_program(const std::string& kind) {
-  const std::string summary = built_registry().find(kind)->node->summary, before = "(apt install ";
-  const size_t at = summary.find(before);
-  if (at == std::string::npos) return {};
-  const std::string program = summary.substr(at + before.size(), summary.find(')', at) - at - before.size());
-  return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0 ? "" : program;
+  const plumbline_node& node = *built_registry().find(kind)->node;
+  for (uint32_t i = 0; i < node.param_count; ++i)
+    if (runtime::names_program(*node.params[i]) &&
+        runtime::find_program(node.params[i]->default_text).find('/') == std::string::npos)
+      return node.params[i]->default_text;
+  return {};
 }
 
 class Adjuster : public testing::TestWithParam<std::string> {

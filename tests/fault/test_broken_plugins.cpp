@@ -44,7 +44,8 @@ TEST_F(BrokenPlugin, WrongMajorIsRefusedBeforeItsCodeRuns) {
   expect_refusal("wrong_major", "is built for plugin ABI " + std::to_string(PLUMBLINE_ABI_MAJOR + 1) + ".0");
 }
 TEST_F(BrokenPlugin, NewerMinorIsRefusedBeforeItsCodeRuns) {
-  expect_refusal("newer_minor", "needs plugin ABI " + std::to_string(PLUMBLINE_ABI_MAJOR) + ".1");
+  expect_refusal("newer_minor", "needs plugin ABI " + std::to_string(PLUMBLINE_ABI_MAJOR) + "." +
+                                    std::to_string(PLUMBLINE_ABI_MINOR + 1));
 }
 TEST_F(BrokenPlugin, TableOfOtherAbi) {
   expect_refusal("table_of_other_abi", "is built for plugin ABI " + std::to_string(PLUMBLINE_ABI_MAJOR + 7) + ".0");
@@ -131,6 +132,12 @@ TEST_F(BrokenPlugin, EveryFlawOfATableIsNamed) {
 }
 
 TEST_F(BrokenPlugin, TheGoodOneThatTheyAreMadeFromIsTaken) { EXPECT_EQ(refusal(fixture("no_flaw")), ""); }
+
+TEST_F(BrokenPlugin, OneOfAnOlderMinorVersionIsTaken) {
+  Registry registry;
+  ASSERT_TRUE(registry.load(fixture("older_minor"))) << refusal(fixture("older_minor"));
+  EXPECT_STREQ(registry.find("broken.node")->node->lacks, "");
+}
 TEST_F(BrokenPlugin, ADescriptionThatComesInPiecesIsReadWhole) { EXPECT_EQ(refusal(fixture("long_description")), ""); }
 
 TEST_F(BrokenPlugin, WhatHangsIsKilledWhateverItIgnores) {

@@ -18,6 +18,7 @@
 #pragma once
 
 #include "plumbline/artifact.hpp"
+#include "plumbline/failure.hpp"            // BadInput, NotConverged: what run() may throw beside others
 #include "plumbline/node/context.hpp"       // Context: log, progress, seed, metrics, files
 #include "plumbline/node/declarations.hpp"  // Info, between(), one_of(), frame(), required
 #include "plumbline/node/export.hpp"        // PLUMBLINE_PLUGIN

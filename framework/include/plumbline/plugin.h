@@ -20,7 +20,7 @@ extern "C" {
 
 #define PLUMBLINE_MAGIC 0x424D4C50u /* "PLMB" */
 #define PLUMBLINE_ABI_MAJOR 2
-#define PLUMBLINE_ABI_MINOR 0
+#define PLUMBLINE_ABI_MINOR 1
 
 enum plumbline_cardinality {
   PLUMBLINE_ONE = 0,      /* exactly one item; an output of this kind is committed once */
@@ -36,6 +36,14 @@ enum plumbline_kind {
   PLUMBLINE_TEXT = 3,
   PLUMBLINE_FILE = 4,  /* path of a file; its content and base name go into the cache key */
   PLUMBLINE_FOLDER = 5 /* path of a folder; its path and the content of all files below go into the cache key */
+};
+
+/* What run() returns. Of any other number the host knows that the node failed, and no more. */
+enum plumbline_answer {
+  PLUMBLINE_DONE = 0,
+  PLUMBLINE_FAILED = 1,
+  PLUMBLINE_BAD_INPUT = 2,    /* what it was given cannot be used */
+  PLUMBLINE_NOT_CONVERGED = 3 /* a solver ended without a result; the input may be sound */
 };
 
 enum plumbline_level { PLUMBLINE_DEBUG = 0, PLUMBLINE_INFO = 1, PLUMBLINE_WARNING = 2 };
@@ -104,8 +112,11 @@ struct plumbline_node {
   uint32_t input_count, output_count, param_count;
   uint32_t deterministic; /* 0: never reused from the store; else 1 */
   /* `node` is this entry, so that one function can serve many nodes: what tells them apart is in `user_data`. */
-  int (*run)(const plumbline_host* host, const plumbline_node* node);
+  int (*run)(const plumbline_host* host, const plumbline_node* node); /* gives a plumbline_answer */
   void* user_data; /* the plugin's own; the host never looks at it */
+  /* Since ABI 2.1: what its role promises and this node does not give, as words with blanks between: "covariance".
+   * NULL or "": nothing. */
+  const char* lacks;
 };
 
 typedef struct plumbline_type {

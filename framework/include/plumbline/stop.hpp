@@ -6,15 +6,11 @@
 // gathered.
 #pragma once
 
-#include <stdexcept>
-
 namespace plumbline {
 
-/// The work was stopped, because nobody waits for it any more. Not a failure; let it pass.
-class Stopped : public std::runtime_error {
- public:
-  Stopped() : std::runtime_error("stopped") {}
-};
+/// The work was stopped, because nobody waits for it any more. Not a failure, and so no std::exception: who catches
+/// those to go on lets it pass.
+class Stopped {};
 
 /// Within it, stop_point() of this thread asks `asked`. Scopes nest; the innermost counts.
 class StopScope {

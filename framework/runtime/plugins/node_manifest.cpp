@@ -102,7 +102,7 @@ class ManifestReader {
     const YAML::Node root = text::load_one_document(content.str());
     check_keys(root,
                {"plumbline_node", "kind", "role", "version", "summary", "licence", "run", "needs", "deterministic",
-                "seed", "time_limit", "memory_limit", "inputs", "outputs", "parameters"},
+                "lacks", "seed", "time_limit", "memory_limit", "inputs", "outputs", "parameters"},
                "a manifest");
     if (text(root, "plumbline_node") != "1") flaw(root["plumbline_node"], "a manifest says plumbline_node: 1");
     read_files(root);
@@ -118,6 +118,7 @@ class ManifestReader {
     entry.kind = keep(text(root, "kind"));
     entry.role = keep(text(root, "role", ""));
     entry.summary = keep(text(root, "summary"));
+    entry.lacks = keep(text(root, "lacks", ""));
     entry.deterministic = truth(root, "deterministic", true);
     make_table(entry, read_ports(root, "inputs"), read_ports(root, "outputs"), read_params(root));
   }

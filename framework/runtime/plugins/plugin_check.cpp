@@ -80,13 +80,14 @@ void size_of(uint32_t given, size_t expected, const std::string& what) {
 
 /// The entries of an array of pointers, none of them null.
 template <typename Entry>
-std::vector<const Entry*> entries(const Entry* const* array, uint32_t count, const std::string& what) {
+std::vector<const Entry*> entries(const Entry* const* array, uint32_t count, const std::string& what,
+                                  size_t least = sizeof(Entry)) {
   if (count > most_entries) flaw("says it has " + std::to_string(count) + " " + what);
   if (count && !array) flaw("gives a null pointer in place of its " + std::to_string(count) + " " + what);
   std::vector<const Entry*> list(array, array + count);
   for (size_t i = 0; i < list.size(); ++i) {
     if (!list[i]) flaw("gives a null pointer as number " + std::to_string(i + 1) + " of its " + what);
-    size_of(list[i]->size, sizeof(Entry), "number " + std::to_string(i + 1) + " of its " + what);
+    size_of(list[i]->size, least, "number " + std::to_string(i + 1) + " of its " + what);
   }
   return list;
 }
@@ -104,8 +105,10 @@ class Checker {
     text(table_.licence, "the plugin's licence");
     text(table_.build_id, "the plugin's build id");
     for (const plumbline_type* type : entries(table_.types, table_.type_count, "types")) check_type(*type);
+    // Members that came with a minor version may be missing from plugins that are older.
+    const size_t node_size = table_.abi_minor >= 1 ? sizeof(plumbline_node) : offsetof(plumbline_node, lacks);
     std::set<std::string> kinds;
-    for (const plumbline_node* node : entries(table_.nodes, table_.node_count, "nodes")) {
+    for (const plumbline_node* node : entries(table_.nodes, table_.node_count, "nodes", node_size)) {
       const std::string kind = name(node->kind, "the kind of a node", true);
       if (!kinds.insert(kind).second) flaw("offers the node '" + kind + "' twice; rename one of them");
       check_node(*node, kind);
@@ -126,6 +129,7 @@ class Checker {
   void check_node(const plumbline_node& node, const std::string& kind) {
     text(node.summary, of_node("the summary", kind));
     text(node.role, of_node("the role", kind));
+    if (node.size >= sizeof node && node.lacks) text(node.lacks, of_node("what it lacks", kind));
     if (!node.run) flaw("gives a null pointer as " + of_node("run()", kind));
     if (node.deterministic > 1) flaw("says neither 0 nor 1 for " + of_node("`deterministic`", kind));
     const auto inputs = entries(node.inputs, node.input_count, of_node("inputs", kind));

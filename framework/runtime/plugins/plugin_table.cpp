@@ -22,6 +22,8 @@ void write_node(WireWriter& out, const plumbline_node& node) {
   out.number(node.version);
   out.number(node.deterministic);
   for (const char* text : {node.kind, node.role, node.summary}) out.text(text);
+  const bool says_it = node.size >= sizeof(plumbline_node);  // ABI 2.0 had no such member
+  out.text(says_it && node.lacks ? node.lacks : "");
   write_ports(out, node.inputs, node.input_count);
   write_ports(out, node.outputs, node.output_count);
   out.number(node.param_count);
@@ -100,7 +102,7 @@ class PluginTable::Parser {
     node.size = sizeof node;
     node.version = in_.number<uint32_t>();
     node.deterministic = in_.number<uint32_t>();
-    for (const char** text : {&node.kind, &node.role, &node.summary}) *text = this->text();
+    for (const char** text : {&node.kind, &node.role, &node.summary, &node.lacks}) *text = this->text();
     std::tie(node.inputs, node.input_count) = ports();
     std::tie(node.outputs, node.output_count) = ports();
     node.param_count = in_.count();

@@ -154,6 +154,7 @@ void write_texts(JsonText& json, const NodeResult& result) {
   if (!result.warnings.empty()) json.field("warnings", result.warnings);
   if (!result.messages.empty()) json.field("messages", result.messages);
   if (!result.error.empty()) json.field("error", result.error);
+  if (result.status == NodeStatus::failed) json.field("failure", to_text(result.failure));
   if (!result.cause.empty()) json.field("cause", result.cause);
 }
 

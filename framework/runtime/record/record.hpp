@@ -5,7 +5,8 @@
 //    "process", "staging", "owned"}
 //   {"event": "node", "name", "kind", "round", "at", "status", "items", "items_executed", "start", "seconds",
 //    "item_seconds", "computed", "memory", "plugin", "parameters", "connections", "fields", "why", "used", "inputs",
-//    "outputs", "types", "keys", "metrics", "warnings", "messages", "error", "cause"}    one for each node, as it ends
+//    "outputs", "types", "keys", "metrics", "warnings", "messages", "error", "failure", "cause"}    one for each node,
+//    as it ends
 //   {"event": "round", "round", "over", "finished", "condition", "error"}   after each round of a pipeline with rounds
 //   {"event": "deliver", "output", "number", "files", "folders"}      before an output is put in place
 //   {"event": "killed", "by"}                                         in place of run_end: a node ended the program

@@ -18,6 +18,10 @@ const char* to_text(NodeStatus status) {
   return names[static_cast<int>(status)];
 }
 
+const char* to_text(plumbline_answer failure) {
+  return failure == PLUMBLINE_BAD_INPUT ? "bad_input" : failure == PLUMBLINE_NOT_CONVERGED ? "not_converged" : "failed";
+}
+
 bool is_good(const NodeResult& result) {
   return result.status == NodeStatus::executed || result.status == NodeStatus::reused;
 }
@@ -31,6 +35,13 @@ size_t RunResult::count(NodeStatus status) const {
 
 bool RunResult::ok() const {
   return !cancelled && rounds.problem.empty() && std::all_of(nodes.begin(), nodes.end(), is_good);
+}
+
+bool RunResult::not_converged() const {
+  return rounds.problem.empty() && count(NodeStatus::failed) > 0 &&
+         std::all_of(nodes.begin(), nodes.end(), [](const NodeResult& node) {
+           return node.status != NodeStatus::failed || node.failure == PLUMBLINE_NOT_CONVERGED;
+         });
 }
 
 std::map<std::string, Hashes> inputs_of(const GraphNode& node,

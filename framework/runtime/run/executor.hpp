@@ -21,11 +21,14 @@ namespace plumbline::runtime {
 
 enum class NodeStatus { executed, reused, failed, skipped, cancelled };
 const char* to_text(NodeStatus status);
+/// "failed", "bad_input" or "not_converged".
+const char* to_text(plumbline_answer failure);
 
 struct NodeResult {
   NodeStatus status = NodeStatus::cancelled;
   size_t round = 0;                               ///< GraphNode::round
   std::string error;                              ///< why it failed or was skipped
+  plumbline_answer failure = PLUMBLINE_DONE;      ///< of a failed node: of what kind; of several items the plainest
   std::string cause;                              ///< of a skipped node: the node whose failure began it
   size_t items = 0;                               ///< how often it had to run: 1, or the number of items
   size_t items_executed = 0;                      ///< of those, how many were not in the store
@@ -72,6 +75,8 @@ struct RunResult {
   RoundsEnd rounds;                   ///< of a pipeline with rounds
   bool cancelled = false;
   bool ok() const;
+  /// Whether all that failed did so because a solver found no result.
+  bool not_converged() const;
   size_t count(NodeStatus status) const;  ///< of all rounds
 };
 

@@ -22,6 +22,7 @@ namespace {
 struct Item {
   StoredRun run;
   std::string key, error, outdated;
+  plumbline_answer failure = PLUMBLINE_FAILED;
   bool executed = false, cancelled = false, drew_seed = false;
   uint64_t memory_announced = 0, memory_taken = 0;
   std::chrono::steady_clock::time_point begin, end;  // of the node's run, if it ran
@@ -210,6 +211,7 @@ class Execution {
     item.executed = true;
     item.cancelled = outcome.cancelled;
     item.error = outcome.error;
+    item.failure = outcome.failure;
     item.drew_seed = outcome.drew_seed;
     item.memory_announced = outcome.memory_announced;
     item.memory_taken = outcome.memory_taken;
@@ -313,6 +315,9 @@ class Execution {
       add_provenance(item.run, result.computed);
       if (item.run.provenance.start <= 0 && item.error.empty() && !item.cancelled) ++result.computed.unknown;
       size_t& alike = failures[item.error];
+      if (!item.error.empty() && !item.cancelled)
+        result.failure =
+            result.failure == PLUMBLINE_DONE || result.failure == item.failure ? item.failure : PLUMBLINE_FAILED;
       if (!item.error.empty() && !item.cancelled && alike > 0) {
         const std::string others = alike > 1 ? " (and " + std::to_string(alike - 1) + " others alike)" : "";
         errors += (errors.empty() ? "" : "\n") + error_text(node, where + others, item.error);

@@ -362,6 +362,8 @@ NodeOutcome Host::run() {
   } catch (...) {
     fail("the plugin threw something that is no std::exception");
   }
+  if (answer == PLUMBLINE_BAD_INPUT || answer == PLUMBLINE_NOT_CONVERGED)
+    outcome_.failure = static_cast<plumbline_answer>(answer);
   if (answer != 0 && outcome_.error.empty())
     outcome_.error = "it returned " + std::to_string(answer) + " without a reason";
   // Told to stop, a node may end with half of its outputs and no error. One that did not ask may be whole, but who

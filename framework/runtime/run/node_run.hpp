@@ -34,7 +34,8 @@ struct NodeServices {
 };
 
 struct NodeOutcome {
-  std::string error;       ///< empty: all went well, and `run` is complete
+  std::string error;                            ///< empty: all went well, and `run` is complete
+  plumbline_answer failure = PLUMBLINE_FAILED;  ///< of what kind the error is
   bool cancelled = false;  ///< it was told to stop: what it gave may be half of it, and must not be stored
   uint64_t memory_announced = 0, memory_taken = 0;  ///< in bytes; taken: 0 if it is not known, as in this process
   bool drew_seed = false;                           ///< then the result belongs to the key with the seed

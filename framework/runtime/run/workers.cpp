@@ -327,7 +327,7 @@ int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode&
   }
   close(log);
   host.fail(host.context, reason.c_str());
-  return 1;
+  return ending == Ending::done ? conversation.result : 1;
 }
 
 }  // namespace plumbline::runtime

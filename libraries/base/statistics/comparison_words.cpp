@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "base/statistics/comparison.hpp"
+#include "base/text/text.hpp"
 
 namespace plumbline::statistics {
 
@@ -11,24 +12,19 @@ namespace {
 
 constexpr double kPower = 0.8;
 
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  const bool zero = std::string(text).find_first_of("123456789") == std::string::npos;
-  return text[0] == '-' && zero && std::isfinite(value) ? text + 1 : text;
-}
-
 /// So many decimals that `size` keeps its first digit; between 1 and 6.
 int decimals_for(double size) {
   if (!(size > 0) || !std::isfinite(size)) return 2;
   return std::clamp(-static_cast<int>(std::floor(std::log10(size))), 1, 6);
 }
 
-std::string length(double value, const std::string& unit) { return fixed(value, decimals_for(value)) + " " + unit; }
+std::string length(double value, const std::string& unit) {
+  return text::format_fixed(value, decimals_for(value)) + " " + unit;
+}
 
 /// Counts of cells are whole where each seed has one cell.
 std::string count(double value) {
-  return std::abs(value - std::round(value)) < 1e-9 ? fixed(value, 0) : fixed(value, 1);
+  return std::abs(value - std::round(value)) < 1e-9 ? text::format_fixed(value, 0) : text::format_fixed(value, 1);
 }
 
 /// The sentence about errors alone, as if nothing had failed.
@@ -48,7 +44,7 @@ class ErrorWords {
   std::string winner() const {
     const bool of_first = value_ < 0;
     return (of_first ? first_ : second_) + " beats " + (of_first ? second_ : first_) + " by " +
-           fixed(std::abs(value_), digits_) + " " + unit_ + " " +
+           text::format_fixed(std::abs(value_), digits_) + " " + unit_ + " " +
            (of_first ? range(-wide_.upper, -wide_.lower) : range(wide_.lower, wide_.upper));
   }
   std::string equal(double rope) const {
@@ -56,8 +52,8 @@ class ErrorWords {
       return first_ + " and " + second_ + " gave the same in all " + std::to_string(c_.pairs) +
              " trials: what they do differently does not reach what is measured";
     return first_ + " and " + second_ + " are equal within " + length(rope, unit_) + " (difference " +
-           fixed(value_, digits_) + " " + unit_ + ", " + fixed(wide_.lower, digits_) + " to " +
-           fixed(wide_.upper, digits_) + ")";
+           text::format_fixed(value_, digits_) + " " + unit_ + ", " + text::format_fixed(wide_.lower, digits_) +
+           " to " + text::format_fixed(wide_.upper, digits_) + ")";
   }
   std::string undecided(double rope) const {
     if (c_.same) return equal(rope);
@@ -72,11 +68,13 @@ class ErrorWords {
            (c_.left_out > 1 ? " at one place" : "");
   }
   std::string difference() const {
-    return fixed(value_, digits_) + " " + unit_ + " " + range(wide_.lower, wide_.upper);
+    return text::format_fixed(value_, digits_) + " " + unit_ + " " + range(wide_.lower, wide_.upper);
   }
 
  private:
-  std::string range(double a, double b) const { return "(" + fixed(a, digits_) + " to " + fixed(b, digits_) + ")"; }
+  std::string range(double a, double b) const {
+    return "(" + text::format_fixed(a, digits_) + " to " + text::format_fixed(b, digits_) + ")";
+  }
 
   const PairedComparison& c_;
   const std::string &first_, &second_, &unit_;
@@ -104,7 +102,8 @@ double seeds_wanted(const PairedComparison& c, double rope) {
 std::string power_in_words(const PairedComparison& c, double rope, double scale, const std::string& unit) {
   const double wanted = seeds_wanted(c, rope), shown = std::max(rope, std::abs(c.difference.value));
   if (!std::isfinite(wanted) || wanted <= static_cast<double>(c.seeds)) return "";
-  return (wanted > 1e6 ? "more than a million" : fixed(wanted, 0)) + " seeds would show " + length(scale * shown, unit);
+  return (wanted > 1e6 ? "more than a million" : text::format_fixed(wanted, 0)) + " seeds would show " +
+         length(scale * shown, unit);
 }
 
 std::string in_words(const PairedComparison& c, const std::string& first, const std::string& second, double rope,

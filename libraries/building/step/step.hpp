@@ -20,11 +20,13 @@
 #include <string_view>
 #include <vector>
 
+#include "plumbline/failure.hpp"
+
 namespace plumbline::step {
 
 /// What is wrong, as "file:line:column: found …, expected …".
-struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct Error : BadInput {
+  using BadInput::BadInput;
 };
 
 enum class Kind : std::uint8_t { null, derived, integer, real, text, enumeration, binary, reference, list, typed };

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/failure.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::registration {
@@ -65,9 +66,9 @@ struct Registration {
 };
 
 /// The points do not determine the transform; the text names the direction that is free.
-class DegenerateRegistration : public std::runtime_error {
+class DegenerateRegistration : public BadInput {
  public:
-  using std::runtime_error::runtime_error;
+  using BadInput::BadInput;
 };
 
 /// Covariance [m²], 3n x 3n, of points in the datum that these points hold themselves: S C S' with

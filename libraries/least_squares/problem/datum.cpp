@@ -7,21 +7,18 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/random.hpp"
+
 namespace plumbline::least_squares {
 
 namespace {
 
-/// Reproducible numbers in (-1, 1): splitmix64 (Steele et al. 2014).
+/// Reproducible numbers in (-1, 1).
 Eigen::MatrixXd start_vectors(int rows, int columns) {
   Eigen::MatrixXd result(rows, columns);
-  std::uint64_t state = 0x9E3779B97F4A7C15ULL;
+  Random random(0x9E3779B97F4A7C15ULL);
   for (int j = 0; j < columns; ++j)
-    for (int i = 0; i < rows; ++i) {
-      std::uint64_t z = (state += 0x9E3779B97F4A7C15ULL);
-      z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-      z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-      result(i, j) = static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
-    }
+    for (int i = 0; i < rows; ++i) result(i, j) = random.uniform(-1, 1);
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "least_squares/problem/normal_equations.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::least_squares {
 
@@ -18,10 +19,10 @@ Eigen::MatrixXd find_null_space(const NormalEquations& normal, double tolerance 
 
 /// The system is rank deficient and the datum does not mend it. `directions` (n x k) are unit tangent steps (unscaled
 /// unknowns, largest component 1) that change no observation and that the datum does not hold.
-class RankDefect : public std::runtime_error {
+class RankDefect : public BadInput {
  public:
   RankDefect(const std::string& message, Eigen::MatrixXd unseen_directions)
-      : std::runtime_error(message), directions(std::move(unseen_directions)) {}
+      : BadInput(message), directions(std::move(unseen_directions)) {}
   Eigen::MatrixXd directions;
 };
 

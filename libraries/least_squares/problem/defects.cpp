@@ -86,12 +86,6 @@ void name_rotations(const Eigen::MatrixXd& rotations, const Eigen::MatrixXd& tra
 
 }  // namespace
 
-std::string enumerate(const std::vector<std::string>& words) {
-  std::string result;
-  for (size_t i = 0; i < words.size(); ++i) result += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
-  return result;
-}
-
 Eigen::Vector3d centre_of(const std::vector<NamedPoint>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const auto& point : points) sum += point.position;

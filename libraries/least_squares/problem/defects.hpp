@@ -40,7 +40,4 @@ struct DatumAnalysis {
 DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vector<NamedPoint>& points,
                             const std::vector<NamedPoint>& fixed, bool with_scale, double weak_ratio);
 
-/// "a, b and c"
-std::string enumerate(const std::vector<std::string>& words);
-
 }  // namespace plumbline::least_squares

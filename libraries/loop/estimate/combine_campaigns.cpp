@@ -6,6 +6,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::loop {
@@ -247,12 +248,6 @@ void combine_group(AnchorPlaces before, const AnchorPlaces& all_of_campaign, dou
   }
 }
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * metres);
-  return text;
-}
-
 }  // namespace
 
 CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlaces& campaign,
@@ -280,7 +275,7 @@ std::vector<std::string> words_of(const CombinedCampaigns& combined) {
     std::snprintf(test, sizeof test, " (test %.1f, critical %.1f)", moved.statistic, moved.critical);
     words.push_back((moved.id.empty() ? "the anchors of floor " + std::to_string(moved.floor) + " are together "
                                       : moved.id + " is ") +
-                    millimetres(moved.shift.norm()) + " from where campaigns before had " +
+                    text::millimetres(moved.shift.norm()) + " from where campaigns before had " +
                     (moved.id.empty() ? "them" : "it") + test + ": it counts as measured for the first time");
   }
   if (combined.known > 0)

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 
+#include "base/text/whole_file.hpp"
 #include "loop/exchange/order_exchange.hpp"
 
 namespace plumbline::loop {
@@ -27,10 +27,7 @@ int open_lines(const std::string& path) {
     close(file);
     throw std::runtime_error(path + " is in use: another program exchanges with this robot; one at a time");
   }
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream content;
-  content << stream.rdbuf();
-  const std::string text = content.str();
+  const std::string text = text::read_whole(path);
   const auto whole = text.rfind('\n') == std::string::npos ? 0 : text.rfind('\n') + 1;
   if (whole != text.size() && ftruncate(file, static_cast<off_t>(whole)) != 0) {
     close(file);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/text/text.hpp"
 #include "loop/fit/settings_program.hpp"
 
 namespace plumbline::loop {
@@ -18,11 +19,7 @@ constexpr double kBroken = 1e-5;
 /// An excess above this is told [mm].
 constexpr double kTold = 0.01;
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return text::format_fixed(1e3 * metres, 1); }
 
 /// Every limit there is: ranges of brackets, then judged values less their guard band.
 std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& program, Fit& fit) {

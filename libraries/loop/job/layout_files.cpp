@@ -14,11 +14,7 @@
 namespace plumbline::loop {
 namespace {
 
-std::string metres(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.4f", value);
-  return text;
-}
+std::string metres(double value) { return text::format_fixed(value, 4); }
 
 const char* gate_name(GateDecision gate) {
   return gate == GateDecision::go ? "GO" : gate == GateDecision::no_go ? "NO_GO" : "HOLD";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/median.hpp"
 #include "loop/state/date.hpp"
 
 namespace plumbline::loop {
@@ -41,12 +42,6 @@ bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket, con
   if (!waits || measured_at.empty()) return true;
   const std::optional<double> done = seconds_of(item.at), measured = seconds_of(measured_at);
   return done && measured && *done < *measured;
-}
-
-double median_of(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 }  // namespace plumbline::loop

@@ -25,7 +25,4 @@ std::string explanation(const LoopItemT& item, const BracketSettingT& bracket, d
 /// if `measured_at` says when (ISO 8601), one that was made after what was done.
 bool is_measured_anew(const LoopItemT& item, const BracketSettingT& bracket, const std::string& measured_at);
 
-/// The middle one, or between the two in the middle. `values` must not be empty.
-double median_of(std::vector<double> values);
-
 }  // namespace plumbline::loop

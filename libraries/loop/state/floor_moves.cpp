@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "geometry/median.hpp"
 #include "loop/state/bracket_places.hpp"
 
 namespace plumbline::loop {
@@ -12,7 +13,7 @@ Eigen::Vector3d median_move(const std::vector<Eigen::Vector3d>& moves) {
   for (Eigen::Index k = 0; k < 3; ++k) {
     std::vector<double> values;
     for (const Eigen::Vector3d& v : moves) values.push_back(v[k]);
-    out[k] = median_of(std::move(values));
+    out[k] = median(std::move(values));
   }
   return out;
 }

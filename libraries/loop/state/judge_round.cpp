@@ -1,6 +1,7 @@
 // What was done, by a new measurement: brackets where they were to be set, panels within their limits.
 #include <algorithm>
 
+#include "base/text/words.hpp"
 #include "loop/state/round.hpp"
 
 namespace plumbline::loop {
@@ -49,11 +50,11 @@ void Round::judge_bracket(LoopItemT& item, const BracketSettingT& bracket) {
   if (item.status == ItemStatus::executed)
     judge_setting(item, bracket, off, is_there);
   else if (!is_there)
-    give_to_a_person(item, "moved by " + millimetres(off) +
+    give_to_a_person(item, "moved by " + text::millimetres(off) +
                                " without a report that was taken: look whether the bracket was moved or its plate was "
                                "knocked");
   else if (item.status == ItemStatus::relocalised)
-    verify(item, bracket, "within " + millimetres(most));
+    verify(item, bracket, "within " + text::millimetres(most));
 }
 
 void Round::verify(LoopItemT& item, const BracketSettingT& bracket, const std::string& why) {
@@ -80,15 +81,15 @@ void Round::look_again(LoopItemT& item, const BracketSettingT& bracket) {
 void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
   const double most = doubt(bracket).maxCoeff();
   move(state_, item, ItemStatus::relocalised,
-       {"measured " + millimetres(off) + " from where it was to be", {}, {}, rests_on_});
+       {"measured " + text::millimetres(off) + " from where it was to be", {}, {}, rests_on_});
   const std::string how = is_there ? "" : explanation(item, bracket, most);
   if (is_there) {
-    verify(item, bracket, "within " + millimetres(most));
+    verify(item, bracket, "within " + text::millimetres(most));
     return;
   }
   // If that is so, what was reported is not what was done.
   if (!how.empty()) item.setting += along_axes(bracket, bracket.measured - place_of(item, bracket));
-  give_to_a_person(item, "stands " + millimetres(off) + " from where it was to be set, " +
+  give_to_a_person(item, "stands " + text::millimetres(off) + " from where it was to be set, " +
                              (how.empty() ? "and no mistake of a robot explains it: look whether the bracket slipped "
                                             "or its plate was knocked"
                                           : "as if " + how + ": look whether that is so, or its plate was knocked"));

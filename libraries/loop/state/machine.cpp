@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
@@ -36,12 +37,6 @@ bool may_follow(ItemStatus from, ItemStatus to) {
       {S::rejected, {S::planned, S::relocalised}},
       {S::stale, {S::planned}}};
   return next.at(from).count(to) > 0;
-}
-
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * metres);
-  return text;
 }
 
 std::string control_of_floor(int floor) { return "control of floor " + std::to_string(floor); }
@@ -119,7 +114,7 @@ std::string setting_doubt(const LoopItemT& item, const ActualT& actual) {
   const double off = (actual.setting - item.pending).cwiseAbs().maxCoeff();
   if (off <= kSettingReach) return {};
   const bool fits = (1e-3 * actual.setting - item.pending).cwiseAbs().maxCoeff() <= kSettingReach;
-  return "its setting is " + millimetres(off) + " from what was asked for" +
+  return "its setting is " + text::millimetres(off) + " from what was asked for" +
          (fits ? "; that would fit if it is in millimetres" : "");
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <vector>
 
+#include "base/text/words.hpp"
 #include "loop/state/machine.hpp"
 
 namespace plumbline::loop {
@@ -17,12 +18,6 @@ struct Floor {
 struct Counts {
   int panels = 0, hang = 0, brackets = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0;
 };
-
-std::string joined(const std::vector<std::string>& ids) {
-  std::string text;
-  for (std::size_t i = 0; i < ids.size(); ++i) text += (i == 0 ? "" : ", ") + ids[i];
-  return text;
-}
 
 /// A panel that hangs by a report alone, and is right if it hangs.
 bool is_unseen(const LoopItemT& item) {
@@ -101,9 +96,9 @@ std::string next_words(const LoopStateT& state) {
   for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
   for (const auto& [number, floor] : floors) {
     const std::string begin = "floor " + std::to_string(number) + ": ";
-    if (!floor.set.empty()) text += begin + "set " + joined(floor.set) + "\n";
-    if (!floor.hang.empty()) text += begin + "hang " + joined(floor.hang) + "\n";
-    if (!floor.measure.empty()) text += begin + "measure " + joined(floor.measure) + "\n";
+    if (!floor.set.empty()) text += begin + "set " + text::join(floor.set) + "\n";
+    if (!floor.hang.empty()) text += begin + "hang " + text::join(floor.hang) + "\n";
+    if (!floor.measure.empty()) text += begin + "measure " + text::join(floor.measure) + "\n";
     for (const std::string& line : floor.lines) text += begin + line + "\n";
   }
   return text;

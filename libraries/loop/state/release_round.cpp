@@ -1,6 +1,7 @@
 // What comes next: what was released and no longer holds is recalled, what is GO and whose turn it is is released.
 #include <algorithm>
 
+#include "base/text/words.hpp"
 #include "loop/state/round.hpp"
 
 namespace plumbline::loop {
@@ -41,7 +42,7 @@ void Round::find_stale() {
     const Eigen::Vector3d moved = along_axes(*bracket, bracket->measured - item.expected);
     const double change = (moved + bracket->setting - item.pending).cwiseAbs().maxCoeff();
     if (change <= 0.1 * options_.setting_tolerance) continue;
-    recall_item(item, "stale: the new measurement asks for " + millimetres(change) + " elsewhere");
+    recall_item(item, "stale: the new measurement asks for " + text::millimetres(change) + " elsewhere");
     item.expected = bracket->measured;
   }
   for (const auto& panel : plan_.panels)
@@ -58,7 +59,7 @@ std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) 
     if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
       return "its bracket " + id + " is no longer verified";
   const double change = (panel.centre + panel.shift - item.expected).cwiseAbs().maxCoeff();
-  return change > 0.1 * options_.setting_tolerance ? "it is to hang " + millimetres(change) + " elsewhere"
+  return change > 0.1 * options_.setting_tolerance ? "it is to hang " + text::millimetres(change) + " elsewhere"
                                                    : std::string();
 }
 

@@ -23,9 +23,6 @@ void note(LoopStateT& state, LoopItemT& item, const Because& because);
 /// To a person, from wherever it stands; the journal has each step on the way.
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because);
 
-/// "3.0 mm" of metres.
-std::string millimetres(double metres);
-
 /// Name of a floor's control in LoopState::moved_control: "control of floor 3".
 std::string control_of_floor(int floor);
 

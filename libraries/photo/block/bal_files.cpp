@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <fstream>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
+#include "base/text/whole_file.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::block {
@@ -22,11 +22,7 @@ std::string content_of(const fs::path& file) {
   std::error_code error;
   if (const auto size = fs::file_size(file, error); error || size > largest_file)
     throw std::runtime_error(file.string() + (error ? ": cannot be read" : ": larger than 2 GB"));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("cannot open " + file.string());
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  return std::move(bytes).str();
+  return text::read_whole(file);
 }
 
 /// Numbers separated by blanks and line ends.

@@ -1,10 +1,9 @@
 #include "photo/block/block_text.hpp"
 
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/text/text.hpp"
+#include "base/text/whole_file.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -19,11 +18,7 @@ std::vector<std::string> lines_of(const fs::path& file) {
   std::error_code error;
   if (const auto size = fs::file_size(file, error); error || size > kLargestFile)
     throw std::runtime_error(file.string() + (error ? ": cannot be read" : ": larger than 512 MB"));
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw std::runtime_error("cannot open " + file.string());
-  std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  const text::DecodedText decoded = text::decode_text(bytes.str());
+  const text::DecodedText decoded = text::decode_text(text::read_whole(file));
   std::vector<std::string> lines;
   for (const text::Line& line : text::split_lines(decoded.text)) lines.emplace_back(line.text);
   return lines;

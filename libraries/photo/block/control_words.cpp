@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
 
@@ -75,7 +76,7 @@ std::string control_in_words(const TagBlock& block, const TagBlockResult& result
     names.push_back(worst[i].second + text);
   }
   return names.empty() ? ""
-                       : "; most at " + least_squares::enumerate(names) +
+                       : "; most at " + text::enumerate(names) +
                              ": its surveyed point, its tag or the offset of the tag on its plate is wrong";
 }
 

@@ -3,14 +3,15 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "least_squares/problem/defects.hpp"
 
 namespace plumbline::block {
 namespace {
 
 std::string list(const std::vector<std::string>& names) {
-  if (names.size() <= 8) return least_squares::enumerate(names);
-  return least_squares::enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
+  if (names.size() <= 8) return text::enumerate(names);
+  return text::enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
 }
 
 void require_on_earth(const std::string& what, const Eigen::Vector3d& position) {
@@ -53,7 +54,7 @@ void require_enough_control(const PointBlock& block) {
     if (!block.control.is_check[k]) names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
   if (names.empty() || names.size() > 2) return;
   throw std::runtime_error("only " + std::to_string(names.size()) + (names.size() == 1 ? " point" : " points") +
-                           " of the control (" + least_squares::enumerate(names) +
+                           " of the control (" + text::enumerate(names) +
                            ") can be used in this block: with fewer than three points that are not on one line it can "
                            "still turn. Is the list that of another block, or does it number the points otherwise? "
                            "Give more control, or none: then the block is free, with inner constraints");

@@ -1,5 +1,6 @@
 #include "photo/block/read_block.hpp"
 
+#include "base/text/words.hpp"
 #include "least_squares/problem/defects.hpp"
 
 namespace plumbline::block {
@@ -60,8 +61,8 @@ void compact(PointBlock& block, const std::vector<bool>& drop_point, const std::
 }  // namespace
 
 std::string few_of(const std::vector<std::string>& names) {
-  if (names.size() <= 5) return least_squares::enumerate(names);
-  return least_squares::enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
+  if (names.size() <= 5) return text::enumerate(names);
+  return text::enumerate({names[0], names[1], names[2], std::to_string(names.size() - 3) + " more"});
 }
 
 std::string number_of(size_t count, const std::string& thing) {

@@ -7,10 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/text/words.hpp"
 #include "geometry/median.hpp"
 #include "photo/block/tag_block_model.hpp"
 #include "photo/block/tag_block_orientations.hpp"
-#include "plumbline/stop.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -51,7 +52,7 @@ void require_datum(const TagBlockOptions& options, const TagModel& model, TagBlo
   const least_squares::DatumAnalysis datum = analyse_control(options, model);
   if (!datum.undetermined.empty())
     throw std::runtime_error(
-        "the control leaves " + least_squares::enumerate(datum.undetermined) + " of the block undetermined: " +
+        "the control leaves " + text::enumerate(datum.undetermined) + " of the block undetermined: " +
         std::to_string(model.control_plates.size()) + " of " + std::to_string(model.problem.plates.size()) +
         " anchors in the images are control; add control that is not on one line, or adjust a free network");
   result.weak_datum = datum.weak;
@@ -312,13 +313,11 @@ Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOpt
                    const bundle::Layout& layout, TagModel& model) {
   try {
     return solve(options, layout, model);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error& error) {
     if (weak_datum.empty()) throw;
-    throw std::runtime_error("the control hardly determines " + least_squares::enumerate(weak_datum) +
-                             " of the block; add control that is not on one line, or adjust a free network (" +
-                             error.what() + ")");
+    throw BadInput("the control hardly determines " + text::enumerate(weak_datum) +
+                   " of the block; add control that is not on one line, or adjust a free network (" + error.what() +
+                   ")");
   }
 }
 
@@ -355,7 +354,7 @@ void require_few(const TagBlock& given, const std::vector<RejectedControl>& reje
   for (size_t k = 0; k < std::min<size_t>(rejected.size(), 5); ++k)
     names.push_back(given.plates[static_cast<size_t>(rejected[k].plate)].anchor);
   throw std::runtime_error("more than a third of the " + std::to_string(given.control.plates.size()) +
-                           " control points contradict the photographs, " + least_squares::enumerate(names) +
+                           " control points contradict the photographs, " + text::enumerate(names) +
                            " most: survey and photographs do not show the same state, or their standard deviations are "
                            "wrong; leaving points out (robust_control) does not mend that");
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
@@ -112,7 +113,7 @@ void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreem
     if (pair.mutual) tell(pair.place, pair.thing);
   }
   if (!exchanged.empty())
-    throw std::runtime_error(least_squares::enumerate(exchanged) +
+    throw std::runtime_error(text::enumerate(exchanged) +
                              ": plates or names in the survey are exchanged; correct the plate table or the survey");
 }
 

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "least_squares/problem/defects.hpp"
 #include "least_squares/sparse/dense_cholesky.hpp"
 #include "photo/bundle/kernels.hpp"
@@ -63,7 +64,7 @@ std::string name_of_defect(const BoundProblem& problem, const Eigen::VectorXd& c
   for (std::size_t j = 0; j < points.size() && largest > 0; ++j)
     if (moved.segment<3>(static_cast<Index>(3 * j)).norm() > 0.3 * largest) loose.push_back(points[j].name);
   if (loose.size() > 6) loose = {loose[0], loose[1], loose[2], std::to_string(loose.size() - 3) + " others"};
-  return loose.empty() ? "the interior orientation" : "the position of " + least_squares::enumerate(loose);
+  return loose.empty() ? "the interior orientation" : "the position of " + text::enumerate(loose);
 }
 
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& covariance) {

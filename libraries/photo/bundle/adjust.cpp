@@ -7,8 +7,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "photo/bundle/parts.hpp"
 #include "photo/bundle/weakest.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::bundle {
 namespace {
@@ -104,7 +106,7 @@ std::string describe_direction(const Problem& problem, const Layout& layout, con
   for (size_t k = 0; k < std::min<size_t>(order.size(), 4); ++k)
     if (k == 0 || std::abs(scaled(order[k])) > 0.3 * std::abs(scaled(order[0])))
       parts.push_back(name_of_unknown(problem, layout, order[k]));
-  return "a combination of " + least_squares::enumerate(parts);
+  return "a combination of " + text::enumerate(parts);
 }
 
 /// Where most of the misfit is, for a message.
@@ -129,7 +131,7 @@ std::string worst_images(const Problem& problem, const Layout& layout, const Sta
     std::snprintf(text, sizeof text, " (rms %.3g sigma)", rms(order[k]));
     words.push_back(problem.images[order[k]].name + text);
   }
-  return least_squares::enumerate(words);
+  return text::enumerate(words);
 }
 
 /// Largest correction in units of the conditional standard deviation of its unknown.
@@ -154,8 +156,8 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
   if (cause.empty())
     cause = "the approximate values do not lead to a minimum: the worst fit is in " +
             worst_images(problem, layout, state) + "; check their approximate poses and point numbers";
-  throw std::runtime_error("the block adjustment did not converge in " + std::to_string(iterations) +
-                           " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
+  throw NotConverged("the block adjustment did not converge in " + std::to_string(iterations) +
+                     " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
 }
 
 }  // namespace
@@ -175,10 +177,10 @@ bool require_determined(const Problem& problem, const Layout& layout, const Stat
   if (images.size() > 10) images = {images[0], images[1], std::to_string(images.size() - 2) + " others"};
   if (points.size() > 10) points = {points[0], points[1], std::to_string(points.size() - 2) + " others"};
   if (!images.empty())
-    throw std::runtime_error("the pose of " + least_squares::enumerate(images) +
+    throw std::runtime_error("the pose of " + text::enumerate(images) +
                              " is undetermined: too few or only collinear points in the image");
   if (!points.empty())
-    throw std::runtime_error("the position of " + least_squares::enumerate(points) +
+    throw std::runtime_error("the position of " + text::enumerate(points) +
                              " is undetermined: its rays are parallel or it is seen only once");
   const Eigen::Index n = elimination.kept_count();
   if (n == 0) return true;

@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "base/text/words.hpp"
 #include "least_squares/problem/defects.hpp"
 
 namespace plumbline::bundle {
@@ -60,7 +61,7 @@ std::string words_of_parts(const Problem& problem) {
   }
   if (parts.size() > most) words.push_back(std::to_string(parts.size() - most) + " others");
   return "the block falls into " + std::to_string(parts.size()) +
-         " parts that share no tag and no point: " + least_squares::enumerate(words) +
+         " parts that share no tag and no point: " + text::enumerate(words) +
          "; take photographs that show both sides of the gap, or give each part control";
 }
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "geometry/camera.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::colmap {
 namespace {
@@ -133,10 +134,10 @@ BundleSummary adjust_by_colmap(const bundle::Problem& problem, bundle::State& st
   summary.iterations = std::atoi(reported(said, "Iterations").c_str());
   summary.message = reported(said, "Termination");
   if (summary.message != "Convergence")
-    throw std::runtime_error("COLMAP's bundle_adjuster did not converge in " + std::to_string(summary.iterations) +
-                             " iterations (it says: " + (summary.message.empty() ? "nothing" : summary.message) +
-                             "); raise max_iterations, or hold what the images do not determine (refine_focal_length, "
-                             "refine_extra_params: false)");
+    throw NotConverged("COLMAP's bundle_adjuster did not converge in " + std::to_string(summary.iterations) +
+                       " iterations (it says: " + (summary.message.empty() ? "nothing" : summary.message) +
+                       "); raise max_iterations, or hold what the images do not determine (refine_focal_length, "
+                       "refine_extra_params: false)");
   read_back(markers::read_colmap(out.string()), order, problem, state);
   return summary;
 }

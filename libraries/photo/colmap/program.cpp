@@ -12,13 +12,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <mutex>
 #include <regex>
 #include <stdexcept>
 
+#include "base/text/whole_file.hpp"
 #include "plumbline/stop.hpp"
 
 extern char** environ;
@@ -30,15 +29,10 @@ namespace fs = std::filesystem;
 
 constexpr int poll_milliseconds = 20;
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// The end of what was printed, without its last line breaks.
 std::string last_words(const fs::path& log) {
   constexpr size_t most = 600;
-  std::string text = text_of(log);
+  std::string text = text::read_whole(log);
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
   if (text.size() > most) text = "…" + text.substr(text.size() - most);
   return text.empty() ? "it printed nothing" : "the last it printed: " + text;
@@ -154,7 +148,7 @@ std::string run_program(const std::string& program, const std::vector<std::strin
   if (WEXITSTATUS(status) != 0)
     throw std::runtime_error("'colmap " + arguments.at(0) + "' failed with exit code " +
                              std::to_string(WEXITSTATUS(status)) + "; " + last_words(log));
-  return text_of(log);
+  return text::read_whole(log);
 }
 
 std::string version_of(const std::string& program) {

@@ -4,14 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
 #include "base/text/one_document.hpp"
+#include "base/text/whole_file.hpp"
 #include "photo/detect/aruco_detector.hpp"
 #include "photo/detect/board_geometry.hpp"
 #include "photo/detect/chessboard.hpp"
@@ -82,9 +81,9 @@ TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, con
   const size_t slash = file.find_last_of('/');
   const std::string path =
       name.empty() || name[0] == '/' || slash == std::string::npos ? name : file.substr(0, slash + 1) + name;
-  std::ifstream stream(path, std::ios::binary);
-  if (name.find_first_of("./") != std::string::npos && stream)
-    return parse_dictionary({std::istreambuf_iterator<char>(stream), {}}, path);
+  std::error_code unreadable;
+  if (name.find_first_of("./") != std::string::npos && std::filesystem::exists(path, unreadable))
+    return parse_dictionary(text::read_whole(path), path);
   try {
     return builtin_dictionary(name);
   } catch (const std::runtime_error& error) {

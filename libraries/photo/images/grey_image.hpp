@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "plumbline/failure.hpp"
+
 namespace plumbline {
 
 /// 8-bit grey values, row by row without padding; the pixel in column x and row y is pixels[y · width + x].
@@ -19,9 +21,9 @@ struct GreyImage {
 };
 
 /// A file that is no image, is damaged or cut short, or is of a kind we do not read. The text names the file.
-class ImageFileError : public std::runtime_error {
+class ImageFileError : public BadInput {
  public:
-  using std::runtime_error::runtime_error;
+  using BadInput::BadInput;
 };
 
 /// Reads a JPEG, PNG or TIFF file as grey values; the format is told by the content, not by the name. Colour is turned

@@ -13,7 +13,7 @@
 #include "geometry/median.hpp"
 #include "photo/bundle/adjust.hpp"
 #include "photo/markers/planar_pose.hpp"
-#include "plumbline/stop.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -201,24 +201,20 @@ class Calibrator {
     require_determined();
     try {
       adjusted_ = bundle::adjust(problem_, *layout_, state_, options);
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
-      throw std::runtime_error(no_convergence());
+      throw NotConverged(no_convergence());
     }
     state_ = adjusted_.state;
   }
 
   void require_determined() const {
     bundle::Elimination elimination(problem_, *layout_, bundle::Side::images);
-    if (!elimination.build(state_)) throw std::runtime_error(no_convergence());
+    if (!elimination.build(state_)) throw NotConverged(no_convergence());
     try {
       bundle::require_determined(problem_, *layout_, state_, elimination, {});
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error(std::string(error.what()) +
-                               "; photograph the board tilted, from several sides, and over the whole image");
+      throw BadInput(std::string(error.what()) +
+                     "; photograph the board tilted, from several sides, and over the whole image");
     }
   }
 
@@ -358,8 +354,6 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
       result.held_flat = bent && !(attempts[k].bend_sigma > 0);
       result.held_k3 = attempts[k].free.size() < options.free.size();
       return result;
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       if (k + 1 == attempts.size()) throw;
     }
@@ -382,8 +376,6 @@ LensComparison compare_lenses(const std::vector<CalibrationView>& views, const C
   try {
     lenses.brown = Calibrator(views, all.camera.width, all.camera.height, keep).residuals_of_all();
     lenses.fisheye = Calibrator(views, all.camera.width, all.camera.height, fisheye).residuals_of_all();
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     lenses.brown = lenses.fisheye = 0;  // one of them fits nothing
   }

@@ -11,7 +11,6 @@
 
 #include "geometry/median.hpp"
 #include "photo/markers/marker_truth.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -32,8 +31,6 @@ std::optional<std::array<Calibration, 2>> calibrate_parts(const std::vector<Cali
   try {
     return std::array{calibrate(parts[0], size.width, size.height, options),
                       calibrate(parts[1], size.width, size.height, options)};
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return std::nullopt;  // part of the photographs may be too few
   }

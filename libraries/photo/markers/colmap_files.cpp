@@ -6,9 +6,10 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <sstream>
 #include <stdexcept>
+
+#include "base/text/whole_file.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -83,10 +84,7 @@ ColmapCamera camera_of(std::uint32_t id, const std::string& model, int width, in
 /// Values of a binary file, checked against its end.
 class Binary {
  public:
-  explicit Binary(const fs::path& path) : name_(path.string()) {
-    std::ifstream stream(path, std::ios::binary);
-    bytes_.assign(std::istreambuf_iterator<char>(stream), {});
-  }
+  explicit Binary(const fs::path& path) : name_(path.string()), bytes_(text::read_whole(path)) {}
   template <typename T>
   T next() {
     T value;

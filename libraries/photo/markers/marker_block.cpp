@@ -15,7 +15,6 @@
 #include "photo/markers/marker_model.hpp"
 #include "photo/markers/marker_truth.hpp"
 #include "photo/markers/marker_words.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -269,24 +268,24 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
                     MarkerResult& result) {
   try {
     run_adjustment(block, options, trial, run, result);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error& error) {
     const bool self_calibration = std::any_of(block.cameras.begin(), block.cameras.end(), [](const MarkerCamera& c) {
       return !c.held && c.covariance.size() == 0;
     });
     if (!self_calibration) throw;
-    throw std::runtime_error(
+    throw Failure(
+        kind_of(error),
         std::to_string(block.images.size()) + " photographs with " + std::to_string(block.markers.size()) +
-        (block.markers.size() == 1 ? " tag" : " tags") + ", " +
-        text::format_fixed(static_cast<double>(block.views.size()) / static_cast<double>(block.images.size()), 1) +
-        " in each on the average, do not calibrate " + std::to_string(block.cameras.size()) +
-        (block.cameras.size() == 1 ? " camera" : " cameras") +
-        ". Photograph several tags together, from several directions, tilted; or calibrate the camera on a board "
-        "(calibrate_camera) and orient with marker_field; if several cameras are in one folder, cameras=by_name tells "
-        "them by the names of their files; fixed cameras before one moving tag: a layout of that tag alone for "
-        "marker_field. In detail: " +
-        error.what());
+            (block.markers.size() == 1 ? " tag" : " tags") + ", " +
+            text::format_fixed(static_cast<double>(block.views.size()) / static_cast<double>(block.images.size()), 1) +
+            " in each on the average, do not calibrate " + std::to_string(block.cameras.size()) +
+            (block.cameras.size() == 1 ? " camera" : " cameras") +
+            ". Photograph several tags together, from several directions, tilted; or calibrate the camera on a board "
+            "(calibrate_camera) and orient with marker_field; if several cameras are in one folder, cameras=by_name "
+            "tells "
+            "them by the names of their files; fixed cameras before one moving tag: a layout of that tag alone for "
+            "marker_field. In detail: " +
+            error.what());
   }
 }
 

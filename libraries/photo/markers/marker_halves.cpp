@@ -13,7 +13,6 @@
 #include "geometry/median.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -169,8 +168,6 @@ std::optional<MarkerHalves> compare_halves(const MarkerBlock& block, const Marke
       if (in_second == half) photographs.insert(image);
     try {
       found.push_back(adjust_marker_block(part_of(block, result, photographs), options));
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       return std::nullopt;  // too few for a block of their own
     }

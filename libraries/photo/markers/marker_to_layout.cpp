@@ -13,7 +13,6 @@
 #include "photo/markers/marker_model.hpp"
 #include "photo/markers/marker_words.hpp"
 #include "photo/markers/rearranged_tags.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -24,8 +23,6 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
                                   std::set<int>& left_out) {
   try {
     return adjust_as_given(block, options);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     std::optional<MarkerResult> best;
     for (const int marker : seen) {
@@ -39,8 +36,6 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
                                                                  : result.rms < best->rms;
         };
         if (!best || fits_better()) best = std::move(result), left_out = {marker};
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error&) {  // another tag, or none
       }
     }
@@ -81,8 +76,6 @@ void require_size(const MarkerBlock& used, const MarkerOptions& options) {
       scales.push_back(marker.scale), sigmas.push_back(marker.scale_sigma);
     }
     for (const AdjustedMarkerImage& image : result.images) together += image.tags > 1;
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return;  // the places say nothing of the sizes
   }
@@ -151,16 +144,13 @@ MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOpti
   if (!calibrated) return adjust_to_layout(block, options);
   try {
     return adjust_to_layout(block, options);
-  } catch (const Stopped&) {
-    throw;
-  } catch (const std::runtime_error& error) {
+  } catch (const std::runtime_error&) {
+    const std::exception_ptr first = std::current_exception();
     MarkerResult result;
     try {
       result = adjust_to_layout(held, options);
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
-      throw error;
+      std::rethrow_exception(first);
     }
     result.warnings.insert(result.warnings.begin(),
                            "the photographs do not improve the calibrations they come with, which are taken as exact: "
@@ -175,12 +165,10 @@ MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& 
   MarkerResult result;
   try {
     result = adjust_with_calibrations(block, options);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     const std::string moved = rearranged_tags(block);
     if (moved.empty()) throw;
-    throw std::runtime_error(std::to_string(block.images.size()) + " photographs do not make one block: " + moved);
+    throw BadInput(std::to_string(block.images.size()) + " photographs do not make one block: " + moved);
   }
   if (3 * result.rejected.size() > block.views.size())
     if (const std::string moved = rearranged_tags(block); !moved.empty()) result.warnings.push_back(moved);

@@ -6,8 +6,6 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "plumbline/stop.hpp"
-
 namespace plumbline::markers {
 namespace {
 
@@ -72,8 +70,6 @@ std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& option
     const AdjustedMarkerCamera &first = two.cameras[c], &second = two.cameras.back();
     const auto sigma = [](const AdjustedMarkerCamera& camera) { return std::sqrt(camera.covariance(0, 0)); };
     return as_two_cameras(first.camera, sigma(first), second.camera, sigma(second), two.rms, result.rms);
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return "";
   }

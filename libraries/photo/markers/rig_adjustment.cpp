@@ -12,7 +12,6 @@
 #include "geometry/median.hpp"
 #include "photo/bundle/adjust.hpp"
 #include "photo/markers/rig.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -99,8 +98,6 @@ class RigAdjuster {
         else if (freedom == Freedom::none)
           rig.held = "the interior orientations and the bend of the board";
         return rig;
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error& error) {
         if (freedom == Freedom::none) rig.refused = std::string("the common adjustment failed: ") + error.what();
       }

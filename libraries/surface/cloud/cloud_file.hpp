@@ -13,11 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/failure.hpp"
+
 namespace plumbline::cloud {
 
 /// What is wrong with a file: "scan.las, byte 107: ...".
-struct CloudError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct CloudError : BadInput {
+  using BadInput::BadInput;
 };
 
 struct CloudSummary {

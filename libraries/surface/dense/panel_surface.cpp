@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 
+#include "geometry/median.hpp"
 #include "surface/dense/straightedge.hpp"
 
 namespace plumbline::surface {
@@ -35,12 +36,6 @@ std::vector<Sample> own_samples(const PanelFace& face, const std::vector<Measure
   return samples;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Vector6 base_at(double x, double y) {
   Vector6 base;
   base << 1, x, y, 1 - x * x, 1 - y * y, x * y;
@@ -56,9 +51,9 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 void start_at_the_median(const std::vector<Sample>& samples, std::vector<double>& weight) {
   std::vector<double> heights, off;
   for (const Sample& sample : samples) heights.push_back(sample.h);
-  const double middle = median_of(heights);
+  const double middle = upper_median(heights);
   for (const Sample& sample : samples) off.push_back(std::abs(sample.h - middle));
-  const double scale = std::max(1.4826 * median_of(off), 1e-4);
+  const double scale = std::max(1.4826 * upper_median(off), 1e-4);
   for (size_t i = 0; i < samples.size(); ++i) {
     const double r = (samples[i].h - middle) / (6 * scale);
     weight[i] = std::abs(r) < 1 ? (1 - r * r) * (1 - r * r) : 0;
@@ -178,9 +173,9 @@ OutlyingCells outlying_cells(const PanelFace& face, const std::vector<Sample>& s
     if (points.size() < least || points.size() <= others[cell]) continue;
     std::vector<double> heights, off;
     for (size_t i : points) heights.push_back(samples[i].h);
-    const double middle = median_of(heights);
+    const double middle = upper_median(heights);
     for (double h : heights) off.push_back(std::abs(h - middle));
-    if (median_of(off) > 2 * widened * samples[points[0]].sigma) continue;
+    if (upper_median(off) > 2 * widened * samples[points[0]].sigma) continue;
     result.points.push_back(std::move(points));
   }
   return result;
@@ -196,7 +191,7 @@ std::string stands_before(const PanelFace& face, const std::vector<Sample>& samp
   for (const std::vector<size_t>& points : cells.points) {
     std::vector<double> off;
     for (size_t i : points) off.push_back(base_of(face, samples[i]).dot(form) - samples[i].h);
-    if (const double middle = median_of(off); middle > least) behind.push_back(middle);
+    if (const double middle = upper_median(off); middle > least) behind.push_back(middle);
   }
   if (static_cast<double>(behind.size()) < share * static_cast<double>(cells.filled) || behind.empty()) return "";
   char text[240];
@@ -204,7 +199,7 @@ std::string stands_before(const PanelFace& face, const std::vector<Sample>& samp
       text, sizeof text,
       "%.0f %% of it lies %.1f mm behind the rest: nobody knows which is the panel's surface and which stands "
       "before the panel (a board, a net, a frame), or whether it is broken",
-      100 * static_cast<double>(behind.size()) / static_cast<double>(cells.filled), 1e3 * median_of(behind));
+      100 * static_cast<double>(behind.size()) / static_cast<double>(cells.filled), 1e3 * upper_median(behind));
   return text;
 }
 

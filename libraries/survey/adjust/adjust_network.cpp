@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "plumbline/stop.hpp"
 #include "survey/adjust/adjuster.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/kept_network.hpp"
@@ -95,7 +94,7 @@ void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& s
     text += "; the largest residual is that of the " + row.kind + " " + row.from + (row.from.empty() ? "" : " -> ") +
             row.to + (at.empty() ? "" : " (" + at + ")") + ": check its point names and value";
   }
-  throw NetworkError(text);
+  throw NetworkError(text, {}, {}, PLUMBLINE_NOT_CONVERGED);
 }
 
 void Adjuster::doubt(const Solution& solution) const {
@@ -213,7 +212,7 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
     if (model.contradicted && f.severity != Finding::Severity::note) {
       std::vector<Finding> findings = {f};
       findings.insert(findings.end(), error.findings.begin(), error.findings.end());
-      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings);
+      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings, {}, error.kind());
     }
   throw error;
 }
@@ -253,7 +252,7 @@ static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const Adj
       if (!little) fail_with_cause(model, error);
       said.push_back({Finding::Severity::warning,
                       "left out, the rest is adjusted: " + join(error.undetermined) + ". " + error.what(),
-                      error.undetermined});
+                      error.undetermined, Finding::Subject::left_out, error.what()});
       left_out = now;
       rest = without_points(rest, error.undetermined);
     }
@@ -280,8 +279,6 @@ std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const Ad
                                                : " in place of " + fixed_digits(now, 2)) +
                               ". Mend it in the file: nothing was changed here",
                           cause.points});
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       continue;  // it is not that, or not that alone
     }
@@ -305,7 +302,7 @@ static NetworkResult adjust_network(const SurveyObservations& survey, const Adju
     if (findings.empty()) throw;
     const std::string text = findings.front().text + ". " + error.what();
     findings.insert(findings.end(), error.findings.begin(), error.findings.end());
-    throw NetworkError(text, findings, error.undetermined);
+    throw NetworkError(text, findings, error.undetermined, error.kind());
   }
 }
 

@@ -165,7 +165,7 @@ SurveyObservations without_excluded(const SurveyObservations& survey, const std:
     findings.push_back({Finding::Severity::note,
                         "excluded: " + what + " (" + std::to_string(count) + (count == 1 ? " reading" : " readings") +
                             "): " + e.reason,
-                        concerned});
+                        concerned, Finding::Subject::exclusion});
   }
   return rest;
 }

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <set>
 
-#include "plumbline/stop.hpp"
 #include "survey/adjust/adjuster.hpp"
 #include "survey/words/network_words.hpp"
 

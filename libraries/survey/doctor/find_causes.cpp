@@ -33,7 +33,7 @@ double unpacked(double angle) {
 
 /// A mistake of angles, undone in one reading.
 struct AngleMistake {
-  const char* what;
+  const char *angles, *are;
   bool directions, zenith_angles;
   double (*undo)(double);
 };
@@ -44,16 +44,16 @@ double gon_as_degrees(double a) { return a * 10 / 9; }
 double degrees_as_gon(double a) { return a * 9 / 10; }
 
 constexpr AngleMistake kAngleMistakes[] = {
-    {"zenith angles are counted from the horizon", false, true, from_zenith},
-    {"directions are counted counter-clockwise", true, false, clockwise},
-    {"directions are in degrees and were read as gon", true, false, gon_as_degrees},
-    {"zenith angles are in degrees and were read as gon", false, true, gon_as_degrees},
-    {"directions and zenith angles are in degrees and were read as gon", true, true, gon_as_degrees},
-    {"directions are in gon and were read as degrees", true, false, degrees_as_gon},
-    {"zenith angles are in gon and were read as degrees", false, true, degrees_as_gon},
-    {"directions and zenith angles are in gon and were read as degrees", true, true, degrees_as_gon},
-    {"directions and zenith angles are degrees, minutes and seconds (D.MMSS) and were read as decimal degrees", true,
-     true, unpacked},
+    {"zenith angles", " are counted from the horizon", false, true, from_zenith},
+    {"directions", " are counted counter-clockwise", true, false, clockwise},
+    {"directions", " are in degrees and were read as gon", true, false, gon_as_degrees},
+    {"zenith angles", " are in degrees and were read as gon", false, true, gon_as_degrees},
+    {"directions and zenith angles", " are in degrees and were read as gon", true, true, gon_as_degrees},
+    {"directions", " are in gon and were read as degrees", true, false, degrees_as_gon},
+    {"zenith angles", " are in gon and were read as degrees", false, true, degrees_as_gon},
+    {"directions and zenith angles", " are in gon and were read as degrees", true, true, degrees_as_gon},
+    {"directions and zenith angles", " are degrees, minutes and seconds (D.MMSS) and were read as decimal degrees",
+     true, true, unpacked},
 };
 
 /// In the readings of one set-up, -1: of all. Faces follow from the zenith angles again.
@@ -133,9 +133,7 @@ class Causes {
     if (!best) return false;
     const std::string owner = set_up < 0 ? "all " : "the ";
     const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[static_cast<size_t>(set_up)].id;
-    std::string what = best->what;
-    what.insert(std::min(what.find(" are "), what.size()), of);
-    found_.push_back(Cause{owner + what + ": so " + percent(most) +
+    found_.push_back(Cause{owner + best->angles + of + best->are + ": so " + percent(most) +
                                " of the sights to common points agree, as they are, " + percent(as_it_is) +
                                sample.in_words(),
                            {},
@@ -152,8 +150,6 @@ class Causes {
   double share_with(const SurveyObservations& mended, int set_up) const {
     try {
       return share_of(agreement_of(mended, chain_of(mended, options_)), set_up);
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error&) {
       return 0;
     }
@@ -266,8 +262,6 @@ std::vector<Cause> find_causes(const SurveyObservations& survey, const AdjustOpt
                                const ControlPoints& control) {
   try {
     return Causes(survey, options, control).run();
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error&) {
     return {};  // what cannot even be laid out has no such cause
   }

@@ -74,7 +74,8 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
                         (row.removed ? "removed: " : "suspect: ") + describe(row) +
                             ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
                             amount(row, row.statistics.estimated_blunder) + or_target_height(r, row),
-                        {row.from, row.to}});
+                        {row.from, row.to},
+                        Finding::Subject::reading});
   }
   if (failing.size() > kShown)
     findings.push_back({Finding::Severity::warning,

@@ -6,8 +6,6 @@
 #include <numeric>
 #include <set>
 
-#include "plumbline/stop.hpp"
-
 namespace plumbline::survey {
 
 namespace {
@@ -176,8 +174,6 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   } catch (const NetworkError& error) {
     check.problem =
         std::string("the control points cannot be checked, the free network is not determined: ") + error.what();
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::runtime_error& error) {
     check.problem = std::string("the control points cannot be checked: ") + error.what();
   }

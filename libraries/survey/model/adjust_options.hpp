@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "least_squares/problem/cofactors.hpp"
+#include "plumbline/failure.hpp"
 #include "survey/model/instrument_profile.hpp"
 #include "survey/model/map_frame.hpp"
 #include "survey/model/survey_observations.hpp"
@@ -88,14 +89,16 @@ struct Finding {
   enum class Severity { note, warning, error } severity = Severity::note;
   std::string text;
   std::vector<std::string> points;
+  enum class Subject { network, reading, exclusion, left_out } subject = Subject::network;
+  std::string cause = {};  ///< of points that were left out: why they are not determined
 };
 
 /// The network cannot be adjusted; what() says why in words, `findings` in detail.
-class NetworkError : public std::runtime_error {
+class NetworkError : public Failure {
  public:
   explicit NetworkError(const std::string& message, std::vector<Finding> what_was_found = {},
-                        std::vector<std::string> points = {})
-      : std::runtime_error(message), findings(std::move(what_was_found)), undetermined(std::move(points)) {}
+                        std::vector<std::string> points = {}, plumbline_answer kind = PLUMBLINE_BAD_INPUT)
+      : Failure(kind, message), findings(std::move(what_was_found)), undetermined(std::move(points)) {}
   std::vector<Finding> findings;
   std::vector<std::string> undetermined;  ///< points without which the rest might be adjusted; may be empty
 };

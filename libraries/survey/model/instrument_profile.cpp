@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "base/text/one_document.hpp"
+#include "base/text/whole_file.hpp"
 #include "builtin_profiles.hpp"
 #include "survey/model/starnet_project.hpp"
 #include "survey/words/network_words.hpp"
@@ -169,14 +168,6 @@ YAML::Node load(const std::string& yaml, const std::string& origin) {
   return root;
 }
 
-std::string text_of(const std::string& path) {
-  std::ifstream stream(path);
-  if (!stream) throw std::runtime_error("cannot read instrument profile '" + path + "'");
-  std::ostringstream text;
-  text << stream.rdbuf();
-  return text.str();
-}
-
 }  // namespace
 
 InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin) {
@@ -209,13 +200,13 @@ std::map<std::string, InstrumentProfile> parse_instruments(const std::string& ya
 }
 
 std::map<std::string, InstrumentProfile> read_instruments(const std::string& path) {
-  const std::string text = text_of(path);
-  return is_starnet_project(text) ? parse_starnet_project(text, path).library : parse_instruments(text, path);
+  const std::string content = text::read_whole(path);
+  return is_starnet_project(content) ? parse_starnet_project(content, path).library : parse_instruments(content, path);
 }
 
 InstrumentProfile read_profile(const std::string& path) {
-  const std::string text = text_of(path);
-  return is_starnet_project(text) ? parse_starnet_project(text, path).instrument : parse_profile(text, path);
+  const std::string content = text::read_whole(path);
+  return is_starnet_project(content) ? parse_starnet_project(content, path).instrument : parse_profile(content, path);
 }
 
 std::vector<const char*> profile_names() {
@@ -237,11 +228,11 @@ InstrumentProfile built_in_profile(const std::string& name) {
 InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
                                  const std::string& instrument, std::string& remark) {
   if (!profile_file.empty()) {
-    const std::string text = text_of(profile_file);
-    if (is_starnet_project(text))
+    const std::string content = text::read_whole(profile_file);
+    if (is_starnet_project(content))
       remark = "of the project " + profile_file +
                " the instruments are taken; not what else it sets, which is to be given: " +
-               join(parse_starnet_project(text, profile_file).settings, 20);
+               join(parse_starnet_project(content, profile_file).settings, 20);
     return read_profile(profile_file);
   }
   if (profile != "automatic") return built_in_profile(profile);

@@ -15,6 +15,8 @@
 #include <string>
 #include <vector>
 
+#include "plumbline/failure.hpp"
+
 namespace plumbline::survey {
 
 inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
@@ -186,10 +188,10 @@ struct SurveyObservations {
 };
 
 /// A file nothing could be got from. what() is "file:line:column: found ..., expected ...".
-class SurveyReadError : public std::runtime_error {
+class SurveyReadError : public BadInput {
  public:
   SurveyReadError(SourcePosition position, const std::string& found_text, const std::string& expected_text)
-      : std::runtime_error(describe(position, found_text, expected_text)),
+      : BadInput(describe(position, found_text, expected_text)),
         source(std::move(position)),
         found(found_text),
         expected(expected_text) {}

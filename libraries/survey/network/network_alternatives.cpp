@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include "plumbline/stop.hpp"
 #include "survey/network/network_model_steps.hpp"
 #include "survey/start/approximate_figure.hpp"
 
@@ -35,8 +34,6 @@ std::optional<Trial> try_model(const NetworkModel& m, size_t number, const Adjus
     for (int block : problem.point_blocks)
       trial.places.push_back(Eigen::Map<const Eigen::Vector3d>(problem.problem.parameters[block].value.data()));
     return trial;
-  } catch (const Stopped&) {
-    throw;
   } catch (const std::exception&) {
     return std::nullopt;  // a rank defect: it is told about when no other model is left
   }

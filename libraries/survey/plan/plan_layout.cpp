@@ -6,8 +6,9 @@
 #include <limits>
 #include <map>
 #include <set>
-#include <sstream>
 #include <stdexcept>
+
+#include "base/text/words.hpp"
 
 namespace plumbline::survey {
 
@@ -18,20 +19,6 @@ double incidence(const PlannedMarker& m, const Eigen::Vector3d& from) {
 }
 
 }  // namespace
-
-std::string join_names(const std::vector<std::string>& ids) {
-  std::string text;
-  for (size_t i = 0; i < ids.size() && i < 10; ++i) text += (i ? ", " : "") + ids[i];
-  if (ids.size() > 10) text += " and " + std::to_string(ids.size() - 10) + " more";
-  return text;
-}
-
-std::string in_millimetres(double metres) {
-  std::ostringstream text;
-  text.precision(2);
-  text << std::fixed << metres * 1000 << " mm";
-  return text.str();
-}
 
 PlanLayout::PlanLayout(const std::vector<PlannedMarker>& markers, const std::vector<PlannedSetUp>& set_ups,
                        const PlanOptions& options)
@@ -205,8 +192,7 @@ PlanPrediction predict(const PlanLayout& layout, int sets) {
     NetworkResult network = adjust_network(layout.readings(sets), options);
     // In the field the rest of a network is worth having; a plan is to determine all of it.
     for (const Finding& f : network.findings)
-      if (!network.left_out.empty() && f.text.starts_with("left out"))
-        throw NetworkError(f.text.substr(f.text.find(". ") + 2));
+      if (f.subject == Finding::Subject::left_out) throw NetworkError(f.cause);
     prediction.network = std::move(network);
     prediction.adjustable = true;
   } catch (const NetworkError& error) {

@@ -90,7 +90,5 @@ std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const Pl
                                               int upper, PlanPredictions& predictions);
 
 /// "A, B and 3 more".
-std::string join_names(const std::vector<std::string>& ids);
-std::string in_millimetres(double metres);
 
 }  // namespace plumbline::survey

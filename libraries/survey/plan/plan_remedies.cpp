@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "base/text/words.hpp"
 #include "plumbline/stop.hpp"
 #include "survey/plan/plan_effect.hpp"
 #include "survey/plan/plan_layout.hpp"
@@ -27,7 +28,7 @@ std::string describe(const PlanLayout& layout, const std::vector<Sight>& sights)
       if (sight.first == s) markers.push_back(layout.markers()[sight.second].id);
     if (markers.empty()) continue;
     if (text != "sight ") text += "; ";
-    text += join_names(markers) + " also from " + layout.set_ups()[s].id;
+    text += text::join(markers, 10) + " also from " + layout.set_ups()[s].id;
   }
   return text;
 }
@@ -126,7 +127,7 @@ std::optional<NewSetUp> best_new_set_up(const PlanLayout& layout, const std::fun
   std::ostringstream text;
   text.precision(1);
   text << std::fixed << "add a set-up near E " << chosen.position.x() << ", N " << chosen.position.y() << ", H "
-       << chosen.position.z() << " m and sight " << join_names(chosen.sees);
+       << chosen.position.z() << " m and sight " << text::join(chosen.sees, 10);
   remedy.text = text.str();
   remedy.sightings = kSetUpCost + static_cast<int>(sights.size());
   for (size_t m : sights) remedy.added.push_back(with.sight(with.set_ups().size() - 1, m));
@@ -297,13 +298,13 @@ std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const Pl
     PlanLayout trial = layout;
     for (const Sight& s : sights) trial.add_sight(s.first, s.second);
     remedies.push_back(remedy_of(layout, sights));
-    remedies.back().text += ": " + in_millimetres(predicted(trial));
+    remedies.back().text += ": " + text::millimetres(predicted(trial), 2);
   }
   for (int sets = options.sets + 1; sets <= 8; ++sets) {
     const double sigma = transfer_sigma(layout, predictions.of(sets), lower, upper);
     if (sigma > wanted) continue;
     remedies.push_back({"",
-                        "measure " + std::to_string(sets) + " sets everywhere: " + in_millimetres(sigma),
+                        "measure " + std::to_string(sets) + " sets everywhere: " + text::millimetres(sigma, 2),
                         (sets - options.sets) * layout.sightings(),
                         {}});
     break;
@@ -320,7 +321,7 @@ std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const Pl
     trial.add_set_up(set_up->place);
     const double sigma = predicted(trial);
     remedies.push_back(set_up->remedy);
-    remedies.back().text += ": " + in_millimetres(sigma);
+    remedies.back().text += ": " + text::millimetres(sigma, 2);
     if (sigma > wanted) remedies.pop_back();
   }
   if (remedies.empty())

@@ -5,20 +5,14 @@
 #include <map>
 #include <numbers>
 #include <set>
-#include <sstream>
 
+#include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "survey/plan/plan_layout.hpp"
 
 namespace plumbline::survey {
 
 namespace {
-
-std::string number(double value, int decimals) {
-  std::ostringstream text;
-  text.precision(decimals);
-  text << std::fixed << value;
-  return text.str();
-}
 
 /// Rules, prediction and remedies of one layout, collected in the order they are read in.
 class Planner {
@@ -65,13 +59,14 @@ class Planner {
         if (&other != &m) nearest = std::min(nearest, (other.position - m.position).norm());
       if (std::abs(nearest - options_.spacing) > options_.spacing_tolerance) off.push_back(m.id);
     }
-    const std::string wanted = number(options_.spacing, 1) + " m (± " + number(options_.spacing_tolerance, 1) + " m)";
+    const std::string wanted =
+        text::format_fixed(options_.spacing, 1) + " m (± " + text::format_fixed(options_.spacing_tolerance, 1) + " m)";
     add_rule("marker spacing", off.empty(),
              off.empty() ? "from every marker to the nearest it is " + wanted
-                         : "the nearest marker is not " + wanted + " from " + join_names(off),
+                         : "the nearest marker is not " + wanted + " from " + text::join(off, 10),
              off);
     if (!off.empty())
-      result_.remedies.push_back({"marker spacing", "move or add markers beside " + join_names(off), 0, {}});
+      result_.remedies.push_back({"marker spacing", "move or add markers beside " + text::join(off, 10), 0, {}});
   }
 
   void check_markers_per_floor() {
@@ -124,7 +119,7 @@ class Planner {
     const std::string wanted = std::to_string(options_.set_ups_per_marker) + " set-ups";
     add_rule("set-ups per marker", ids.empty(),
              ids.empty() ? "every marker is seen from at least " + wanted
-                         : "seen from fewer than " + wanted + ": " + join_names(ids),
+                         : "seen from fewer than " + wanted + ": " + text::join(ids, 10),
              ids);
     if (!ids.empty()) add_remedies("set-ups per marker", remedies_for_set_ups(layout_, options_));
   }
@@ -148,14 +143,15 @@ class Planner {
     std::vector<std::string> points;
     for (const PlannedSight& s : layout_.refused()) {
       if (points.size() < 6)
-        text += (text.empty() ? "" : "; ") + s.set_up + " to " + s.marker + " (" + number(s.length, 1) + " m" +
-                (std::isnan(s.incidence) ? ")" : ", incidence " + number(s.incidence / kDegree, 0) + " deg)");
+        text +=
+            (text.empty() ? "" : "; ") + s.set_up + " to " + s.marker + " (" + text::format_fixed(s.length, 1) + " m" +
+            (std::isnan(s.incidence) ? ")" : ", incidence " + text::format_fixed(s.incidence / kDegree, 0) + " deg)");
       points.push_back(s.marker);
     }
     if (points.size() > 6) text += " and " + std::to_string(points.size() - 6) + " more";
-    const std::string limits = number(options_.largest_range, 0) + " m, incidence " +
-                               number(options_.largest_incidence / kDegree, 0) + " deg, elevation " +
-                               number(options_.steepest_sight / kDegree, 0) + " deg";
+    const std::string limits = text::format_fixed(options_.largest_range, 0) + " m, incidence " +
+                               text::format_fixed(options_.largest_incidence / kDegree, 0) + " deg, elevation " +
+                               text::format_fixed(options_.steepest_sight / kDegree, 0) + " deg";
     add_rule("range and incidence", points.empty(),
              points.empty() ? "every sight is within " + limits
                             : "planned but not within " + limits + ", so not counted: " + text,
@@ -209,7 +205,7 @@ class Planner {
     const double wanted = options_.tolerance / 5;  // control should be five times better than what it judges
     const std::string name = "height transfer, floor " + std::to_string(lower) + " to " + std::to_string(upper);
     add_rule(name, sigma <= wanted,
-             "predicted sigma " + in_millimetres(sigma) + ", wanted " + in_millimetres(wanted) +
+             "predicted sigma " + text::millimetres(sigma, 2) + ", wanted " + text::millimetres(wanted, 2) +
                  " (a fifth of the tolerance)");
     if (sigma > wanted) add_remedies(name, remedies_for_transfer(layout_, options_, lower, upper, predictions_));
   }

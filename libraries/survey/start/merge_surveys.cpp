@@ -6,6 +6,8 @@
 #include <map>
 #include <set>
 
+#include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "survey/model/common_info.hpp"
 #include "survey/model/reduced_readings.hpp"
 #include "survey/model/repeated_readings.hpp"
@@ -26,17 +28,9 @@ void append(const std::vector<Item>& from, std::vector<Item>& to) {
   to.insert(to.end(), from.begin(), from.end());
 }
 
-std::string listed(const std::vector<std::string>& names, size_t most = 8) {
-  std::string text;
-  for (size_t i = 0; i < std::min(most, names.size()); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
-}
+constexpr size_t most_named = 8;
 
-std::string in_metres(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f m", value);
-  return text;
-}
+std::string in_metres(double value) { return text::format_fixed(value, 3) + " m"; }
 
 /// "monday" of "survey/monday.gsi": short enough to stand in front of a point's name.
 std::string stem(const std::string& file) {
@@ -142,7 +136,7 @@ void Merger::decide_station(const std::string& station, const std::vector<size_t
   const auto names = [&](const std::vector<size_t>& group) {
     std::vector<std::string> list;
     for (const size_t file : group) list.push_back(files_[file]);
-    return listed(list);
+    return text::join(list, most_named);
   };
   for (size_t g = 0; g < groups.size(); ++g)
     if (groups[g].size() > 1)
@@ -159,7 +153,7 @@ void Merger::decide_station(const std::string& station, const std::vector<size_t
   }
   find(Finding::Severity::warning,
        "station " + station + " is occupied in " + names(files) + ", and nothing shows that it is the same mark (" +
-           doubt + "): they are points of their own, " + listed(now) +
+           doubt + "): they are points of their own, " + text::join(now, most_named) +
            (station.starts_with(kInvented) ? "" : "; if it is one mark, name it in same_stations"),
        now);
 }
@@ -192,10 +186,10 @@ void Merger::decide_stations() {
     for (size_t i = 0; i < surveys_.size(); ++i)
       if (i != files.front() && sighted[i].contains(station)) elsewhere.push_back(files_[i]);
     if (!elsewhere.empty())
-      find(
-          Finding::Severity::note,
-          "station " + station + " of " + files_[files.front()] + " is the target of that name in " + listed(elsewhere),
-          {station});
+      find(Finding::Severity::note,
+           "station " + station + " of " + files_[files.front()] + " is the target of that name in " +
+               text::join(elsewhere, most_named),
+           {station});
   }
 }
 
@@ -225,9 +219,10 @@ void Merger::decide_targets() {
       std::vector<std::string> now;
       for (const std::string& id : reused) now.push_back(renamed_[b][id] = files_[b] + ":" + id);
       find(Finding::Severity::warning,
-           "the names " + listed(reused) + " stand for other marks in " + files_[b] + " than in " + files_[a] +
+           "the names " + text::join(reused, most_named) + " stand for other marks in " + files_[b] + " than in " +
+               files_[a] +
                " (their places do not fit each other): numbering began again. They are points of their own, " +
-               listed(now, 3) + "; where it is one mark after all, the sights to it are wrong",
+               text::join(now, 3) + "; where it is one mark after all, the sights to it are wrong",
            now);
     }
 }
@@ -263,8 +258,8 @@ void Merger::compare_coordinates(size_t a, size_t b) {
     if (worst > kSamePlace) different.push_back(at->first);
   }
   if (different.empty()) return;
-  const std::string what = "the coordinates of " + listed(different) + " in " + files_[b] + " differ from those in " +
-                           files_[a] + " by up to " + in_metres(largest);
+  const std::string what = "the coordinates of " + text::join(different, most_named) + " in " + files_[b] +
+                           " differ from those in " + files_[a] + " by up to " + in_metres(largest);
   // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
   if (2 * different.size() >= shared && largest > kOtherFrame) {
     drop_coordinates_[b] = 1;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/text/text.hpp"
 #include "base/text/xml_text.hpp"
 #include "build/evaluate/metrics.hpp"
 #include "building/ifc/surface_words.hpp"
@@ -14,12 +15,7 @@ namespace plumbline::judgement {
 namespace {
 
 std::string fixed(double value, int decimals) {
-  if (!std::isfinite(value)) return "";
-  char buffer[64];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
-  const std::string text(buffer, end.ptr);
-  // Never "-0.0000".
-  return text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos ? text.substr(1) : text;
+  return std::isfinite(value) ? text::format_fixed(value, decimals) : "";
 }
 
 using text::xml_escaped;

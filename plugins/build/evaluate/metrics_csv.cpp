@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/text/csv_table.hpp"
+#include "base/text/text.hpp"
 #include "build/evaluate/metrics.hpp"
 
 namespace plumbline::judgement {
@@ -12,10 +13,7 @@ namespace {
 
 /// Fixed decimals without a locale; an unknown number is an empty cell.
 std::string number(double value, int decimals) {
-  if (!std::isfinite(value)) return "";
-  char buffer[64];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value, std::chars_format::fixed, decimals);
-  return end.ec == std::errc() ? std::string(buffer, end.ptr) : std::string();
+  return std::isfinite(value) ? text::format_fixed(value, decimals) : "";
 }
 
 std::string millimetres(double metres) { return number(1e3 * metres, 4); }

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "loop/state/plan_artifact.hpp"
 
@@ -15,12 +16,6 @@ namespace {
 std::string trimmed(const std::string& text) {
   const auto from = text.find_first_not_of(" \t"), to = text.find_last_not_of(" \t");
   return from == std::string::npos ? std::string() : text.substr(from, to - from + 1);
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 8); ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > 8 ? text + " and " + std::to_string(names.size() - 8) + " more" : text;
 }
 
 /// Right, up, out of an anchor or panel; nan where nothing says which way it faces, or nothing that orders may rest on.
@@ -76,7 +71,7 @@ class Builder {
     }
     if (facing == 0) throw std::runtime_error(unconfirmed_words(deviation_));
     if (!unknown.empty())
-      throw std::runtime_error("no rule of 'brackets' selects " + listed(unknown) +
+      throw std::runtime_error("no rule of 'brackets' selects " + text::join(unknown, 8) +
                                "; say what they can be set by, such as '*: right=20mm, up=15mm, out=25mm'");
   }
 

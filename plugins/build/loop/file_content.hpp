@@ -1,20 +1,16 @@
 // Bytes of a file artifact.
 #pragma once
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include "artifacts/file.hpp"
+#include "base/text/whole_file.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::loop {
 
 inline std::string content_of(const File& file, Context& context) {
-  if (file.uri() && file.uri()->size() > 0) {
-    std::ifstream stream(context.resolve(file.uri()->str()), std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
+  if (file.uri() && file.uri()->size() > 0) return text::read_whole(context.resolve(file.uri()->str()));
   return {file.content()->begin(), file.content()->end()};
 }
 

@@ -1,8 +1,8 @@
 #include "build/loop/job_nodes.hpp"
 
-#include <fstream>
 #include <map>
 
+#include "base/text/whole_file.hpp"
 #include "build/loop/file_content.hpp"
 #include "geometry/random.hpp"
 #include "loop/fit/facade.hpp"
@@ -19,9 +19,7 @@ void WriteJob::run(Context& context) {
   job.commit(text_file("job.json", "application/json", text));
   std::string signed_bytes;
   if (!signing_key->empty()) {
-    std::ifstream stream(*signing_key, std::ios::binary);
-    if (!stream) throw std::runtime_error("cannot read the signing key " + *signing_key);
-    signed_bytes = sign_bytes(text, {std::istreambuf_iterator<char>(stream), {}});
+    signed_bytes = sign_bytes(text, text::read_whole(*signing_key));
   } else if (!made.items.empty()) {
     context.warn("the job is not signed: a robot cannot tell who made it; signing_key=key.pem signs it");
   }

@@ -1,9 +1,8 @@
 #include "build/loop/round_nodes.hpp"
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
+#include "base/text/whole_file.hpp"
 #include "loop/exchange/vda5050.hpp"
 #include "loop/job/job.hpp"
 #include "loop/job/layout_files.hpp"
@@ -13,11 +12,7 @@
 namespace plumbline::loop {
 namespace {
 
-std::string text_of(const FilePath& file) {
-  std::ifstream stream(file.path, std::ios::binary);
-  if (!stream) throw std::runtime_error("cannot read " + file.path);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+std::string text_of(const FilePath& file) { return text::read_whole(file.path); }
 
 std::string name_of_file(const FilePath& file) { return std::filesystem::path(file.path).filename().string(); }
 

@@ -17,9 +17,13 @@ namespace plumbline::block {
 
 struct ColmapAdjuster : Node {
   static constexpr Info info{
-      "adjust.colmap", "adjuster", 1,
+      "adjust.colmap",
+      "adjuster",
+      1,
       "Adjustment by the program colmap (apt install colmap), then registration to control (6). COLMAP knows no "
-      "control, no plates, no tag size, no prior, no weights and no robust loss, and gives no covariance"};
+      "control, no plates, no tag size, no prior, no weights and no robust loss, and gives no covariance",
+      true,
+      "covariance"};
   List<ImageTags> observations{"observations", "tags of every image"};
   Optional<Poses> poses{"poses", frame("frame=?F"),
                         "approximate poses; images without one are oriented from plates they share"};
@@ -102,7 +106,7 @@ struct ColmapAdjuster : Node {
                                                    {"k1", *refine_extra_params},    {"k2", *refine_extra_params},
                                                    {"p1", *refine_extra_params},    {"p2", *refine_extra_params}};
     for (auto& parameter : artifact.interior_orientation) {
-      const auto at = estimated.find(parameter->name.substr(0, parameter->name.find(' ')));  // "fx of left"
+      const auto at = estimated.find(parameter->name);
       parameter->estimated = at != estimated.end() && at->second;
       if (parameter->estimated) parameter->sigma = std::nan("");
     }

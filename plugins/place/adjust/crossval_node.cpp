@@ -12,7 +12,6 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "geometry/random.hpp"
-#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -136,11 +135,9 @@ EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
     keep(mine, block.control);
     try {
       models.push_back(adjust_tag_block(block, tag_options()));
-    } catch (const Stopped&) {
-      throw;
     } catch (const std::runtime_error& error) {
-      throw std::runtime_error("half " + std::to_string(half + 1) + " of the photographs and of the control (" +
-                               std::to_string(block.control.plates.size()) + " points): " + error.what());
+      throw Failure(kind_of(error), "half " + std::to_string(half + 1) + " of the photographs and of the control (" +
+                                        std::to_string(block.control.plates.size()) + " points): " + error.what());
     }
     report(context, block, models.back());
   }

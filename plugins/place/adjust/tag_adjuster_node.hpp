@@ -1,6 +1,7 @@
 // What the adjusters of marker plates by our own model have in common: their parameters, and what they tell.
 #pragma once
 
+#include "base/text/words.hpp"
 #include "global_tests.hpp"
 #include "plumbline/node.hpp"
 #include "tag_block_artifacts.hpp"
@@ -83,7 +84,7 @@ struct TagAdjusterNode : Node {
     context.metric("sigma0", result.sigma0, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
     if (result.weak_datum.empty()) return;
-    const std::string text = "control holds " + least_squares::enumerate(result.weak_datum) +
+    const std::string text = "control holds " + text::enumerate(result.weak_datum) +
                              " of the block only weakly: its anchors may move by " +
                              std::to_string(result.weakest_datum_sigma) + " m rms (1 sigma)";
     if (*weak_datum == "error")

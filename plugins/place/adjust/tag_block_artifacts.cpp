@@ -255,35 +255,36 @@ void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& arti
 void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& artifact) const {
   constexpr int all = BrownCamera::parameter_count + 2;
   std::vector<int> estimated;
-  const auto add = [&](const std::string& name, double value, double sigma) {
+  const auto add = [&](const std::string& name, double value, double sigma) -> InteriorParameterT& {
     auto parameter = std::make_unique<InteriorParameterT>();
     parameter->name = name;
     parameter->value = value;
     parameter->sigma = sigma;
     parameter->estimated = sigma > 0;
     artifact.interior_orientation.push_back(std::move(parameter));
+    return *artifact.interior_orientation.back();
   };
   for (int c = 0; c < static_cast<int>(result.cameras.size()); ++c) {
     const AdjustedTagCamera& camera = result.cameras[static_cast<size_t>(c)];
-    const std::string of = result.cameras.size() > 1 ? " of " + cameras_[static_cast<size_t>(c)].id : "";
+    const std::string of = result.cameras.size() > 1 ? cameras_[static_cast<size_t>(c)].id : "";
     const auto values = camera.interior.parameters();
     for (int i = 0; i < BrownCamera::parameter_count; ++i) {
       const size_t at = static_cast<size_t>(i);
-      add(BrownCamera::parameter_names[at] + of, values[at], std::sqrt(camera.covariance(i, i)));
+      add(BrownCamera::parameter_names[at], values[at], std::sqrt(camera.covariance(i, i))).camera = of;
       if (camera.covariance(i, i) > 0) estimated.push_back(all * c + i);
     }
     for (int k = 0; k < 2 && camera.reference_distance > 0; ++k) {
       const int i = all * c + BrownCamera::parameter_count + k;
-      add((k == 0 ? "d1" : "d2") + of, camera.distance_terms(k), std::sqrt(result.interior_covariance(i, i)));
+      add(k == 0 ? "d1" : "d2", camera.distance_terms(k), std::sqrt(result.interior_covariance(i, i))).camera = of;
       if (result.interior_covariance(i, i) > 0) estimated.push_back(i);
     }
-    if (camera.reference_distance > 0) add("Z0" + of, camera.reference_distance, 0);
+    if (camera.reference_distance > 0) add("Z0", camera.reference_distance, 0).camera = of;
   }
   for (size_t i = 0; i < result.principal_points.size(); ++i) {
     if (!result.cam_from_world[i]) continue;
     const ImagePrincipalPoint& own = result.principal_points[i];
-    add("x0 of " + block_.images[i].name, own.shift.x(), std::sqrt(own.covariance(0, 0)));
-    add("y0 of " + block_.images[i].name, own.shift.y(), std::sqrt(own.covariance(1, 1)));
+    add("x0", own.shift.x(), std::sqrt(own.covariance(0, 0))).image = block_.images[i].name;
+    add("y0", own.shift.y(), std::sqrt(own.covariance(1, 1))).image = block_.images[i].name;
   }
   if (result.interior_covariance.size() == 0) return;
   const Eigen::MatrixXd covariance = result.interior_covariance(estimated, estimated);

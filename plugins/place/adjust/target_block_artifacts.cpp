@@ -68,7 +68,8 @@ std::unique_ptr<AdjustedSensorCameraT> describe_camera(const PointBlockResult& r
   for (size_t i = 0; i < result.principal_points.size(); ++i)
     for (int axis = 0; axis < 2 && result.block.images[i].camera == static_cast<int>(c); ++axis) {
       auto parameter = std::make_unique<InteriorParameterT>();
-      parameter->name = std::string(axis == 0 ? "x0" : "y0") + " of image " + std::to_string(result.block.images[i].id);
+      parameter->name = axis == 0 ? "x0" : "y0";
+      parameter->image = std::to_string(result.block.images[i].id);
       parameter->value = result.principal_points[i](axis);
       parameter->sigma = std::sqrt(result.principal_point_covariance[i](axis, axis));
       parameter->estimated = true;

@@ -1,7 +1,6 @@
 // pose.opengv: exterior orientation by the solvers of OpenGV. pose.opengv_rig: that of a rig of cameras.
-#include <fstream>
-#include <iterator>
 
+#include "base/text/whole_file.hpp"
 #include "photo/pose/pose_node.hpp"
 #include "photo/pose/rig_poses.hpp"
 #include "place/pose/opengv_solvers.hpp"
@@ -33,12 +32,10 @@ struct PoseOpenGvRig : pose::PoseNode {
   void run(Context& context) override {
     if (*raw_tags > 0)
       throw std::runtime_error("raw_tags is of single cameras: a rig has no pose of one solver alone; leave it at 0");
-    std::ifstream stream(rig->path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
     const PosesT result = pose::initial_rig_poses(
-        images(), camera.unpack(), pose::parse_rig(text, rig->path), plates.unpack(), points.unpack(),
-        pose::make_opengv_rig_solver(*solver), pose::make_opengv_solver("p3p_kneip"), settings_of(context),
-        [&context](const std::string& warning) { context.warn(warning); });
+        images(), camera.unpack(), pose::parse_rig(text::read_whole(rig->path), rig->path), plates.unpack(),
+        points.unpack(), pose::make_opengv_rig_solver(*solver), pose::make_opengv_solver("p3p_kneip"),
+        settings_of(context), [&context](const std::string& warning) { context.warn(warning); });
     context.metric("images_oriented", static_cast<double>(result.poses.size()), "1");
     poses.commit(result);
   }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
+#include "base/text/whole_file.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "survey/files/survey_format.hpp"
 #include "survey/start/merge_surveys.hpp"
@@ -18,13 +18,6 @@ PhotographHeader header_of(const fs::path& path) {
   } catch (const std::runtime_error& error) {
     throw CampaignError(path, 0, error.what());
   }
-}
-
-std::string read_text(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw CampaignError(path, 0, "the file cannot be read");
-  return text;
 }
 
 CameraT to_artifact(const CameraCalibration& c, const std::string& source) {
@@ -94,7 +87,8 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries) {
 KnownControl read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
   if (description.control.empty()) return {};
   KnownControl known;
-  known.points = parse_control(read_text(root / description.control), root / description.control, &known.warnings);
+  known.points =
+      parse_control(text::read_whole(root / description.control), root / description.control, &known.warnings);
   for (std::string& warning : known.warnings) {
     warning = description.control + ": " + warning;
     context.warn(warning);
@@ -113,9 +107,9 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
         throw std::runtime_error(path +
                                  " was offered to a reader of another plugin, and nobody has read it: connect "
                                  "survey.collect, not campaign.files_for, to 'readings'");
-      parts.push_back(read != added.end()
-                          ? survey::from_artifact(*read->second)
-                          : survey::read_survey(read_text(root / path), path));  // by its own name, wherever it lies
+      parts.push_back(read != added.end() ? survey::from_artifact(*read->second)
+                                          : survey::read_survey(text::read_whole(root / path),
+                                                                path));  // by its own name, wherever it lies
       for (const auto& skipped : parts.back().skipped) {
         const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
         if (strict)

@@ -21,7 +21,6 @@ namespace plumbline::campaign {
 PhotographHeader header_of(const std::filesystem::path& path);
 
 /// The file's bytes. Throws CampaignError.
-std::string read_text(const std::filesystem::path& path);
 
 CameraT to_artifact(const CameraCalibration& calibration, const std::string& source);
 PlatesT to_artifact(const std::vector<PlateEntry>& entries);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "artifacts/camera_artifact.hpp"
+#include "base/text/whole_file.hpp"
 
 namespace plumbline::campaign {
 
@@ -10,7 +11,7 @@ CampaignCameras::CampaignCameras(const CampaignDescription& description, const s
     : files_(description.cameras) {
   for (std::size_t c = 0; c < files_.size(); ++c) {
     const std::filesystem::path path = root / files_[c].file;
-    calibrations_.push_back(parse_camera(read_text(path), path));
+    calibrations_.push_back(parse_camera(text::read_whole(path), path));
     for (std::size_t other = 0; other < c; ++other)
       if (calibrations_[other].id == calibrations_[c].id)
         throw CampaignError(path, 0,

@@ -15,15 +15,16 @@
 #include "base/text/name_pattern.hpp"
 #include "control/points/control_point.hpp"
 #include "geometry/camera.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::campaign {
 
 /// what() is "file:line: what was found, what was expected".
-class CampaignError : public std::runtime_error {
+class CampaignError : public BadInput {
  public:
-  using std::runtime_error::runtime_error;
+  using BadInput::BadInput;
   CampaignError(const std::filesystem::path& file, int line, const std::string& what)
-      : std::runtime_error(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
+      : BadInput(file.string() + (line > 0 ? ":" + std::to_string(line) : "") + ": " + what) {}
 };
 
 /// What is wrong with a folder, one thing after the other, so that it can be mended in one go.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/text/one_document.hpp"
+#include "base/text/words.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -20,12 +21,6 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     }
   }
   return row[b.size()];
-}
-
-std::string join(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
 }
 
 }  // namespace
@@ -48,7 +43,7 @@ YAML::Node load_yaml(const std::string& yaml, const std::filesystem::path& shown
 Mapping::Mapping(const YAML::Node& node, const std::filesystem::path& shown, const std::vector<std::string>& known,
                  Problems* problems)
     : node_(node), shown_(shown) {
-  if (!node.IsMap()) throw CampaignError(shown, 0, "found no mapping of keys, expected " + join(known));
+  if (!node.IsMap()) throw CampaignError(shown, 0, "found no mapping of keys, expected " + text::join(known));
   std::set<std::string> seen;
   for (const auto& entry : node) {
     const auto check = [&] { check_key(entry.first, known, seen); };
@@ -57,14 +52,14 @@ Mapping::Mapping(const YAML::Node& node, const std::filesystem::path& shown, con
 }
 
 void Mapping::check_key(const YAML::Node& at, const std::vector<std::string>& known, std::set<std::string>& seen) {
-  if (!at.IsScalar()) fail(at, "a key must be a single word; known are " + join(known));
+  if (!at.IsScalar()) fail(at, "a key must be a single word; known are " + text::join(known));
   const std::string key = at.Scalar();
   if (!seen.insert(key).second) fail(at, "'" + key + "' stands here a second time");
   if (std::find(known.begin(), known.end(), key) != known.end()) return;
   const std::string near = near_name(key, known);
   if (!near.empty()) meant_.insert(near);
-  fail(at,
-       "unknown key '" + key + "'" + (near.empty() ? "; known are " + join(known) : ", did you mean '" + near + "'?"));
+  fail(at, "unknown key '" + key + "'" +
+               (near.empty() ? "; known are " + text::join(known) : ", did you mean '" + near + "'?"));
 }
 
 }  // namespace plumbline::campaign

@@ -1,5 +1,6 @@
 #include "listed_campaign.hpp"
 
+#include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 
 namespace plumbline::campaign {
@@ -22,7 +23,7 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
   const bool there = entries.count("campaign.yaml") > 0;
   problems.attempt([&] {
     if (there)
-      description = parse_campaign(read_text(yaml), yaml, names(), use, problems);
+      description = parse_campaign(text::read_whole(yaml), yaml, names(), use, problems);
     else if (use == CampaignUse::photographs)
       description = find_campaign(root, names());
     else

@@ -4,6 +4,7 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "base/text/whole_file.hpp"
 #include "campaign_cameras.hpp"
 #include "listed_campaign.hpp"
 #include "photo/images/photograph_header.hpp"
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context,
                                               campaign::CampaignUse use = campaign::CampaignUse::site) {
   std::vector<std::string> warnings;
-  auto entries = campaign::parse_plates(campaign::read_text(path), path, use, &warnings);
+  auto entries = campaign::parse_plates(text::read_whole(path), path, use, &warnings);
   for (const std::string& warning : warnings) context.warn(warning);
   return entries;
 }
@@ -30,7 +31,7 @@ FileT mapping_file(campaign::ListedCampaign& site) {
   if (site.description.mapping.empty()) return table;
   table.name = fs::path(site.description.mapping).filename().string();
   site.problems.attempt([&] {
-    const std::string rows = campaign::read_text(site.root / site.description.mapping);
+    const std::string rows = text::read_whole(site.root / site.description.mapping);
     table.media_type = "text/csv";
     table.content.assign(rows.begin(), rows.end());
   });
@@ -88,7 +89,7 @@ struct ReadCampaign : Node {
     attempt(cameras && !description.observations.empty(), [&] {
       const fs::path table = root / description.observations;
       const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras->of(image).camera; };
-      tags = campaign::parse_observations(campaign::read_text(table), table, camera_of);
+      tags = campaign::parse_observations(text::read_whole(table), table, camera_of);
     });
     FileT table = mapping_file(site);
     site.problems.raise();
@@ -262,7 +263,7 @@ struct ReadTruth : Node {
   void run(Context& context) override {
     const fs::path path = fs::path(context.resolve(std::string(truth->uri()->string_view()))) / "anchors.csv";
     PointsT result;
-    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(campaign::read_text(path), path)) {
+    for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(text::read_whole(path), path)) {
       auto point = std::make_unique<PointT>();
       point->id = anchor.id;
       point->position = anchor.position;

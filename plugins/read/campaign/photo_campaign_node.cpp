@@ -1,5 +1,6 @@
 #include "photo_campaign_node.hpp"
 
+#include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "listed_campaign.hpp"
@@ -26,7 +27,7 @@ CameraT artifact_of(const markers::CameraFile& file, const std::string& name) {
 /// Ours, or another program's, of one camera or of several by name. One of another program, without standard
 /// deviations, starts a self-calibration.
 std::vector<CameraT> cameras_of(const fs::path& path, const std::string& name, Context& context) {
-  const std::string text = read_text(path), key = "plumbline_camera";
+  const std::string text = text::read_whole(path), key = "plumbline_camera";
   if (text.starts_with(key) || text.find("\n" + key) != std::string::npos)
     return {to_artifact(parse_camera(text, path), name)};
   std::vector<CameraT> cameras;
@@ -123,7 +124,7 @@ void ReadPhotoCampaign::run(Context& context) {
   if (!description.plates.empty())
     site.problems.attempt([&] {
       const fs::path table = root / description.plates;
-      entries = parse_plates(read_text(table), table, CampaignUse::photographs, &warnings);
+      entries = parse_plates(text::read_whole(table), table, CampaignUse::photographs, &warnings);
     });
   site.problems.attempt([&] { known = read_control(description, root, context); });
   if (!description.survey.empty())

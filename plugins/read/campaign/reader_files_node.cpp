@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 #include "plumbline/folder_files.hpp"
 
@@ -15,7 +16,7 @@ CampaignDescription survey_of(const std::filesystem::path& root, const std::vect
   told_by_the_campaign.attempt([&] {
     const std::filesystem::path yaml = root / "campaign.yaml";
     const bool there = std::find(names.begin(), names.end(), "campaign.yaml") != names.end();
-    description = there ? parse_campaign(read_text(yaml), yaml, names, CampaignUse::survey, told_by_the_campaign)
+    description = there ? parse_campaign(text::read_whole(yaml), yaml, names, CampaignUse::survey, told_by_the_campaign)
                         : find_campaign(root, names);
   });
   return description;
@@ -38,7 +39,7 @@ void FilesForReader::run(Context& context) {
     if (is_system_file(path) || !text::is_named_by(*files, path)) continue;
     if (among(description.survey, path)) {
       FileT file;
-      const std::string bytes = read_text(root / path);
+      const std::string bytes = text::read_whole(root / path);
       file.name = path;
       file.content.assign(bytes.begin(), bytes.end());
       taken.commit(file);

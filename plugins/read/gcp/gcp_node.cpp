@@ -2,11 +2,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <iterator>
 #include <vector>
 
 #include "base/text/csv_table.hpp"
+#include "base/text/text.hpp"
+#include "base/text/whole_file.hpp"
 #include "control/points/control_files.hpp"
 #include "control/points/image_points.hpp"
 #include "control/points/openmvs_gcp.hpp"
@@ -43,21 +43,16 @@ Content parse(const std::string& text, const std::string& file) {
   return gcp;
 }
 
-std::string number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
-
 std::string control_csv(const std::vector<ControlPoint>& points) {
   std::string text = "name,E,N,H,sigma_E,sigma_N,sigma_H\n", without = "name,E,N,H\n";
   bool accurate = true;
   for (const ControlPoint& p : points) {
-    const std::string row = text::csv_field(p.name) + "," + number(p.position.x(), 6) + "," +
-                            number(p.position.y(), 6) + "," + number(p.position.z(), 6);
+    const std::string row = text::csv_field(p.name) + "," + text::format_fixed(p.position.x(), 6) + "," +
+                            text::format_fixed(p.position.y(), 6) + "," + text::format_fixed(p.position.z(), 6);
     without += row + "\n";
     accurate = accurate && p.sigma.allFinite();
-    text += row + "," + number(p.sigma.x(), 6) + "," + number(p.sigma.y(), 6) + "," + number(p.sigma.z(), 6) + "\n";
+    text += row + "," + text::format_fixed(p.sigma.x(), 6) + "," + text::format_fixed(p.sigma.y(), 6) + "," +
+            text::format_fixed(p.sigma.z(), 6) + "\n";
   }
   return accurate ? text : without;
 }
@@ -65,8 +60,8 @@ std::string control_csv(const std::vector<ControlPoint>& points) {
 std::string measured_csv(const std::vector<ImagePoint>& measured, double shift) {
   std::string text = "image,point,x,y\n";
   for (const ImagePoint& m : measured)
-    text += text::csv_field(m.image) + "," + text::csv_field(m.point) + "," + number(m.pixel.x() - shift, 4) + "," +
-            number(m.pixel.y() - shift, 4) + "\n";
+    text += text::csv_field(m.image) + "," + text::csv_field(m.point) + "," +
+            text::format_fixed(m.pixel.x() - shift, 4) + "," + text::format_fixed(m.pixel.y() - shift, 4) + "\n";
   return text;
 }
 
@@ -80,9 +75,7 @@ FileT table(const std::string& name, const std::string& text) {
 }  // namespace
 
 void ReadGcp::run(Context& context) {
-  std::ifstream stream(file->path, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  const Content gcp = parse(text, file->path);
+  const Content gcp = parse(text::read_whole(file->path), file->path);
   PointsT result;
   std::size_t unknown = 0;
   for (const ControlPoint& p : gcp.points) {

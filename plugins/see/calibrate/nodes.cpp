@@ -12,7 +12,6 @@
 #include "output.hpp"
 #include "photo/markers/camera_groups.hpp"
 #include "plumbline/node.hpp"
-#include "plumbline/stop.hpp"
 
 namespace {
 
@@ -92,11 +91,9 @@ struct CalibrateBoard : Node {
       Calibrated& one = all.back();
       try {
         one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
-      } catch (const Stopped&) {
-        throw;
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
-        throw std::runtime_error("camera " + one.selection.camera + ": " + error.what());
+        throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
       refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
       one.parts = compare_parts(one.selection.views, options, one.calibration);

@@ -1,11 +1,9 @@
 // detect.board: the points of a calibration board in every photograph.
 #pragma once
 
-#include <fstream>
-#include <iterator>
-
 #include "artifacts/board_points.hpp"
 #include "artifacts/image.hpp"
+#include "base/text/whole_file.hpp"
 #include "detector_node.hpp"
 #include "photo/detect/board.hpp"
 #include "photo/images/grey_image.hpp"
@@ -23,8 +21,7 @@ struct DetectBoard : Node {
   void run(Context& context) override {
     const double pixels = static_cast<double>(images->width()) * images->height();
     context.reserve_memory(static_cast<uint64_t>(static_cast<double>(images->size()) + 14 * pixels));
-    std::ifstream stream(board->path, std::ios::binary);
-    const Board pattern = parse_board({std::istreambuf_iterator<char>(stream), {}}, board->path);
+    const Board pattern = parse_board(text::read_whole(board->path), board->path);
     BoardPointsT result;
     result.path = images->path()->str();
     result.sha256 = images->sha256()->str();

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/text/whole_file.hpp"
 #include "photo/detect/tag_dictionary.hpp"
 #include "photo/detect/tag_family.hpp"
 
@@ -54,11 +54,10 @@ FileT tag_family_file(const std::string& family, std::string& weakness) {
   const auto size = fs::file_size(family);
   if (size == 0) throw std::runtime_error(family + " is empty; expected a dictionary file as OpenCV writes it");
   if (size > (1u << 26)) throw std::runtime_error(family + " has more than 64 MB; it is no dictionary of tags");
-  std::ifstream stream(family, std::ios::binary);
+  const std::string text = text::read_whole(family);
   result.name = fs::path(family).filename().string();
-  result.content.assign(std::istreambuf_iterator<char>(stream), {});
-  // A mistake is told here, once.
-  weakness = weakness_of(parse_dictionary(std::string(result.content.begin(), result.content.end()), family));
+  result.content.assign(text.begin(), text.end());
+  weakness = weakness_of(parse_dictionary(text, family));  // a mistake is told here, once
   return result;
 }
 

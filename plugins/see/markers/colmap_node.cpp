@@ -2,11 +2,11 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "base/text/csv_table.hpp"
+#include "base/text/whole_file.hpp"
 #include "control/points/control_files.hpp"
 #include "control/points/image_points.hpp"
 #include "exchange_nodes.hpp"
@@ -209,9 +209,9 @@ void AdjustColmapControl::run(Context& context) {
   const FileT table_of = measured ? measured.unpack() : FileT();
   const std::vector<ImagePoint> pixels =
       measured ? control::parse_image_points({table_of.content.begin(), table_of.content.end()}, table_of.name, false)
-               : control::parse_image_points(text_of_file(observations->path), observations->path,
+               : control::parse_image_points(text::read_whole(observations->path), observations->path,
                                              *pixel_origin == "corner");
-  const control::ControlTable known = control::parse_control(text_of_file(control->path), control->path);
+  const control::ControlTable known = control::parse_control(text::read_whole(control->path), control->path);
   control::require_whole(known, control->path, "adjust.colmap_control");
   tell(known, control->path, context);
   const std::vector<ControlPoint>& surveyed = known.points;

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 
+#include "base/text/whole_file.hpp"
 #include "control/points/control_files.hpp"
 #include "control/points/image_points.hpp"
 #include "observation_files.hpp"
@@ -26,7 +27,7 @@ Eigen::Vector2d centre_of(const TagT& tag) {
 }  // namespace
 
 void ReadPoints::run(Context& context) {
-  const std::string text = text_of_file(file->path);
+  const std::string text = text::read_whole(file->path);
   control::ControlOptions options;
   options.axes = *axes == "x_north"  ? control::Axes::x_north
                  : *axes == "x_east" ? control::Axes::x_east
@@ -38,7 +39,7 @@ void ReadPoints::run(Context& context) {
 }
 
 void ReadImageObservations::run(Context&) {
-  observations.commit(parse_observations(text_of_file(file->path), file->path));
+  observations.commit(parse_observations(text::read_whole(file->path), file->path));
 }
 
 void ReadColmap::run(Context&) {

@@ -1,25 +1,16 @@
 // read.camera, read.plates: what is known beforehand, from one file each.
 #pragma once
 
-#include <fstream>
-#include <iterator>
-
 #include "artifacts/camera.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
+#include "base/text/whole_file.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "photo/markers/camera_files.hpp"
 #include "photo/markers/layout_files.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::markers {
-
-inline std::string text_of_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream.good() && text.empty()) throw std::runtime_error("cannot read " + path);
-  return text;
-}
 
 struct ReadCamera : Node {
   static constexpr Info info{"read.camera", "", 2,
@@ -34,7 +25,7 @@ struct ReadCamera : Node {
 
   void run(Context& context) override {
     if (file->path.empty()) return;
-    for (const CameraFile& read : parse_camera_files(text_of_file(file->path), file->path, *which)) {
+    for (const CameraFile& read : parse_camera_files(text::read_whole(file->path), file->path, *which)) {
       CameraT result;
       result.id = read.id;
       result.width = read.camera.width, result.height = read.camera.height;
@@ -61,7 +52,7 @@ struct ReadPlates : Node {
   void run(Context&) override {
     PlatesT table;
     PointsT centres;
-    for (const LayoutTag& tag : parse_layout(text_of_file(file->path), file->path)) {
+    for (const LayoutTag& tag : parse_layout(text::read_whole(file->path), file->path)) {
       auto plate = std::make_unique<PlateT>();
       plate->anchor = (tag.family.empty() ? "tag " : tag.family + ":") + std::to_string(tag.id);
       plate->tag_family = tag.family.empty() ? *family : tag.family;

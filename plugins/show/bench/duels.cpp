@@ -7,6 +7,8 @@
 #include <map>
 #include <tuple>
 
+#include "base/text/text.hpp"
+
 namespace plumbline::bench {
 namespace {
 
@@ -130,14 +132,14 @@ std::string time_in_words(const Duel& duel) {
   const auto& ratio = duel.times.ratio;
   if (!std::isfinite(ratio.interval.lower)) return "";
   if (!duel.times.confirmed)
-    return "no difference in time is confirmed (ratio " + fixed(ratio.value, 2) + ", " +
-           fixed(ratio.interval.lower, 2) + " to " + fixed(ratio.interval.upper, 2) + ")";
+    return "no difference in time is confirmed (ratio " + text::format_fixed(ratio.value, 2) + ", " +
+           text::format_fixed(ratio.interval.lower, 2) + " to " + text::format_fixed(ratio.interval.upper, 2) + ")";
   const bool faster = ratio.value < 1;
   const double factor = faster ? 1 / ratio.value : ratio.value;
   const double low = faster ? 1 / ratio.interval.upper : ratio.interval.lower,
                high = faster ? 1 / ratio.interval.lower : ratio.interval.upper;
-  return (faster ? duel.first : duel.second) + " is " + fixed(factor, 2) + " × faster (" + fixed(low, 2) + " to " +
-         fixed(high, 2) + ")";
+  return (faster ? duel.first : duel.second) + " is " + text::format_fixed(factor, 2) + " × faster (" +
+         text::format_fixed(low, 2) + " to " + text::format_fixed(high, 2) + ")";
 }
 
 void put_in_words(Duel& duel, double rope) {
@@ -205,12 +207,6 @@ double seconds_in(const Cell& cell, const std::set<std::string>& nodes, bool all
     for (const std::string& node : nodes)
       if (cell.inputs.count(node) && !cell.seconds.count(node)) return std::numeric_limits<double>::quiet_NaN();
   return sum;
-}
-
-std::string fixed(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
 }
 
 }  // namespace plumbline::bench

@@ -15,6 +15,4 @@ std::vector<Duel> judged_duels(const Bench& bench, const statistics::InferenceOp
 /// not timed.
 double seconds_in(const Cell& cell, const std::set<std::string>& nodes, bool all);
 
-std::string fixed(double value, int decimals);
-
 }  // namespace plumbline::bench

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "show/bench/duels.hpp"
 #include "show/bench/tables.hpp"
 
@@ -13,16 +15,8 @@ using statistics::Verdict;
 
 namespace {
 
-/// "a", "a and b", "a, b and c".
-std::string joined(const std::vector<std::string>& items, const char* last = " and ", const char* between = ", ") {
-  std::string text;
-  for (std::size_t i = 0; i < items.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == items.size() ? last : between) + items[i];
-  return text;
-}
-
 /// Names of places have commas in them.
-std::string listed(const std::vector<std::string>& places) { return joined(places, " / ", " / "); }
+std::string listed(const std::vector<std::string>& places) { return text::enumerate(places, " / ", " / "); }
 
 std::string after_semicolons(const std::vector<std::string>& parts) {
   std::string text;
@@ -32,12 +26,12 @@ std::string after_semicolons(const std::vector<std::string>& parts) {
 
 std::string millimetres(double metres) {
   const double mm = 1e3 * std::abs(metres);
-  return fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
+  return text::format_fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
 }
 
 /// Without the sign of what rounds to zero.
 std::string signed_millimetres(double metres) {
-  const std::string text = fixed(1e3 * metres, 2);
+  const std::string text = text::format_fixed(1e3 * metres, 2);
   return text == "-0.00" ? "0.00" : text;
 }
 
@@ -78,7 +72,7 @@ std::string place_with_size(const Duel& duel) {
   const auto& e = duel.errors;
   if (e.errors_differ) return duel.place + " (by " + millimetres(e.difference.value) + ")";
   const double more = std::abs(e.lost_first - e.lost_second);
-  return duel.place + " (" + fixed(more, 0) + " more results)";
+  return duel.place + " (" + text::format_fixed(more, 0) + " more results)";
 }
 
 /// Every verdict and the places that have it, in an order that puts winners first.
@@ -139,7 +133,7 @@ std::string spread_text(const Duel& duel) {
   if (duel.errors.same) return "";
   return "from place to place the difference of " + duel.first + " and " + duel.second + " goes from " +
          signed_millimetres(s.lowest) + " to " + signed_millimetres(s.highest) + " mm, standard deviation " +
-         fixed(1e3 * s.deviation, 2) + " mm beyond noise";
+         text::format_fixed(1e3 * s.deviation, 2) + " mm beyond noise";
 }
 
 /// "131 seeds would show 0.06 mm on full height": of the place that needs most.
@@ -280,18 +274,19 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   }
   std::vector<std::string> parts;
   if (same) {
-    parts.push_back("nothing separates " + joined(unbeaten) +
+    parts.push_back("nothing separates " + text::enumerate(unbeaten) +
                     ": they gave the same in every trial, so what they do "
                     "differently does not reach what is measured here");
   } else if (!any_winner && unbeaten.size() > 1) {
     parts.push_back(
-        "nothing separates " + joined(unbeaten) +
+        "nothing separates " + text::enumerate(unbeaten) +
         (all_equal
              ? ": they are equal within " + rope_text(bench) + (places > 1 ? " wherever there are trials enough" : "")
              : ": no winner" + (places > 1 ? std::string(" at any place") : "") + (power.empty() ? "" : "; " + power)));
   } else if (!unbeaten.empty() && any_winner) {
-    parts.push_back(taken.empty() ? joined(unbeaten) + " are beaten nowhere, and of use in fewer than half of the cells"
-                                  : "take " + joined(taken, " or ") + ", beaten nowhere");
+    parts.push_back(taken.empty()
+                        ? text::enumerate(unbeaten) + " are beaten nowhere, and of use in fewer than half of the cells"
+                        : "take " + text::enumerate(taken, " or ") + ", beaten nowhere");
     for (const std::string& name : beaten) {
       const Standing& s = standings[name];
       parts.push_back(name + " is beaten" + places_text(s.beaten_on, places) +
@@ -309,14 +304,15 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
       each.push_back(name + places_text(s.beaten_on, places) + (s.most > 0 ? ", by up to " + millimetres(s.most) : ""));
     }
     parts.push_back(places > 1 ? "none is best everywhere; beaten are " + after_semicolons(each)
-                               : "each of " + joined(beaten) + " is beaten by another");
+                               : "each of " + text::enumerate(beaten) + " is beaten by another");
   }
-  if (!unknown.empty()) parts.push_back("of " + joined(unknown) + " nothing can be said: too few trials to compare");
-  if (!failing.empty()) parts.push_back("without result: " + joined(failing));
+  if (!unknown.empty())
+    parts.push_back("of " + text::enumerate(unknown) + " nothing can be said: too few trials to compare");
+  if (!failing.empty()) parts.push_back("without result: " + text::enumerate(failing));
   if (!useless.empty()) {
     char limit[48];
     std::snprintf(limit, sizeof limit, "off by more than %g mm: ", 1e3 * bench.useless_above());
-    parts.push_back(limit + joined(useless));
+    parts.push_back(limit + text::enumerate(useless));
   }
   parts.insert(parts.end(), silent.begin(), silent.end());
   return group.name + ": " + after_semicolons(parts) + ".";
@@ -374,22 +370,22 @@ std::vector<std::string> calibration_verdicts(const Analysis& analysis) {
     judged += known;
     right += known && words.empty();
     if (words.empty()) continue;
-    const std::pair<std::string, std::string> key{row.place, joined(words)};
+    const std::pair<std::string, std::string> key{row.place, text::enumerate(words)};
     if (who[key].empty()) order.push_back(key);
     who[key].push_back(row.name);
   }
   if (judged == 0) return {};
   std::vector<std::string> sentences;
   for (const auto& key : order)
-    sentences.push_back((key.first.empty() ? "" : key.first + ": ") + joined(who[key], " and ", "; ") + " stated " +
-                        key.second + ".");
+    sentences.push_back((key.first.empty() ? "" : key.first + ": ") + text::enumerate(who[key], " and ", "; ") +
+                        " stated " + key.second + ".");
   sentences.push_back(std::to_string(right) + " of " + std::to_string(judged) +
                       " rows state what is found, within a tenth or within what the trials can tell.");
   return sentences;
 }
 
 std::string method_text(const Bench& bench, const Analysis& analysis) {
-  std::string text = "Intervals: " + fixed(100 * analysis.confidence, bench.looks.empty() ? 0 : 1) +
+  std::string text = "Intervals: " + text::format_fixed(100 * analysis.confidence, bench.looks.empty() ? 0 : 1) +
                      " %, delete-one jackknife over seeds (a seed counts once, in all places), rates by Wilson; "
                      "differences are paired by seed, tested by exchanging whole seeds, p adjusted by Holm over all "
                      "places and pairs; a trial without result is lost";

@@ -1,8 +1,7 @@
 // bench.summary: statistics, verdicts and pages of what `plumbline bench` ran.
-#include <fstream>
-#include <sstream>
 
 #include "artifacts/file.hpp"
+#include "base/text/whole_file.hpp"
 #include "plumbline/node.hpp"
 #include "show/bench/figures.hpp"
 #include "show/bench/page.hpp"
@@ -25,11 +24,7 @@ struct BenchSummary : Node {
   Out<File> tex{"tex", "macros, so that a paper quotes numbers without copying"};
 
   void run(Context& context) override {
-    std::ifstream stream(cells->path, std::ios::binary);
-    if (!stream) throw std::runtime_error("cannot read " + cells->path);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    const bench::Bench given = bench::parse_bench(text.str());
+    const bench::Bench given = bench::parse_bench(text::read_whole(cells->path));
     const bench::Analysis analysis = bench::analyse(given);
     context.metric("cells", static_cast<double>(analysis.cells), "1");
     context.metric("failed", static_cast<double>(analysis.failed), "1");

@@ -54,26 +54,23 @@ Json correlations_json(const std::vector<std::string>& names, const std::vector<
 }
 
 void add_interior(const BlockT& block, const std::string& camera, Json& entry) {
-  const std::string of = camera.empty() ? "" : " of " + camera;
   Json parameters = Json::array(), correlations = Json::array();
-  std::vector<std::string> estimated;
+  std::vector<const InteriorParameterT*> estimated;
   for (const auto& p : block.interior_orientation) {
-    const bool of_image = p->name.starts_with("x0 of ") || p->name.starts_with("y0 of ");
-    if (p->estimated && !of_image) estimated.push_back(p->name);
-    if (of_image || !p->name.ends_with(of) || (camera.empty() && p->name.find(" of ") != std::string::npos)) continue;
-    parameters.push_back({{"name", p->name.substr(0, p->name.size() - of.size())},
-                          {"value", p->value},
-                          {"sigma", p->sigma},
-                          {"estimated", p->estimated}});
+    if (!p->image.empty()) continue;
+    if (p->estimated) estimated.push_back(p.get());
+    if (p->camera != camera) continue;
+    parameters.push_back({{"name", p->name}, {"value", p->value}, {"sigma", p->sigma}, {"estimated", p->estimated}});
   }
   // Those with parameters of other cameras stand with the second of them.
-  for (const Json& c : correlations_json(estimated, block.interior_correlations)) {
-    std::string with = c["with"].get<std::string>(), other = c["of"].get<std::string>();
-    if (!with.ends_with(of)) continue;
-    with.resize(with.size() - of.size());
-    if (other.ends_with(of)) other.resize(other.size() - of.size());
-    correlations.push_back({{"of", other}, {"with", with}, {"correlation", c["correlation"]}});
-  }
+  if (block.interior_correlations.size() == estimated.size() * (estimated.size() + 1) / 2)
+    for (size_t i = 0; i < estimated.size(); ++i)
+      for (size_t j = 0; j < i && estimated[i]->camera == camera; ++j) {
+        const InteriorParameterT& other = *estimated[j];
+        correlations.push_back({{"of", other.camera == camera ? other.name : other.name + " of " + other.camera},
+                                {"with", estimated[i]->name},
+                                {"correlation", block.interior_correlations[i * (i + 1) / 2 + j]}});
+      }
   entry["interior_orientation"] = parameters;
   entry["correlations"] = correlations;
 }

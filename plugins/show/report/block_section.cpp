@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/text/words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
@@ -50,15 +51,13 @@ std::string with_sigma(const InteriorParameterT& parameter, bool pixels) {
   return fixed(parameter.value, digits) + " ± " + fixed(parameter.sigma, digits);
 }
 
-/// One column a camera: names are "fx", or of several cameras "fx of left".
+/// One column a camera.
 void write_cameras(Markup& html, const BlockT& block) {
   std::vector<std::string> cameras, names;
   std::map<std::pair<std::string, std::string>, std::string> cells;
   for (const auto& parameter : block.interior_orientation) {
-    const size_t of = parameter->name.find(" of ");
-    const std::string name = parameter->name.substr(0, of),
-                      camera = of == std::string::npos ? "" : parameter->name.substr(of + 4);
-    if (name == "x0" || name == "y0") continue;  // of single images
+    if (!parameter->image.empty()) continue;
+    const std::string &name = parameter->name, &camera = parameter->camera;
     if (std::find(cameras.begin(), cameras.end(), camera) == cameras.end()) cameras.push_back(camera);
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
     cells[{camera, name}] = with_sigma(*parameter, name[0] == 'f' || name[0] == 'c');
@@ -75,12 +74,6 @@ void write_cameras(Markup& html, const BlockT& block) {
     for (const std::string& camera : cameras) row.push_back(cells[{camera, name}]);
     table_row(html, row);
   }
-}
-
-std::string joined(const std::vector<std::string>& items) {
-  std::string text;
-  for (const std::string& item : items) text += (text.empty() ? "" : ", ") + item;
-  return text;
 }
 
 }  // namespace
@@ -119,10 +112,10 @@ void write_block(Markup& html, const ReportInput& input) {
     std::vector<std::string> rejected;
     for (const auto& item : block.rejected) rejected.push_back(item->anchor + " in " + item->path);
     html.element("p", count(static_cast<long>(rejected.size()), "sighting of a tag was", "sightings of tags were") +
-                          " rejected by its tests: " + joined(rejected) + ".");
+                          " rejected by its tests: " + text::join(rejected) + ".");
   }
-  if (!block.left_out.empty()) html.element("p", "Left out: " + joined(block.left_out) + ".");
-  if (!block.weak_datum.empty()) html.element("p", "Weak geometry: " + joined(block.weak_datum) + ".");
+  if (!block.left_out.empty()) html.element("p", "Left out: " + text::join(block.left_out) + ".");
+  if (!block.weak_datum.empty()) html.element("p", "Weak geometry: " + text::join(block.weak_datum) + ".");
   folded(html, count(static_cast<long>(block.images.size()), "image", "images"), [&] { write_images(html, block); });
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/network_page.hpp"
@@ -11,12 +12,6 @@
 namespace plumbline::report {
 
 namespace {
-
-std::string joined(const std::vector<std::string>& ids) {
-  std::string text;
-  for (std::size_t i = 0; i < ids.size(); ++i) text += (i ? ", " : "") + ids[i];
-  return text;
-}
 
 std::vector<std::string> moved_points(const SurveyComparisonT& c) {
   std::vector<std::string> ids;
@@ -69,7 +64,7 @@ void write_exclusions(Markup& html, const SurveyComparisonT& c, const std::strin
   for (std::size_t i = 0; i < c.excluded.size(); ++i) {
     const PointExclusionT& e = *c.excluded[i];
     table_row(html, {std::to_string(i + 1), left(e.id), fixed(e.statistic, 1), fixed(e.critical, 1),
-                     left(e.alternatives.empty() ? unknown : joined(e.alternatives))});
+                     left(e.alternatives.empty() ? unknown : text::join(e.alternatives))});
   }
 }
 
@@ -107,7 +102,7 @@ NetworkPage drawing_of(const SurveyComparisonT& c) {
 
 void write_left_out(Markup& html, const SurveyComparisonT& c) {
   const auto tell = [&](const char* what, const std::vector<std::string>& ids) {
-    if (!ids.empty()) html.element("p", {{"class", "note"}}, what + joined(ids) + ".");
+    if (!ids.empty()) html.element("p", {{"class", "note"}}, what + text::join(ids) + ".");
   };
   tell("In the first epoch only: ", c.only_first);
   tell("In the second epoch only: ", c.only_second);
@@ -123,7 +118,7 @@ void write_epochs(Markup& html, const SurveyComparisonT& c) {
   const std::string heading =
       moved.empty()
           ? (c.congruent ? "No point has moved significantly." : "The epochs differ, but no single point explains it.")
-          : count(static_cast<long>(moved.size()), "point has", "points have") + " moved: " + joined(moved) + ".";
+          : count(static_cast<long>(moved.size()), "point has", "points have") + " moved: " + text::join(moved) + ".";
   write_box(html, moved.empty() && c.congruent, heading,
             count(static_cast<long>(c.points.size()), "common point", "common points") + ", global congruency test " +
                 (c.congruent ? "passed: " : "failed: ") + test_in_words(c) + ". " + datum_in_words(c.free_motions));
@@ -146,7 +141,7 @@ void write_control_warning(Markup& html, const SurveyComparisonT& c) {
   html.element("h2", "The control points do not all fit the observations");
   const auto bad = moved_points(c);
   html.element("p", (bad.empty() ? std::string("No single point explains it")
-                                 : "Look at " + joined(bad) + ": moved, or coordinates of another point") +
+                                 : "Look at " + text::join(bad) + ": moved, or coordinates of another point") +
                         "; all results below lean on them. T" + test_in_words(c).substr(1) + ".");
 }
 

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/sections.hpp"
@@ -129,12 +130,6 @@ void write_set_ups(Markup& html, const NetworkPage& n) {
                with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
                with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
   }
-}
-
-std::string joined(const std::vector<std::string>& texts) {
-  std::string all;
-  for (const std::string& text : texts) all += (all.empty() ? "" : ", ") + text;
-  return all;
 }
 
 /// What is to be mended stands first; notes are folded away where they are many.
@@ -365,7 +360,7 @@ void write_network(Markup& html, const NetworkPage& network, const SurveyCompari
     html.element("p", {{"class", "note"}}, "Precision assumed, " + network.stochastic_model + ".");
   const std::string about = (network.instrument.empty() ? "" : "Instrument: " + network.instrument + ". ") +
                             (network.date.empty() ? "" : "Date: " + network.date + ". ") +
-                            (network.files.empty() ? "" : "Files: " + joined(network.files) + ".");
+                            (network.files.empty() ? "" : "Files: " + text::join(network.files) + ".");
   if (!about.empty()) html.element("p", {{"class", "note"}}, about);
   write_global_test(html, network);
   write_findings(html, network);

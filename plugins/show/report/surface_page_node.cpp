@@ -1,9 +1,8 @@
 #include "show/report/surface_page_node.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
+#include "base/text/whole_file.hpp"
 #include "building/ifc/enlarged_surfaces.hpp"
 #include "show/report/surface_page.hpp"
 
@@ -16,8 +15,7 @@ std::vector<FacadePicture> read_pictures(const Context& context, const FolderT& 
     if (found == folder.files.end())
       throw std::runtime_error("'orthophoto' has no file " + name +
                                "; connect the port 'folder' of surface.orthophoto");
-    std::ifstream stream(context.resolve("sha256:" + (*found)->sha256 + "/" + name), std::ios::binary);
-    std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    std::string bytes = text::read_whole(context.resolve("sha256:" + (*found)->sha256 + "/" + name));
     if (bytes.size() != (*found)->size)
       throw std::runtime_error("the file " + name + " of 'orthophoto' has " + std::to_string(bytes.size()) +
                                " bytes, " + std::to_string((*found)->size) + " are expected");

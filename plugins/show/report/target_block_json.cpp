@@ -16,8 +16,6 @@ using Json = nlohmann::ordered_json;
 
 std::string name_of(const char* what, int id) { return std::string(what) + " " + std::to_string(id); }
 
-bool is_of_image(const InteriorParameterT& p) { return p.name.find(" of image ") != std::string::npos; }
-
 /// R = Rx(ω) Ry(φ) Rz(κ), transposed: camera from block.
 Eigen::Matrix3d cam_from_block(const Eigen::Vector3d& angles) {
   return (Eigen::AngleAxisd(angles.x(), Eigen::Vector3d::UnitX()) *
@@ -96,9 +94,8 @@ class Converter {
     Eigen::Vector2d observed(m.x(), m.y());
     for (const auto& p : camera.interior_orientation) {
       const auto at = std::find(names.begin(), names.end(), p->name);
-      if (at != names.end()) values[at - names.begin()] = p->value;
-      if (p->name == name_of("x0 of image", image.id)) observed.x() -= p->value;
-      if (p->name == name_of("y0 of image", image.id)) observed.y() -= p->value;
+      if (p->image.empty() && at != names.end()) values[at - names.begin()] = p->value;
+      if (p->image == std::to_string(image.id)) observed(p->name == "x0" ? 0 : 1) -= p->value;
     }
     bundle::LensRows rows;
     const Eigen::Vector3d v = cam_from_block(image.angles) * (position - image.centre);
@@ -113,7 +110,7 @@ class Converter {
       Json parameters = Json::array();
       std::vector<std::string> estimated;
       for (const auto& p : camera->interior_orientation) {
-        if (is_of_image(*p)) continue;
+        if (!p->image.empty()) continue;
         if (p->estimated) estimated.push_back(p->name);
         parameters.push_back({{"name", p->name},
                               {"value", p->value},

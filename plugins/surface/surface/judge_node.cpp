@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <map>
 
+#include "base/text/text.hpp"
 #include "building/ifc/enlarged_surfaces.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/surfaces.hpp"
@@ -36,12 +37,7 @@ const char* word_of(const SurfaceVerdictT& verdict) {
   return verdict.verdict == ToleranceVerdict::fail ? "FAIL" : "UNDECIDED";
 }
 
-std::string millimetres(double metres) {
-  if (!std::isfinite(metres)) return "";
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3f", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return std::isfinite(metres) ? text::format_fixed(1e3 * metres, 3) : ""; }
 
 std::string name_of(const SurfaceVerdictT& verdict) {
   return verdict.second.empty() ? verdict.panel : verdict.panel + " | " + verdict.second;

@@ -6,7 +6,6 @@
 #include "panels_node.hpp"
 #include "photo/images/jpeg_writer.hpp"
 #include "photo/images/tiff_writer.hpp"
-#include "plumbline/stop.hpp"
 #include "surface/dense/panel_painter.hpp"
 #include "surface_artifacts.hpp"
 

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "artifacts/survey_artifact.hpp"
+#include "base/text/words.hpp"
 #include "ellipsoid_artifact.hpp"
 #include "geometry/statistics.hpp"
 #include "network_artifact.hpp"
@@ -20,11 +21,7 @@ namespace plumbline::survey {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& ids) {
-  std::string text;
-  for (size_t i = 0; i < ids.size() && i < 10; ++i) text += (i ? ", " : "") + ids[i];
-  return ids.size() > 10 ? text + " and " + std::to_string(ids.size() - 10) + " more" : text;
-}
+constexpr size_t most_named = 10;
 
 Epoch epoch_of(const PointsT& points, const char* which) {
   const ControlPoints all = control_from_artifact(points);
@@ -124,7 +121,8 @@ std::string movement_in_words(const Movement& m) {
 
 std::string alternatives_in_words(const Comparison& c, const std::string& id) {
   for (const Exclusion& e : c.excluded)
-    if (e.id == id && !e.alternatives.empty()) return "; the test cannot tell it from " + joined(e.alternatives);
+    if (e.id == id && !e.alternatives.empty())
+      return "; the test cannot tell it from " + text::join(e.alternatives, most_named);
   return "";
 }
 
@@ -183,7 +181,7 @@ void CompareEpochsNode::run(Context& context) {
   }
   out.remark = c.variances.text + (c.variances.text.empty() ? "" : "; ") +
                (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
-               (moved.empty() ? "; no point has moved significantly" : "; moved: " + joined(moved));
+               (moved.empty() ? "; no point has moved significantly" : "; moved: " + text::join(moved, most_named));
   context.info(out.remark);
   comparison.commit(out);
 }
@@ -221,7 +219,7 @@ void CheckControlNode::run(Context& context) {
                    tests_in_words(result.comparison));
     out.remark = (result.comparison.congruent ? "the control points fit the observations: "
                                               : "the control points do not fit the observations: ") +
-                 tests_in_words(result.comparison) + (bad.empty() ? "" : "; suspect: " + joined(bad));
+                 tests_in_words(result.comparison) + (bad.empty() ? "" : "; suspect: " + text::join(bad, most_named));
     context.info(out.remark);
     check.commit(out);
     return;

@@ -130,8 +130,7 @@ std::string verdict_text(const SurveyNetworkT& n) {
   size_t said = 0;
   for (const auto& f : n.findings) {
     if (first_is_known && f == n.findings.front()) continue;
-    const bool reading = f->text.starts_with("suspect: ") || f->text.starts_with("removed: ");
-    if (f->severity == "note" ? !f->text.starts_with("excluded: ") : reading) continue;
+    if (f->severity == "note" ? f->subject != "exclusion" : f->subject == "reading") continue;
     if (++said > kFindings) continue;
     text << (f->severity == "note" ? "" : "! ") << f->text << ".\n";
   }

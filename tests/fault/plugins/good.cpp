@@ -17,7 +17,7 @@ GoodPlugin plugin = {
     {sizeof(plumbline_param), PLUMBLINE_NUMBER, 0, 0, "height", "3", "m", "how high", 0, 1000, nullptr},
     {sizeof(plumbline_param), PLUMBLINE_TEXT, 0, 2, "mode", "plain", "", "how", -1e300, 1e300, plugin.choices},
     {sizeof(plumbline_node), 1, "broken.node", "", "Does nothing", plugin.inputs, plugin.outputs, plugin.params, 1, 1,
-     2, 1, &run, nullptr},
+     2, 1, &run, nullptr, ""},
     {"plain", "double"},
     {&plugin.input, &plugin.output},
     {&plugin.output, &plugin.input},

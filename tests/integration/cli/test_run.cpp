@@ -40,6 +40,18 @@ TEST(Run, WritesItsOutputsAndReusesThem) {
   EXPECT_EQ(read_file(plumbline.work() / "elsewhere/b.json"), read_file(plumbline.work() / "out/p/b.json"));
 }
 
+TEST(Run, ASolverWithoutResultHasAnExitCodeOfItsOwn) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes:\n  a: {use: story.throws}\n");
+  EXPECT_EQ(plumbline({"run", "p.yaml", "a.with.how=not_converged"}).code, 4);
+  std::istringstream record(read_file(plumbline.work() / "out/p/run.jsonl"));
+  std::string line;
+  std::getline(record, line) && std::getline(record, line);
+  EXPECT_EQ(Json::parse(line).at("failure"), "not_converged") << line;
+  for (const char* how : {"plain", "bad_input"})
+    EXPECT_EQ(plumbline({"run", "p.yaml", std::string("a.with.how=") + how}).code, 1) << how;
+}
+
 TEST(Run, SaysThatItReplacesAnotherVariant) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

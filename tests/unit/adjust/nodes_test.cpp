@@ -138,8 +138,10 @@ TEST(AdjustSchurNode, SeveralCamerasAreToldByTheirNames) {
     EXPECT_NE(adjusted.others[0]->parameters, adjusted.parameters);
     const BlockT block = node.output<Block>("block");
     ASSERT_EQ(block.interior_orientation.size(), 18u);
-    EXPECT_EQ(block.interior_orientation[0]->name, "fx of left");
-    EXPECT_EQ(block.interior_orientation[9]->name, "fx of right");
+    EXPECT_EQ(block.interior_orientation[0]->name, "fx");
+    EXPECT_EQ(block.interior_orientation[0]->camera, "left");
+    EXPECT_EQ(block.interior_orientation[9]->name, "fx");
+    EXPECT_EQ(block.interior_orientation[9]->camera, "right");
     EXPECT_GT(block.interior_orientation[9]->sigma, 0);
     EXPECT_EQ(block.interior_correlations.size(), 16u * 17 / 2);
     try {

@@ -78,6 +78,9 @@ TEST(Plugins, NodesOfOneRoleHaveTheSamePorts) {
     const auto [entry, fresh] = first.emplace(kind.node->role, std::make_pair(name, ports));
     EXPECT_EQ(ports, entry->second.second)
         << name << " and " << entry->second.first << " share the role " << kind.node->role;
+    // The first word of a kind is what it does; so what can stand in for each other stands together in `list`.
+    EXPECT_EQ(name.substr(0, name.find('.')), entry->second.first.substr(0, entry->second.first.find('.')))
+        << "kinds of the role " << kind.node->role << " begin with one word";
   }
 }
 

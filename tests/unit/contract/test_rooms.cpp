@@ -140,8 +140,20 @@ TEST(Rooms, SplitMixStandsOnce) {
   for (const auto& [file, text] : sources_of(libraries_folder()))
     if (std::regex_search(text, step)) found.insert(file);
   EXPECT_TRUE(found.erase("geometry/random.hpp"));
-  found.erase("least_squares/problem/datum.cpp");  // to be brought to it as well
   EXPECT_EQ(found, std::set<std::string>{}) << "use mix_bits() or Random of geometry/random.hpp";
+}
+
+// One of each: files are read whole by base/text/whole_file.hpp, which says why it cannot.
+TEST(Rooms, FilesAreReadWholeInOnePlace) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex read(R"(istreambuf_iterator<char>|<< *\w+\.rdbuf\(\))");
+  EXPECT_TRUE(std::regex_search(std::string("text << stream.rdbuf();"), read));
+  std::set<std::string> found;
+  for (const char* folder : {"libraries", "plugins"})
+    for (const auto& [file, text] : sources_of(root / folder))
+      if (std::regex_search(text, read)) found.insert(file);
+  found.erase("show/report/pack_script.cpp");  // a program of the build, which links no library
+  EXPECT_EQ(found, std::set<std::string>{}) << "use text::read_whole()";
 }
 
 // docs/architecture.md has a row for each library.

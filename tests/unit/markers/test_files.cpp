@@ -480,6 +480,27 @@ TEST(SurveyFrame, CarriesPlateOffsetsThroughAnUnknownScale) {
   EXPECT_THAT(message_of([&] { markers::fit_to_survey(network, surveyed); }), HasSubstr("at least 3 are needed"));
 }
 
+/// Neighbours 42 mm apart were within what a start may be off by, and the block "did not converge".
+TEST(SurveyFrame, NeighboursThatAreExchangedDoNotAgree) {
+  markers::MarkerResult network;
+  std::vector<markers::SurveyedTag> surveyed;
+  for (int k = 0; k < 12; ++k) {
+    markers::AdjustedMarker marker;
+    marker.marker = k;
+    marker.world_from_tag.translation = {0.042 * (k % 4), 0.042 * (k / 4), 0.001 * (k % 3)};
+    network.markers.push_back(marker);
+    surveyed.push_back({k, "P" + std::to_string(k), marker.world_from_tag.translation, Eigen::Vector3d::Zero()});
+  }
+  std::swap(surveyed[5].position, surveyed[6].position);
+  surveyed[6].check = true;  // a check point has no part in the motion, but its place is known
+  const auto frame = markers::fit_to_survey(network, surveyed);
+  for (size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(frame.agrees[k], k != 5 && k != 6) << k;
+    EXPECT_NEAR(frame.distance[k], k == 5 || k == 6 ? 0.042 : 0, 2e-3) << k;
+  }
+  EXPECT_LT((frame.found[5] - surveyed[6].position).norm(), 1e-3);
+}
+
 TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
   markers::ColmapModel model;
   markers::ColmapCamera camera;

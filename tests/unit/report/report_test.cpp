@@ -192,13 +192,14 @@ TEST(Report, ParametersOfTwoCamerasHaveTheDigitsOfTheirStandardDeviations) {
   ReportInput input = test::example();
   input.block.emplace();
   input.block->statistics = std::make_unique<StatisticsT>();
-  const auto add = [&](const char* name, double value, double sigma) {
+  const auto add = [&](const char* name, const char* camera, double value, double sigma) {
     auto parameter = std::make_unique<InteriorParameterT>();
-    parameter->name = name, parameter->value = value, parameter->sigma = sigma, parameter->estimated = sigma > 0;
+    parameter->name = name, parameter->camera = camera, parameter->value = value, parameter->sigma = sigma,
+    parameter->estimated = sigma > 0;
     input.block->interior_orientation.push_back(std::move(parameter));
   };
-  add("fx of crane", 3082.2971, 0.0361), add("p1 of crane", 0.00021234, 2.04e-6), add("k3 of crane", 0, 0);
-  add("fx of ground", 3082.3581, 0.0921), add("p1 of ground", 0.00020391, 5.0e-6), add("k3 of ground", 0, 0);
+  add("fx", "crane", 3082.2971, 0.0361), add("p1", "crane", 0.00021234, 2.04e-6), add("k3", "crane", 0, 0);
+  add("fx", "ground", 3082.3581, 0.0921), add("p1", "ground", 0.00020391, 5.0e-6), add("k3", "ground", 0, 0);
   const std::string html = render_report(input);
   for (const char* part :
        {">crane</th>", ">ground</th>", "3082.297 ± 0.036", "0.0002123 ± 0.0000020", "0.00000 (held)"})

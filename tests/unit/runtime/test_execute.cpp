@@ -227,5 +227,20 @@ TEST(Link, SixtyThousandNodesInARow) {
   EXPECT_EQ(graph.nodes.back().name, "n59999");
 }
 
+/// Programs that start this one ask of what kind a failure is, and read no sentences for it.
+TEST(Execute, AFailureHasAKind) {
+  const std::pair<const char*, plumbline_answer> kinds[] = {
+      {"plain", PLUMBLINE_FAILED}, {"bad_input", PLUMBLINE_BAD_INPUT}, {"not_converged", PLUMBLINE_NOT_CONVERGED}};
+  for (const auto& [how, kind] : kinds) {
+    Story story(std::string("a: {use: story.throws, with: {how: ") + how + "}}\nb: {use: story.constant}\n");
+    const auto& result = story.run();
+    EXPECT_EQ(story.node("a").failure, kind) << how;
+    EXPECT_EQ(story.node("b").failure, PLUMBLINE_DONE);
+    EXPECT_EQ(result.not_converged(), kind == PLUMBLINE_NOT_CONVERGED) << how;
+  }
+  Story both("a: {use: story.throws, with: {how: not_converged}}\nb: {use: story.throws}\n");
+  EXPECT_FALSE(both.run().not_converged()) << "the other one needs another mend";
+}
+
 }  // namespace
 }  // namespace plumbline::test

@@ -14,6 +14,7 @@ struct Info {
   uint32_t version;
   const char* summary;
   bool deterministic = true;
+  const char* lacks = "";  ///< what its role promises and it does not give: "covariance"
 };
 
 /// Frame binding of a port: "frame=?S" binds the type's parameter `frame` to the variable S, "frame=building" to a

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "plumbline/failure.hpp"
 #include "plumbline/node/ports.hpp"
 #include "plumbline/stop.hpp"
 
@@ -16,6 +17,7 @@ namespace detail {
 
 template <typename N>
 int run_node(const plumbline_host* host, const plumbline_node* entry) noexcept {
+  int answer = PLUMBLINE_FAILED;
   try {
     if (host->size < sizeof(plumbline_host))
       throw std::logic_error("this host lends fewer services than the plugin was built for; update plumbline");
@@ -25,14 +27,19 @@ int run_node(const plumbline_host* host, const plumbline_node* entry) noexcept {
     Context context(*host, *entry);
     const StopScope scope([](const void* of) { return static_cast<const Context*>(of)->cancelled(); }, &context);
     static_cast<Node&>(node).run(context);
-    return 0;
+    return PLUMBLINE_DONE;
+  } catch (const Failure& failure) {
+    host->fail(host->context, failure.what());
+    answer = failure.kind();
   } catch (const std::exception& error) {
     host->fail(host->context, error.what());
+  } catch (const Stopped&) {
+    host->fail(host->context, "stopped");
   } catch (...) {
     host->fail(host->context, "an exception that is not a std::exception");
   }
   host_of_this_run = nullptr;
-  return 1;
+  return answer;
 }
 
 template <typename N>
@@ -68,7 +75,8 @@ const plumbline_node* declare_node() {
                                        static_cast<uint32_t>(parts.params.size()),
                                        N::info.deterministic ? 1u : 0u,
                                        &run_node<N>,
-                                       nullptr};
+                                       nullptr,
+                                       N::info.lacks};
   return &entry;
 }
 
