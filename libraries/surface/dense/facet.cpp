@@ -50,12 +50,13 @@ Eigen::ArrayXf mean_patch(const std::vector<Share>& shares) {
   return mean / static_cast<float>(shares.size());
 }
 
-/// Of a photograph's patch with the mean of the `count - 1` others: in the mean of all it would agree with itself, of
-/// two photographs by 0.7 whatever they show.
+/// Of a photograph with the pattern, noise apart: the root of its mean correlation with the `count - 1` others, as two
+/// noisy patches agree by the product of what each agrees with the pattern by. With the mean of all, two photographs
+/// would agree by 0.7 whatever they show, since each is a part of it.
 double correlation(const Share& share, const Eigen::ArrayXf& mean, size_t count) {
-  const double all = static_cast<double>(count), with_mean = static_cast<double>((share.patch.values * mean).mean());
-  const double others = all * all * static_cast<double>(mean.square().mean()) - 2 * all * with_mean + 1;
-  return others > 1e-12 ? (all * with_mean - 1) / std::sqrt(others) : 0;
+  const double all = static_cast<double>(count);
+  const double others = (all * static_cast<double>((share.patch.values * mean).mean()) - 1) / (all - 1);
+  return std::sqrt(std::max(0.0, others));
 }
 
 /// Mean correlation of pairs of patches: (K² |T|² − K) / (K (K − 1)), since all have contrast 1.

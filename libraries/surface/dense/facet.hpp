@@ -28,7 +28,7 @@ struct FacetOptions {
   int half = 5;                  ///< a patch has (2 · half + 1)² samples
   double search = 0.05;          ///< heights from −search to search are looked at [m]
   int min_views = 3;             ///< photographs that have to agree
-  double min_correlation = 0.7;  ///< of a photograph's patch with the mean of the others'
+  double min_correlation = 0.7;  ///< of a photograph with the pattern that all show, noise apart
   double min_share = 0.6;        ///< of the photographs that see it have to agree: in a mirror a few may by chance
   double repetition = 0.02;      ///< a second height within so much of the best correlation is as good
   double max_sigma = 0.002;      ///< of a height [m]

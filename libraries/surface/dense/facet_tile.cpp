@@ -174,7 +174,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
                                 ? best.outcome != FacetOutcome::measured || facet.correlation > best.correlation + 1e-6
                                 : best.outcome != FacetOutcome::measured;
         if (better) best = std::move(facet);
-        if (best.outcome == FacetOutcome::measured && best.correlation > 0.9) break;
+        if (best.outcome == FacetOutcome::measured && best.correlation > 0.95) break;
       }
       if (best.outcome == FacetOutcome::measured && ambiguous[static_cast<size_t>(cr) * coarse_columns + cc])
         best.outcome = FacetOutcome::ambiguous;
