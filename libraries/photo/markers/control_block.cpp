@@ -112,11 +112,19 @@ void warn_about_points(ControlResult& result) {
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options) {
   ControlResult result;
+  adjust_with_control(model, control, measured, options, result);
+  return result;
+}
+
+void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+                         const std::vector<ImagePoint>& measured, const ControlOptions& options,
+                         ControlResult& result) {
   result.model = model;
   // Coordinates of a site may have seven digits: computed near the origin of the control.
   for (const auto& p : control) result.origin += p.position / static_cast<double>(control.size());
   result.origin = result.origin.array().round();
   std::vector<Target> targets = targets_of(model, control, measured, options, result);
+  set_wrong_measurements_aside(result.model, targets, result);
   align(result.model, targets, result);
   const size_t controls = targets.size();
   add_ties(result.model, options, targets);
@@ -146,7 +154,6 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
   }
   warn_about_control(control, options, result);
   warn_about_points(result);
-  return result;
 }
 
 }  // namespace plumbline::markers

@@ -71,5 +71,8 @@ struct ControlResult {
 /// control points with two rays, control on a line. Check points are judged, and what does not hold is a warning.
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options);
+/// The same; where it throws, the warnings of `result` say what was noticed before.
+void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+                         const std::vector<ImagePoint>& measured, const ControlOptions& options, ControlResult& result);
 
 }  // namespace plumbline::markers

@@ -39,6 +39,12 @@ std::vector<Target> targets_of(const ColmapModel& model, const std::vector<Contr
                                const std::vector<ImagePoint>& measured, const ControlOptions& options,
                                ControlResult& result);
 
+/// Leaves out measurements of a surveyed point that lie more than 25 px, or twenty times their standard deviation, from
+/// where the point's other photographs have it in the model as it is, if nothing else explains it; the whole point if
+/// it cannot be told which is wrong. Each is a warning. One such measurement bends the photographs until their tie
+/// points no longer fit, and the adjustment names anything but its cause.
+void set_wrong_measurements_aside(const ColmapModel& model, std::vector<Target>& targets, ControlResult& result);
+
 /// Adds the tie points with the longest tracks, every photograph its share.
 void add_ties(const ColmapModel& model, const ControlOptions& options, std::vector<Target>& targets);
 

@@ -214,7 +214,13 @@ void AdjustColmapControl::run(Context& context) {
   control::require_whole(known, control->path, "adjust.colmap_control");
   tell(known, control->path, context);
   const std::vector<ControlPoint>& surveyed = known.points;
-  const ControlResult result = adjust_with_control(read_colmap(model_folder), surveyed, pixels, options);
+  ControlResult result;
+  try {
+    adjust_with_control(read_colmap(model_folder), surveyed, pixels, options, result);
+  } catch (const std::exception&) {  // what was noticed before may be why
+    for (const auto& text : result.warnings) context.warn(text);
+    throw;
+  }
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   context.metric("rms", result.rms, "px");

@@ -11,7 +11,12 @@ namespace plumbline::report {
 
 namespace {
 
-constexpr double width = 1040, height = 350;
+constexpr double height = 350, widest = 1040, widest_on_phone = 640;
+
+/// Few floors make a narrow chart, which a telephone shows whole.
+double width_of(const AccuracyComparisonT& c) {
+  return std::clamp(80 + 110.0 * static_cast<double>(c.floors.size()), 380.0, widest);
+}
 
 /// Value with the half length of its confidence interval [mm].
 struct Bar {
@@ -45,7 +50,7 @@ void draw_bar(Markup& svg, const Axes& axes, double x, const Bar& b, const std::
 Axes drift_axes(const AccuracyComparisonT& c, double range) {
   Axes axes;
   const auto n = static_cast<double>(c.floors.size());
-  axes.x = {-0.5, n - 0.5, 60, width - 10};
+  axes.x = {-0.5, n - 0.5, 60, width_of(c) - 10};
   axes.y = {-range, range, height - 26, 30};
   axes.y_ticks = ticks(-range, range, 9);
   for (const double tick : axes.y_ticks)
@@ -62,8 +67,8 @@ void draw_drift_chart(Markup& html, const AccuracyT& accuracy, const AccuracyCom
   const double factor = normal_quantile(0.5 + 0.5 * accuracy.confidence);
   const Axes axes = drift_axes(c, range_of(accuracy, c, factor));
   const double tau = 1e3 * accuracy.tau;
-  Scope svg =
-      drawing(html, width, height, "Mean height residual and cumulative drift of every floor, with the tolerance band");
+  Scope svg = drawing(html, width_of(c), height,
+                      "Mean height residual and cumulative drift of every floor, with the tolerance band");
   html.empty("rect", {{"class", "tolerance"},
                       {"x", px(axes.x.pixel0)},
                       {"y", px(axes.y(tau))},
@@ -153,7 +158,7 @@ void write_floors(Markup& html, const AccuracyT& accuracy) {
   html.element("h2", "Drift from floor to floor");
   if (!c->evidence) html.element("p", "These are control anchors. " + c->evidence_note);
   {
-    Scope figure(html, "figure");
+    Scope figure(html, "figure", {{"class", width_of(*c) <= widest_on_phone ? "whole-chart" : ""}});
     write_drift_legend(html, accuracy, *c);
     draw_drift_chart(html, accuracy, *c);
   }

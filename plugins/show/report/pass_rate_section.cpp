@@ -10,7 +10,7 @@ namespace plumbline::report {
 
 namespace {
 
-constexpr double width = 1040, height = 340;
+constexpr double width = 640, height = 340;
 
 Axes pass_axes(const AccuracyComparisonT& c) {
   Axes axes;
@@ -90,7 +90,7 @@ void write_pass_rates(Markup& html, const AccuracyT& accuracy) {
                         "is 95\u00A0%, the dashed line the tolerance in force. Anchors of one building share errors, "
                         "so the band is rather too narrow.");
   {
-    Scope figure(html, "figure");
+    Scope figure(html, "figure", {{"class", "whole-chart"}});
     draw_curve(html, accuracy, *c);
   }
   folded(html, "All tolerances as a table", [&] { write_rate_table(html, *c, accuracy.confidence); });

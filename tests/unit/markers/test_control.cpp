@@ -121,6 +121,51 @@ TEST(ControlBlock, NamesAPointWithTheWrongCoordinatesAndGoesOnWithoutIt) {
     EXPECT_LT(p.used ? (p.position - s.truth.at(p.name)).norm() : 0.0, 0.01) << p.name;
 }
 
+/// As in a public list of ground control: a cross was given the name of another one in one photograph.
+TEST(ControlBlock, AMeasurementUnderTheWrongNameIsNamedAndLeftOut) {
+  Site s = site(4);
+  const auto of = [&](const char* image, const char* point) {
+    return std::find_if(s.measured.begin(), s.measured.end(),
+                        [&](const ImagePoint& m) { return m.image == image && m.point == point; });
+  };
+  ASSERT_NE(of("img3.jpg", "P1"), s.measured.end());
+  ASSERT_NE(of("img3.jpg", "P4"), s.measured.end());
+  of("img3.jpg", "P1")->pixel = of("img3.jpg", "P4")->pixel + Eigen::Vector2d(1, 0);
+  const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+  ASSERT_EQ(result.warnings.size(), 1u);
+  EXPECT_THAT(result.warnings[0], HasSubstr("point P1 is measured in img3.jpg "));
+  EXPECT_THAT(result.warnings[0], HasSubstr("that measurement is left out. P4 is measured 1 px from there"));
+  for (const auto& p : result.points) EXPECT_LT((p.position - s.truth.at(p.name)).norm(), 0.01) << p.name;
+}
+
+/// An adjustment that fails then says no word of it, so what was noticed before is told all the same.
+TEST(ControlBlock, WhatWasNoticedBeforeAFailureIsTold) {
+  Site s = site(4);
+  const auto wrong = std::find_if(s.measured.begin(), s.measured.end(), [](const auto& m) { return m.point == "P1"; });
+  wrong->pixel += Eigen::Vector2d(300, 200);
+  std::swap(s.control[3].position, s.control[4].position);  // and what nothing can be aligned to
+  for (auto& point : s.control) std::swap(point.position.x(), point.position.y());
+  ControlResult result;
+  EXPECT_ANY_THROW(adjust_with_control(s.model, s.control, s.measured, {}, result));
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_THAT(result.warnings[0], HasSubstr("point P1 is measured in img"));
+}
+
+/// Of two measurements nobody knows which is wrong.
+TEST(ControlBlock, APointWhoseTwoMeasurementsContradictEachOtherIsLeftOut) {
+  Site s = site(4);
+  size_t seen = 0;
+  std::erase_if(s.measured, [&](const ImagePoint& m) { return m.point == "P1" && ++seen > 2; });
+  const auto first = std::find_if(s.measured.begin(), s.measured.end(), [](const auto& m) { return m.point == "P1"; });
+  ASSERT_NE(first, s.measured.end());
+  first->pixel += Eigen::Vector2d(100, 150);
+  const ControlResult result = adjust_with_control(s.model, s.control, s.measured, {});
+  ASSERT_FALSE(result.warnings.empty());
+  EXPECT_THAT(result.warnings[0], HasSubstr("the measurements of point P1 in img"));
+  EXPECT_THAT(result.warnings[0], HasSubstr("nothing says which of them is wrong: the point is left out"));
+  for (const auto& p : result.points) EXPECT_EQ(p.used, p.name != "P1") << p.name;
+}
+
 /// 50 mm, 25 times its standard deviation: once told nowhere.
 TEST(ControlBlock, ACheckPointThatIsOffIsToldAndTheOthersAreNot) {
   Site s = site(7);
