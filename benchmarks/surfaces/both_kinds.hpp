@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -32,6 +33,7 @@ inline double quantile(std::vector<double>& values, double share) {
 struct Heights {
   std::vector<double> height, sigma;
   double seconds = 0;
+  std::array<int, 6> outcomes{};  ///< of dense.plane_sweep, by FacetOutcome
 };
 
 /// `wanted`: of each cell; empty: all.
@@ -52,10 +54,15 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
       Facet best;
       for (const double start : search_heights(grid.plane, at, spacing, views, options, 2, &two)) {
         Facet facet = match_facet(grid.plane, at, spacing, start, views, options);
+        if (best.outcome != FacetOutcome::measured && facet.outcome != FacetOutcome::measured)
+          best.outcome = facet.outcome;
         if (facet.outcome == FacetOutcome::measured && facet.correlation > best.correlation) best = std::move(facet);
       }
-      if (best.outcome == FacetOutcome::measured && !two)
-        result.height[cell] = best.height, result.sigma[cell] = best.sigma;
+      if (two && best.outcome == FacetOutcome::measured) best.outcome = FacetOutcome::ambiguous;
+      ++result.outcomes[static_cast<size_t>(best.outcome)];
+      if (best.outcome == FacetOutcome::measured)
+        result.height[cell] = best.height,
+        result.sigma[cell] = best.sigma * std::sqrt(best.neighbours > 1.8 ? best.neighbours : 1);
     }
   });
   return result;

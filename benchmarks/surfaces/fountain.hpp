@@ -1,8 +1,10 @@
-// Photographs and published cameras of fountain-P11 (Strecha et al. 2008).
+// Photographs and published cameras of fountain-P11 or Herz-Jesus-P8 (Strecha et al. 2008).
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -36,23 +38,28 @@ struct Fountain {
     for (size_t k = first; k < views.size(); k += step) chosen.push_back({&views[k], &images[k]});
     return chosen;
   }
-  /// The plane `distance` [m] before the middle camera.
-  FacadePlane wall(double distance) const {
-    const RigidTransform world_from_cam = views[5].cam_from_world.inverse();
+  /// The plane `distance` [m] before the middle camera and `above` [m] it, turned about the vertical by `turn` [°].
+  FacadePlane wall(double distance, double above = 0, double turn = 0) const {
+    const RigidTransform world_from_cam = views[views.size() / 2].cam_from_world.inverse();
     Eigen::Vector3d forward = world_from_cam.rotation * Eigen::Vector3d::UnitZ();
     forward.z() = 0;
-    return facade_plane(world_from_cam.translation + distance * forward.normalized(), -forward);
+    const Eigen::Vector3d origin = world_from_cam.translation + distance * forward.normalized();
+    const Eigen::AngleAxisd turned(turn * M_PI / 180, Eigen::Vector3d::UnitZ());
+    return facade_plane(origin + above * Eigen::Vector3d::UnitZ(), turned * -forward);
   }
 };
 
 inline Fountain read_fountain(const std::string& folder) {
   Fountain photographs;
-  for (int k = 0; k < 11; ++k) {
+  for (int k = 0; k < 100; ++k) {
     char name[16];
     std::snprintf(name, sizeof name, "%04d.jpg", k);
+    if (!std::filesystem::exists(folder + "/gt_dense_cameras/" + name + ".camera")) break;
     photographs.views.push_back(read_camera(folder + "/gt_dense_cameras/" + name + ".camera"));
     photographs.images.push_back(pyramid_of(read_grey_image(folder + "/images/" + name)));
   }
+  if (photographs.views.size() < 6)
+    throw std::runtime_error(folder + " has not both images/ and gt_dense_cameras/ of a set");
   return photographs;
 }
 

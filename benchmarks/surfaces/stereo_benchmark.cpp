@@ -1,6 +1,9 @@
 // dense.plane_sweep and dense.sgm side by side, on the same photographs with the same cells.
 //   stereo_benchmark pair LEFT RIGHT TRUTH [SCALE]  a rectified pair with published disparities (Middlebury)
-//   stereo_benchmark fountain FOLDER                fountain-P11: photographs of even numbers against those of odd ones
+//   stereo_benchmark fountain FOLDER [DISTANCE SEARCH UP TURN]   fountain-P11 or Herz-Jesus-P8: photographs of even
+//   numbers
+//       against those of odd ones, on the plane DISTANCE m before the middle camera, UP m above it, turned by TURN
+//       degrees
 //   stereo_benchmark locking                        bias by the fraction of a disparity, on a simulated wall
 #include <array>
 #include <cstdio>
@@ -16,17 +19,18 @@ namespace {
 using namespace plumbline;
 using namespace plumbline::surface;
 
-void fountain(const std::string& folder) {
+void fountain(const std::string& folder, double distance, double search, double above, double turn) {
   const Fountain set = read_fountain(folder);
   const CellGrid grid = [&] {
     CellGrid wall;
-    wall.plane = set.wall(8), wall.area = {{-1.6, -1.2}, {1.6, 1.2}}, wall.columns = 71, wall.rows = 53;
+    wall.plane = set.wall(distance, above, turn), wall.area = {{-1.6, -1.2}, {1.6, 1.2}}, wall.columns = 71,
+    wall.rows = 53;
     return wall;
   }();
   FacetOptions sweep;
-  sweep.search = 0.4, sweep.max_sigma = 0.01;
+  sweep.search = search, sweep.max_sigma = 0.01;
   SemiGlobalOptions sgm;
-  sgm.pair.search = 0.4, sgm.pair.max_sigma = 0.01;
+  sgm.pair.search = search, sgm.pair.max_sigma = 0.01;
   for (const char* name : {"dense.plane_sweep", "dense.sgm", "dense.sgm refine=false"}) {
     sgm.pair.refine = std::strcmp(name, "dense.sgm") == 0;
     sgm.pair.matching_sigma = sgm.pair.refine ? 0.02 : 0.12;
@@ -49,6 +53,12 @@ void fountain(const std::string& folder) {
       within += ratios.back() < 3;
     }
     const double both = static_cast<double>(differences.size());
+    std::array<std::vector<double>, 4> parts;  // left, right, below, above: whether the plane is the wall's
+    for (size_t cell = 0; cell < grid.size(); ++cell)
+      if (const Eigen::Vector2d at = grid.middle(cell); !std::isnan(found[0].height[cell]))
+        parts[at.x() > 0].push_back(found[0].height[cell]), parts[2 + (at.y() > 0)].push_back(found[0].height[cell]);
+    std::printf("median height left %+.3f, right %+.3f, below %+.3f, above %+.3f m\n", quantile(parts[0], 0.5),
+                quantile(parts[1], 0.5), quantile(parts[2], 0.5), quantile(parts[3], 0.5));
     std::printf(
         "%-22s of %zu cells even %zu, odd %zu, both %.0f; |difference| median %.2f mm, 90 %% below %.2f mm, above 20 "
         "mm "
@@ -116,12 +126,15 @@ int main(int count, char** arguments) try {
   const std::string what = count > 1 ? arguments[1] : "";
   if (what == "pair" && (count == 5 || count == 6))
     compare_on_published_pair(arguments[2], arguments[3], arguments[4], count == 6 ? std::atof(arguments[5]) : 1);
-  else if (what == "fountain" && count == 3)
-    fountain(arguments[2]);
+  else if (what == "fountain" && (count == 3 || count == 7))
+    count == 3 ? fountain(arguments[2], 8, 0.4, 0, 0)
+               : fountain(arguments[2], std::atof(arguments[3]), std::atof(arguments[4]), std::atof(arguments[5]),
+                          std::atof(arguments[6]));
   else if (what == "locking" && count == 2)
     locking();
   else
-    throw std::runtime_error("usage: stereo_benchmark pair LEFT RIGHT TRUTH [SCALE] | fountain FOLDER | locking");
+    throw std::runtime_error(
+        "usage: stereo_benchmark pair LEFT RIGHT TRUTH [SCALE] | fountain FOLDER [DISTANCE SEARCH UP TURN] | locking");
   return 0;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -147,11 +147,12 @@ int describe(const Options& options) {
     return 0;
   }
   const plumbline_node& node = *kind->node;
-  std::printf("%s  %s\n", paint(Colour::bold, node.kind).c_str(), node.summary);
+  print_title(node.kind, node.summary);
   if (*node.role) std::printf("role %s%s%s, ", node.role, *node.lacks ? " without " : "", node.lacks);
   std::printf("version %u, plugin %s %s (%s)\n", node.version, kind->plugin->identity.name.c_str(),
               kind->plugin->identity.version.c_str(), kind->plugin->identity.licence.c_str());
-  if (const std::string linked = licences_in_words(*kind->plugin); !linked.empty()) std::printf("%s\n", linked.c_str());
+  if (const std::string linked = licences_in_words(*kind->plugin); !linked.empty())
+    std::printf("%s\n", lines(linked).c_str());
   print_ports("in", node.inputs, node.input_count);
   print_ports("out", node.outputs, node.output_count);
   if (node.param_count) {

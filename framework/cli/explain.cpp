@@ -104,8 +104,8 @@ bool describe_pipeline(const Options& options, const runtime::Registry& registry
                             .c_str());
     return true;
   }
-  std::printf("%s  %s\n\n%s", paint(Colour::bold, file.stem().string()).c_str(), file.c_str(),
-              columns({{doc.summary}}).c_str());
+  print_title(file.stem().string(), file.string());
+  std::printf("\n%s", columns({{doc.summary}}).c_str());
   std::vector<std::vector<std::string>> rows;
   for (const auto& v : doc.variables)
     rows.push_back(
@@ -148,8 +148,8 @@ bool describe_artifact(const Options& options, const runtime::Registry& registry
   }
   for (const auto& table : tables) {
     const bool root = &table == &tables.front();
-    std::printf("%s%s  %s\n", root ? "" : "\n", paint(Colour::bold, root ? type->name : table.name.c_str()).c_str(),
-                table.doc.c_str());
+    if (!root) std::printf("\n");
+    print_title(root ? type->name : table.name, table.doc);
     std::vector<std::vector<std::string>> rows;
     for (const auto& f : table.fields)
       rows.push_back({"  " + f.name, f.type, f.required ? "required" : "", f.unit, f.doc});

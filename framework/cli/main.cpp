@@ -8,14 +8,42 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <memory>
+#include <sstream>
 
 #include "bench.hpp"
+#include "build_info.hpp"
 #include "commands.hpp"
 #include "runtime/base/printable.hpp"
+#include "terminal.hpp"
 
 namespace {
 
 using plumbline::cli::Options;
+
+/// Help that fits the terminal.
+class ScreenFormatter : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return beside(CLI::Formatter::make_option_desc(option));
+  }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(), beside(command->get_description()), column_width_);
+    return out.str();
+  }
+  std::string make_description(const CLI::App* app) const override {
+    return plumbline::cli::lines(app->get_description()) + "\n";
+  }
+
+ private:
+  std::string beside(const std::string& text) const {
+    constexpr size_t narrowest = 20;
+    const size_t screen = plumbline::cli::terminal_columns();
+    return plumbline::cli::wrapped(text,
+                                   screen == 0 ? 0 : std::max(narrowest, screen - std::min(screen, column_width_)));
+  }
+};
 
 struct Command {
   CLI::App* app;
@@ -274,7 +302,8 @@ int main(int argc, char** argv) {
   Options options;
   plumbline::cli::BenchOptions bench_options;
   CLI::App app("Plumbline: survey-controlled photogrammetry as a dataflow of plugins");
-  app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION);
+  app.formatter(std::make_shared<ScreenFormatter>());
+  app.set_version_flag("--version", "plumbline " PLUMBLINE_VERSION " (commit " + plumbline::cli::build_commit() + ")");
   app.name("plumbline");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);

@@ -136,11 +136,8 @@ std::string size_text(double bytes) {
   return text;
 }
 
-namespace {
-
-/// The text in lines of at most `room` characters, broken between words; lines after the first begin with `indent`
-/// blanks.
 std::string wrapped(const std::string& text, size_t room, size_t indent) {
+  if (room == 0) return text;
   std::string result, line;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
@@ -153,10 +150,36 @@ std::string wrapped(const std::string& text, size_t room, size_t indent) {
   return result + line;
 }
 
+std::string lines(const std::string& text) { return wrapped(text, terminal_columns()); }
+
+namespace {
+
+constexpr size_t narrowest = 24, hanging = 6;
+
+/// A row of a table that is wider than the screen: what it is called, what it is, and what that means below.
+std::string running(const std::vector<std::string>& row, size_t screen) {
+  const size_t room = screen > hanging + narrowest ? screen - hanging : narrowest;
+  std::string text, rest;
+  for (size_t i = 1; i + 1 < row.size(); ++i) rest += (rest.empty() || row[i].empty() ? "" : " ") + row[i];
+  const size_t before = width(row[0]) + 2;
+  if (before + width(rest) <= screen || rest.find(' ') == std::string::npos)
+    text = row[0] + "  " + rest;
+  else
+    text = row[0] + "\n" + std::string(hanging, ' ') + wrapped(rest, room, hanging);
+  if (!row.back().empty()) text += "\n" + std::string(hanging, ' ') + wrapped(row.back(), room, hanging);
+  return text;
+}
+
 }  // namespace
 
+void print_title(const std::string& name, const std::string& text) {
+  const size_t screen = terminal_columns(), start = width(name) + 2;
+  const bool narrow = screen > 0 && start + narrowest > screen;
+  std::printf("%s%s%s\n", paint(Colour::bold, name).c_str(), narrow ? "\n" : "  ",
+              wrapped(text, narrow || screen == 0 ? screen : screen - start, narrow ? 0 : start).c_str());
+}
+
 std::string columns(const std::vector<std::vector<std::string>>& rows, size_t screen) {
-  constexpr size_t narrowest = 24, hanging = 6;
   std::vector<size_t> widths;
   for (const auto& row : rows) {
     widths.resize(std::max(widths.size(), row.size()));
@@ -166,6 +189,10 @@ std::string columns(const std::vector<std::vector<std::string>>& rows, size_t sc
   for (size_t i = 0; i + 1 < widths.size(); ++i) start += widths[i] > 0 ? widths[i] + 2 : 0;
   std::string text;
   for (const auto& row : rows) {
+    if (screen != 0 && start > screen && row.size() > 2) {
+      text += running(row, screen) + "\n";
+      continue;
+    }
     for (size_t i = 0; i + 1 < row.size(); ++i)
       if (widths[i] > 0) text += row[i] + std::string(widths[i] - width(row[i]) + 2, ' ');
     const std::string last = row.empty() ? "" : row.back();

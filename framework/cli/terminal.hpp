@@ -32,8 +32,18 @@ std::string rough_duration_text(double seconds);
 /// "12.3 MiB"
 std::string size_text(double bytes);
 
+/// The text in lines of at most `room` characters (0: one line), broken between words; lines after the first begin with
+/// `indent` blanks, which do not count.
+std::string wrapped(const std::string& text, size_t room, size_t indent = 0);
+/// The same from the beginning of a line of standard output's terminal.
+std::string lines(const std::string& text);
+
+/// What something is called, in bold, and what it is, on as many lines of the terminal as that takes.
+void print_title(const std::string& name, const std::string& text);
+
 /// Text in columns, two blanks between them; the last column is not padded, and is wrapped between words where the
-/// screen is narrower (0: no screen). Columns that are empty in every row take no place.
+/// screen is narrower (0: no screen). Where not even the columns before it fit, rows are running text. Columns that are
+/// empty in every row take no place.
 std::string columns(const std::vector<std::vector<std::string>>& rows, size_t screen = terminal_columns());
 
 }  // namespace plumbline::cli

@@ -11,18 +11,27 @@
 
 #include "artifacts/camera.hpp"
 #include "geometry/camera.hpp"
+#include "geometry/packed_symmetric.hpp"
 
 namespace plumbline {
 
-/// The nine parameters, whatever the camera has beside them.
-inline BrownCamera nine_parameters_of(const CameraT& artifact) {
-  if (artifact.parameters.size() != BrownCamera::parameter_count)
+/// The parameters of its lens, whatever the camera has beside them.
+inline InteriorOrientation parameters_of(const CameraT& artifact) {
+  InteriorOrientation camera;
+  const auto lens = artifact.lens.empty() ? LensModel::brown : lens_called(artifact.lens);
+  if (!lens)
+    throw std::runtime_error("camera '" + artifact.id + "' has the lens '" + artifact.lens +
+                             "'; known are brown and fisheye");
+  camera.lens = *lens;
+  if (artifact.parameters.size() != camera.names().size()) {
+    std::string names;
+    for (const char* name : camera.names()) names += (names.empty() ? "" : ", ") + std::string(name);
     throw std::runtime_error("camera '" + artifact.id + "' has " + std::to_string(artifact.parameters.size()) +
-                             " parameters, expected 9: fx, fy, cx, cy, k1, k2, k3, p1, p2");
-  BrownCamera camera;
+                             " parameters, expected " + std::to_string(camera.names().size()) + ": " + names);
+  }
   camera.width = artifact.width;
   camera.height = artifact.height;
-  std::array<double, BrownCamera::parameter_count> values;
+  std::array<double, InteriorOrientation::parameter_count> values{};
   std::copy(artifact.parameters.begin(), artifact.parameters.end(), values.begin());
   camera.set_parameters(values);
   if (!(camera.fx > 0 && camera.fy > 0))
@@ -32,8 +41,22 @@ inline BrownCamera nine_parameters_of(const CameraT& artifact) {
 
 [[noreturn]] inline void refuse_as_incomplete(const CameraT& artifact) {
   throw std::runtime_error("camera '" + artifact.id + "' (" + artifact.source + ") has " + artifact.beyond +
-                           " beside its nine parameters, which alone would project wrongly; use a camera adjusted "
+                           " beside its parameters, which alone would project wrongly; use a camera adjusted "
                            "without, or the figures of the block that made it");
+}
+
+/// Its covariance, 9 × 9 as InteriorOrientation has its parameters; empty if they are taken as exact.
+inline Eigen::MatrixXd interior_covariance_of(const CameraT& artifact) {
+  return unpack_symmetric(artifact.covariance, InteriorOrientation::parameter_count, "camera '" + artifact.id + "'");
+}
+
+/// Size, lens, parameters and, unless it is empty, the 9 × 9 covariance.
+inline void set_interior(const InteriorOrientation& interior, const Eigen::MatrixXd& covariance, CameraT& artifact) {
+  artifact.width = interior.width, artifact.height = interior.height;
+  artifact.lens = interior.lens == LensModel::brown ? "" : name_of(interior.lens);
+  const auto values = interior.parameters();
+  artifact.parameters.assign(values.begin(), values.begin() + std::ssize(interior.names()));
+  if (covariance.size() > 0) artifact.covariance = pack_symmetric(covariance);
 }
 
 /// Who projects with one camera would take the photographs of all others for its own.
@@ -68,27 +91,27 @@ inline CameraT joined_cameras(const std::vector<CameraT>& cameras) {
   return artifact;
 }
 
-/// Throws std::runtime_error, naming the camera, unless it has nine parameters that say all of it, and positive
+/// Throws std::runtime_error, naming the camera, unless its parameters say all of it, and positive
 /// principal distances.
-inline BrownCamera camera_of(const CameraT& artifact) {
+inline InteriorOrientation camera_of(const CameraT& artifact) {
   require_alone(artifact);
-  const BrownCamera camera = nine_parameters_of(artifact);
+  const InteriorOrientation camera = parameters_of(artifact);
   if (!artifact.beyond.empty() || !artifact.distance_terms.empty() || artifact.image_principal_points)
     refuse_as_incomplete(artifact);
   return camera;
 }
 
-/// A camera with what an adjustment may have found beside the nine parameters. Source of the distance terms: Magill
-/// (1955), Brown (1971), see block/bundle/lens.hpp.
+/// A camera with what an adjustment may have found beside the parameters of its lens. Source of the distance terms:
+/// Magill (1955), Brown (1971), see block/bundle/lens.hpp.
 struct CompleteCamera {
-  BrownCamera nine;
+  InteriorOrientation nine;
   Eigen::Vector2d distance_terms = Eigen::Vector2d::Zero();  ///< d1, d2 [m]
   double reference_distance = 0;                             ///< Z0 [m]; 0: no distance terms
   bool image_principal_points = false;                       ///< they stand with the poses
 
-  /// Nine parameters for what lies `depth` [m] before the camera.
-  BrownCamera at(double depth) const {
-    BrownCamera camera = nine;
+  /// Its parameters for what lies `depth` [m] before the camera.
+  InteriorOrientation at(double depth) const {
+    InteriorOrientation camera = nine;
     if (!(reference_distance > 0)) return camera;
     const double s = 1 / depth - 1 / reference_distance;
     camera.k1 += distance_terms.x() * s;
@@ -101,7 +124,7 @@ struct CompleteCamera {
 inline CompleteCamera complete_camera_of(const CameraT& artifact) {
   require_alone(artifact);
   CompleteCamera camera;
-  camera.nine = nine_parameters_of(artifact);
+  camera.nine = parameters_of(artifact);
   if (!artifact.beyond.empty() && artifact.distance_terms.empty() && !artifact.image_principal_points)
     refuse_as_incomplete(artifact);
   camera.image_principal_points = artifact.image_principal_points;

@@ -16,19 +16,22 @@ namespace plumbline {
 
 /// Row k: the correlations of parameter k with those before it, k values, or none where it has no correlation with
 /// them.
-using CameraCorrelations = std::array<std::vector<double>, BrownCamera::parameter_count>;
+using CameraCorrelations = std::array<std::vector<double>, InteriorOrientation::parameter_count>;
 
 /// 9 × 9; empty if all standard deviations are 0. Throws std::runtime_error that says which row has another number of
 /// values or a correlation outside of −1 to 1, and where the whole is no covariance: not positive definite in the
 /// parameters whose standard deviation is not 0.
-inline Eigen::MatrixXd camera_covariance(const std::array<double, BrownCamera::parameter_count>& sigmas,
+inline Eigen::MatrixXd camera_covariance(LensModel lens,
+                                         const std::array<double, InteriorOrientation::parameter_count>& sigmas,
                                          const CameraCorrelations& correlations) {
-  constexpr int count = BrownCamera::parameter_count;
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(count, count);
+  constexpr int all = InteriorOrientation::parameter_count;
+  const auto names = InteriorOrientation::names_of(lens);
+  const int count = static_cast<int>(names.size());
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
   std::vector<int> free;
   for (int k = 0; k < count; ++k) {
     const auto row = static_cast<std::size_t>(k);
-    const std::string name = BrownCamera::parameter_names[row];
+    const std::string name = names[row];
     if (sigmas[row] > 0) free.push_back(k);
     covariance(k, k) = sigmas[row] * sigmas[row];
     if (correlations[row].empty()) continue;
@@ -39,8 +42,7 @@ inline Eigen::MatrixXd camera_covariance(const std::array<double, BrownCamera::p
       const double value = correlations[row][static_cast<std::size_t>(j)];
       if (!(std::abs(value) <= 1))
         throw std::runtime_error("the correlation of " + name + " with " +
-                                 BrownCamera::parameter_names[static_cast<std::size_t>(j)] +
-                                 " is not between -1 and 1");
+                                 std::string(names[static_cast<std::size_t>(j)]) + " is not between -1 and 1");
       covariance(k, j) = covariance(j, k) = value * sigmas[row] * sigmas[static_cast<std::size_t>(j)];
     }
   }

@@ -1,6 +1,8 @@
 // Vectors of the compiler, not of the instruction set: what a processor lacks is done in halves, with the same bits.
 #pragma once
 
+#include <cmath>
+
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
 #define PLUMBLINE_CLONES
 #else
@@ -24,6 +26,13 @@ PLUMBLINE_INLINE V load(const double* from) {  // from any address
 template <typename V>
 PLUMBLINE_INLINE void store(double* to, const V& value) {
   __builtin_memcpy(to, &value, sizeof value);
+}
+
+PLUMBLINE_INLINE double root(double v) { return std::sqrt(v); }
+PLUMBLINE_INLINE double arc_tangent(double v) { return std::atan(v); }
+PLUMBLINE_INLINE V4 root(const V4& v) { return V4{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])}; }
+PLUMBLINE_INLINE V4 arc_tangent(const V4& v) {
+  return V4{std::atan(v[0]), std::atan(v[1]), std::atan(v[2]), std::atan(v[3])};
 }
 
 }  // namespace plumbline

@@ -153,11 +153,13 @@ class Linker {
       const plumbline_port* port = node.kind.input(port_name);
       if (!port) {
         const auto inputs = port_names(node.kind.node->inputs, node.kind.node->input_count);
-        const std::string hint = did_you_mean(port_name, inputs);
+        const bool of_another_kind = specs_[index]->use.at.line == 0 && text.at.line > 0;  // the kind is an override
+        const std::string hint = of_another_kind ? "" : did_you_mean(port_name, inputs);
         problem(text.at, "'" + std::string(node.kind.node->kind) + "' has no input '" + port_name + "'" +
                              (!hint.empty()    ? hint
                               : inputs.empty() ? "; it has none"
-                                               : "; its inputs are: " + list_text(inputs)));
+                                               : "; its inputs are: " + list_text(inputs)) +
+                             (of_another_kind ? "; " + node.name + ".in." + port_name + "=[] leaves it out" : ""));
         continue;
       }
       std::string& connection = node.connections[port_name];
@@ -203,13 +205,13 @@ class Linker {
     node.each_port = port->name;
   }
 
-  /// Another connection of an input that has one already: only of a list, and not where rounds follow each other.
+  /// Another connection of an input that has one already: only of a list, and not beside what rounds carry.
   void refuse_second(const GraphNode& node, const plumbline_port& port, const Scalar& text) {
     const std::string input = "input '" + std::string(port.name) + "' of '" + node.name + "' takes one connection";
     if (port.cardinality != PLUMBLINE_LIST && port.cardinality != PLUMBLINE_EACH)
       problem(text.at, input + ", found several: it is no list");
-    else if (spec_.rounds.given)
-      problem(text.at, input + " in a pipeline with rounds; join them in a node");
+    else if (rounds_.is_meant(text.text) || node.carried.count(port.name) || node.collected.count(port.name))
+      problem(text.at, input + " where one of them comes from the rounds; join them in a node");
   }
 
   void connect_to_rounds(GraphNode& node, const plumbline_port& port, const Scalar& text) {

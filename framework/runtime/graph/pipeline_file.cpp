@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <sstream>
 
 #include "base/text/one_document.hpp"
 #include "runtime/base/near_names.hpp"
 #include "runtime/base/printable.hpp"
+#include "runtime/graph/include_paths.hpp"
 #include "runtime/graph/pipeline_variables.hpp"
 #include "runtime/graph/role_expansion.hpp"
 
@@ -125,7 +127,9 @@ class FileReader {
       problem({file.string(), 1, 1}, "the first line of a pipeline is 'plumbline: 1' (the version of the format)");
     else if (!root["plumbline"].IsScalar() || root["plumbline"].Scalar() != "1")
       problem(position(file, root["plumbline"]), "the version of the format must be 1");
+    roots_.push_back(root);
     if (root["include"]) read_includes(file, root["include"], spec);
+    roots_.pop_back();
     if (root["vars"]) read_variables(file, root["vars"]);
     if (root["rounds"]) read_rounds(file, root["rounds"], spec.rounds);
     if (root["nodes"]) read_nodes(file, root["nodes"], spec);
@@ -173,10 +177,21 @@ class FileReader {
       for (const auto& item : list) items.push_back(item);
     including_.push_back(fs::weakly_canonical(file));
     for (const YAML::Node& item : items) {
-      const fs::path included = find_include(file, item.as<std::string>(""));
+      const std::string name = item.as<std::string>("");
+      variables_.mention(name);
+      std::string unknown;
+      const std::string replaced = with_values(
+          name, [&](const std::string& variable) { return value_for_include(variable); }, unknown);
+      if (!unknown.empty()) {
+        problem(position(file, item), "'" + name + "' is included by a variable '" + unknown +
+                                          "' that has no value; give it one under 'vars' of this file");
+        continue;
+      }
+      const fs::path included = find_include(file, replaced, include_folders_);
       const fs::path same = fs::weakly_canonical(included);
       if (included.empty())
-        problem(position(file, item), "included file not found: " + included_places(file, item.as<std::string>("")));
+        problem(position(file, item),
+                "included file not found: " + included_places(file, name, replaced, include_folders_));
       else if (std::find(including_.begin(), including_.end(), same) != including_.end())
         problem(position(file, item), "this include goes round in a circle");
       else if (including_.size() > deepest_include)
@@ -188,20 +203,15 @@ class FileReader {
     including_.pop_back();
   }
 
-  fs::path find_include(const fs::path& file, const std::string& name) const {
-    if (name.empty()) return {};
-    std::vector<fs::path> folders{file.parent_path()};
-    folders.insert(folders.end(), include_folders_.begin(), include_folders_.end());
-    for (const fs::path& folder : folders)
-      for (const fs::path& candidate : {folder / name, folder / (name + ".yaml")})
-        if (fs::is_regular_file(candidate)) return candidate.lexically_normal();
-    return {};
-  }
-
-  std::string included_places(const fs::path& file, const std::string& name) const {
-    std::string text = (file.parent_path() / name).lexically_normal().string();
-    for (const fs::path& folder : include_folders_) text += ", nor in " + folder.string();
-    return text;
+  /// Of what includes wait for: the command line, else `vars` of the files that lead here, the outermost first, as it
+  /// is for every other value.
+  std::optional<std::string> value_for_include(const std::string& name) const {
+    for (auto text = overrides_.rbegin(); text != overrides_.rend(); ++text)
+      if (text->starts_with(name + "=")) return text->substr(name.size() + 1);
+    for (const YAML::Node& root : roots_)
+      if (const YAML::Node vars = root["vars"]; vars && vars.IsMap())
+        if (const YAML::Node value = vars[name]; value && value.IsScalar()) return value.Scalar();
+    return std::nullopt;
   }
 
   void read_variables(const fs::path& file, const YAML::Node& map) {
@@ -429,6 +439,7 @@ class FileReader {
   std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes
   std::set<fs::path> read_;
   std::vector<fs::path> including_;
+  std::vector<YAML::Node> roots_;  // of the files that are read, the outermost first
 };
 
 }  // namespace

@@ -167,7 +167,22 @@ Rounds RoundsLinker::finish(const Graph& graph, const std::vector<size_t>& posit
                                      "only nodes after the last round can take rounds.all");
     check_ports(graph, graph.nodes[i], rounds);
   }
+  check_joins(graph, changes, needed);
   return rounds;
+}
+
+/// Several connections of a list come from one pass over the graph, where their order is kept: all of them change from
+/// round to round or none, and all are needed by the rounds or none.
+void RoundsLinker::check_joins(const Graph& graph, const std::vector<bool>& changes, const std::vector<bool>& needed) {
+  for (const GraphNode& node : graph.nodes)
+    for (auto next = node.inputs.begin(); next != node.inputs.end(); ++next) {
+      const auto& [port, source] = *next;
+      const Source& first = node.inputs.lower_bound(port)->second;
+      if (changes[source.node] != changes[first.node] || needed[source.node] != needed[first.node])
+        problem(source.at, "input '" + port + "' of '" + node.name + "' takes '" + graph.nodes[first.node].name +
+                               "' and '" + graph.nodes[source.node].name +
+                               "', of which one belongs to the rounds and the other does not; join them in a node");
+    }
 }
 
 /// What comes in later rounds must fit as well as what came in the first: one or a list of it, and in which frames.

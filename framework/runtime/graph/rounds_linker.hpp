@@ -36,6 +36,7 @@ class RoundsLinker {
   void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
   std::optional<Condition> condition(const Graph& graph);
   void check_ports(const Graph& graph, const GraphNode& node, const Rounds& rounds);
+  void check_joins(const Graph& graph, const std::vector<bool>& changes, const std::vector<bool>& needed);
 
   const RoundsSpec& spec_;
   std::vector<Problem>& problems_;

@@ -112,6 +112,7 @@ class Host {
   plumbline_bytes get(const std::string& port, size_t index);
   void commit(const std::string& port, plumbline_bytes bytes);
   std::string resolve(const std::string& uri);
+  std::string partial_folder();
   void make_folder(const std::string& port, const char** path, const char** uri);
   int reserve_memory(uint64_t bytes);
 
@@ -133,6 +134,7 @@ class Host {
   std::set<std::string> committed_;                     // outputs of one item
   std::vector<Held> held_;                              // outputs that may name a folder that is not done
   std::vector<std::pair<std::string, fs::path>> used_;  // content hash and place of what was resolved
+  fs::path partial_;                                    // asked for by the node
   std::atomic<bool> told_to_stop_ = false;
   std::vector<std::string> said_to_be_used_;  // by an executable, beside what its manifest names
   std::string unanswered_;  // why resolve() or digest() gave nothing: the cause, if the node then fails
@@ -236,7 +238,18 @@ void Host::commit(const std::string& port, plumbline_bytes bytes) {
   outcome_.run.outputs[port].push_back(hash);
 }
 
+/// "partial:" is what a node of this key has done so far: a folder that outlives a run that is killed or stopped, and
+/// is removed when the node has its result, or when the store is pruned. Two runs of one key do not work at a time.
+std::string Host::partial_folder() {
+  const fs::path folder = services_.store->folder() / "partial" / call_.key;
+  fs::create_directories(folder);
+  const std::scoped_lock lock(mutex_);
+  partial_ = folder;
+  return folder.string();
+}
+
 std::string Host::resolve(const std::string& uri) {
+  if (uri == "partial:") return partial_folder();
   {
     const std::scoped_lock lock(mutex_);
     for (const Folder& folder : folders_)  // what this run is still writing
@@ -375,6 +388,7 @@ NodeOutcome Host::run() {
       h.check_references();
       h.outcome_.run.used = hashes_of_used(h.said_to_be_used_, h.started_, h.services_.store->file_hashes());
       h.commit_folders();
+      if (std::error_code ignored; !h.partial_.empty()) fs::remove_all(h.partial_, ignored);
     });
   for (uint32_t i = 0; i < node.output_count; ++i) outcome_.run.outputs[node.outputs[i]->name];  // empty lists too
   outcome_.memory_announced = reserved_;

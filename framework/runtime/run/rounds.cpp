@@ -21,6 +21,10 @@ bool compare(double value, const std::string& comparison, double limit) {
   return value == limit;
 }
 
+void append(std::vector<std::string>& all, const std::vector<std::string>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
 }  // namespace
 
 RoundsCourse::RoundsCourse(const Graph& graph)
@@ -51,7 +55,7 @@ RoundsCourse::Stage RoundsCourse::stage(const std::vector<bool>& in, size_t roun
       if (in[source.node])
         inputs.emplace(port, Source{place[source.node], source.port, source.at});
       else
-        node.given[port] = outputs_[source.node].at(source.port);
+        append(node.given[port], outputs_[source.node].at(source.port));
     }
     node.inputs = std::move(inputs);
     if (round > 1)

@@ -141,6 +141,9 @@ Store::Pruned Store::prune(uint64_t bytes, double days) {
   for (fs::directory_iterator entry(folder_ / "folders", gone), end; !gone && entry != end; entry.increment(gone))
     if (is_stored_folder(entry->path()) && !kept.count(entry->path().filename().string()))
       unnamed.push_back(entry->path());
+  // What stopped runs would have gone on with: no run is at work.
+  for (fs::directory_iterator entry(folder_ / "partial", gone), end; !gone && entry != end; entry.increment(gone))
+    unnamed.push_back(entry->path());
   for (const fs::path& folder : unnamed) remove(folder, size_of_tree(folder), pruned.folders);
   const std::scoped_lock lock(mutex_);
   checked_.clear();

@@ -8,6 +8,7 @@
 
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
+#include "building/ifc/bcf_changes.hpp"
 #include "building/ifc/bcf_topic.hpp"
 #include "building/ifc/surface_words.hpp"
 
@@ -23,9 +24,8 @@ std::string mm(double metres, int decimals = 1) {
 }
 
 Issue issue_of(const AnchorDeviationT& anchor) {
-  Issue issue{
-      anchor.guid,    "Anchor " + anchor.id, "",  anchor.floor > 0 ? "Floor " + std::to_string(anchor.floor) : "",
-      anchor.verdict, anchor.design,         0.3, view_of(anchor.facade)};
+  Issue issue = placed_issue(anchor);
+  issue.title = "Anchor " + anchor.id;
   for (const auto& axis : anchor.axes) {
     if (axis->axis != anchor.decided_by) continue;
     std::string name = axis->axis;
@@ -43,16 +43,8 @@ Issue issue_of(const AnchorDeviationT& anchor) {
 }
 
 Issue issue_of(const PanelDeviationT& panel) {
-  Issue issue{panel.guid,
-              "Panel " + (panel.name.empty() ? panel.guid : panel.name) + ": " + panel.reason,
-              "",
-              panel.floor > 0 ? "Floor " + std::to_string(panel.floor) : "",
-              panel.verdict,
-              Eigen::Vector3d::Zero(),
-              0.3,
-              view_of(panel.facade)};
-  for (const auto& corner : panel.corners) issue.centre += corner->design / static_cast<double>(panel.corners.size());
-  for (const auto& corner : panel.corners) issue.reach = std::max(issue.reach, (corner->design - issue.centre).norm());
+  Issue issue = placed_issue(panel);
+  issue.title = "Panel " + (panel.name.empty() ? panel.guid : panel.name) + ": " + panel.reason;
   issue.description = "Verdict " + std::string(EnumNameToleranceVerdict(panel.verdict)) + ": " + panel.reason + ".";
   if (panel.facade && !panel.facade->confirmed)
     issue.description += " Which way it faces is not confirmed: no shims are given.";
@@ -176,6 +168,7 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   }
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
+  if (options.changes) add_changes(deviation, options, issues);
   BcfFile file(options, deviation.design_file, issues.size());
   const BcfSurroundings surroundings(deviation);
   for (const Issue& issue : issues) file.add(issue, surroundings);

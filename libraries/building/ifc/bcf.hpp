@@ -12,6 +12,7 @@
 namespace plumbline {
 struct SurfacesT;
 struct SurfaceJudgementT;
+struct AsBuiltChangesT;
 }  // namespace plumbline
 
 namespace plumbline::ifc {
@@ -19,20 +20,22 @@ namespace plumbline::ifc {
 struct BcfOptions {
   bool version_3 = false;                    ///< BCF 3.0, else 2.1
   std::string project_guid;                  ///< IFC GlobalId, the name space of the topics' ids
-  std::string epoch;                         ///< part of the ids
+  std::string epoch;                         ///< a label of the topics; their ids are the same in every campaign
   std::string date = "1970-01-01T00:00:00";  ///< of the topics, xs:dateTime
   std::string author = "plumbline";
   std::string assigned_to, due_date;        ///< left out where empty
   std::string model_file = "as_built.ifc";  ///< what the topics are about, beside the design file; empty: not named
   const SurfacesT* surfaces = nullptr;      ///< panels and joints as they were measured; null: no topics of surfaces
   const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null likewise
+  const AsBuiltChangesT* changes = nullptr;  ///< since the campaign before: what was mended is closed; null: none
 };
 
 /// A .bcf (ZIP): one topic for every failing or undecided anchor, panel, surface of a panel and joint, with a viewpoint
 /// that selects and colours it (camera in metres, project coordinates; panels between it and the camera are hidden) and
-/// a snapshot, and one for everything that was asked for and not judged. The failing ones come first, and else they
-/// stand in the order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
-/// (judgement/worst_first.hpp). The same input gives the same bytes.
+/// a snapshot, and one for everything that was asked for and not judged. With `changes`, what was open before and is in
+/// order has its topic (of the same id) closed, what opened again says so, and what was open and not measured again
+/// stays open. The failing ones come first, and else they stand in the order of `anchors` and `panels`, which are those
+/// of `deviation` as they are to be mended (judgement/worst_first.hpp). The same input gives the same bytes.
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);
 

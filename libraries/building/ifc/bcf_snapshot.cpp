@@ -85,10 +85,15 @@ std::string packed_runs(const std::string& raw) {
 std::string Picture::png() const {
   std::string raw;
   raw.reserve(static_cast<std::size_t>((kWidth / 2 + 1) * kHeight));
+  // Filter "Up": each row as its difference to the one above, which mostly is nothing, in long runs.
+  std::string above(kWidth / 2, '\0'), packed_row = above;
   for (int y = 0; y < kHeight; ++y) {
-    raw += '\0';
+    raw += '\2';
     const char* row = pixels_.data() + y * kWidth;
-    for (int x = 0; x < kWidth; x += 2) raw += static_cast<char>((row[x] << 4) | row[x + 1]);
+    for (std::size_t i = 0; i < packed_row.size(); ++i)
+      packed_row[i] = static_cast<char>((row[2 * i] << 4) | row[2 * i + 1]);
+    for (std::size_t i = 0; i < packed_row.size(); ++i) raw += static_cast<char>(packed_row[i] - above[i]);
+    above.swap(packed_row);
   }
   const std::string packed = packed_runs(raw);
   std::string out = "\x89PNG\r\n\x1a\n", header, palette;

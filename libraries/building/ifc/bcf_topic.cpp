@@ -155,10 +155,9 @@ BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file, std:
 }
 
 void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
-  const std::string topic = uuid_of(options_.project_guid, "bcf/" + options_.epoch + "/" + issue.key());
+  const std::string topic = uuid_of(options_.project_guid, "bcf//" + issue.key());
   const bool seen = issue.reach > 0;
-  const std::string view =
-      seen ? uuid_of(options_.project_guid, "bcf view/" + options_.epoch + "/" + issue.key()) : std::string();
+  const std::string view = seen ? uuid_of(options_.project_guid, "bcf view//" + issue.key()) : std::string();
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
   zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, snapshots_, index_++));
   if (!seen) return;

@@ -91,6 +91,8 @@ class Reader {
     read_properties();
     read_site();
     read_map_conversion(model_, damage_, design_);
+    design_.grid = read_grid(model_, placements_, units_.length, design_.warnings);
+    read_north();
     tell_damage();
     tell_idle();
     assign_facades(design_, rule_.facades);
@@ -467,6 +469,15 @@ class Reader {
   void read_site() {
     for_all(model_, "IFCSITE", damage_, [&](const Entity& site) {
       if (!design_.site_origin.allFinite()) design_.site_origin = placement_of(site).translation;
+    });
+  }
+
+  void read_north() {
+    for_all(model_, "IFCGEOMETRICREPRESENTATIONCONTEXT", damage_, [&](const Entity& context) {
+      const auto north = context.optional_reference("TrueNorth");
+      if (!north || std::isfinite(design_.true_north)) return;
+      const Eigen::Vector3d direction = read_direction(model_, *north, context.id());
+      if (direction.head<2>().norm() > 1e-6) design_.true_north = std::atan2(direction.x(), direction.y());
     });
   }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "building/ifc/facades.hpp"
+#include "building/ifc/grid.hpp"
 #include "building/ifc/ifc_schema.hpp"
 #include "building/ifc/selection.hpp"
 #include "building/step/step.hpp"
@@ -91,6 +92,9 @@ struct Design {
   std::optional<MapConversion> map_conversion;  ///< the first, if the file has several
   /// Origin of the IfcSite's placement: where exporters put map coordinates, too [m]; nan without.
   Eigen::Vector3d site_origin = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  std::vector<GridAxis> grid;  ///< its axes
+  /// Azimuth of true north, clockwise from the y axis of the project [rad]; nan where the file does not say it.
+  double true_north = std::numeric_limits<double>::quiet_NaN();
   std::vector<std::string> skipped;  ///< elements that were not placed, with the reason
   std::vector<std::string> warnings;
   std::vector<NotApplied> not_applied;  ///< what the rule asked for and could not be done

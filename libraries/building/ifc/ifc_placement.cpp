@@ -28,29 +28,6 @@ Eigen::Matrix3d axes(const Eigen::Vector3d& axis, const Eigen::Vector3d& referen
   return rotation;
 }
 
-struct PlacementLine {
-  Eigen::Vector3d point, direction;
-};
-
-/// A grid axis as a line in the plane of its grid, in its sense.
-PlacementLine read_grid_axis(const Model& model, const Entity& axis) {
-  const Entity curve = model.entity(axis.reference("AxisCurve"), axis.id());
-  PlacementLine line;
-  if (curve.keyword() == "IFCLINE") {
-    line.point = read_point(model, curve.reference("Pnt"), curve.id());
-    const Entity vector = model.entity(curve.reference("Dir"), curve.id());
-    line.direction = read_direction(model, vector.reference("Orientation"), vector.id());
-  } else if (curve.keyword() == "IFCPOLYLINE" && curve.references("Points").size() == 2) {
-    const auto points = curve.references("Points");
-    line.point = read_point(model, points[0], curve.id());
-    line.direction = (read_point(model, points[1], curve.id()) - line.point).normalized();
-  } else {
-    axis.fail("AxisCurve", "a straight line; " + curve.keyword() + " is not read");
-  }
-  if (axis.value("SameSense").text == "F") line.direction = -line.direction;
-  return line;
-}
-
 Eigen::Vector3d intersection(const Model& model, const Entity& crossing, Eigen::Vector3d* tangent) {
   const auto ids = crossing.references("IntersectingAxes");
   std::vector<double> offsets = crossing.numbers("OffsetDistances");
@@ -82,6 +59,24 @@ std::optional<std::uint64_t> placement_of_grid(const Model& model, std::uint64_t
 }
 
 }  // namespace
+
+PlacementLine read_grid_axis(const Model& model, const Entity& axis) {
+  const Entity curve = model.entity(axis.reference("AxisCurve"), axis.id());
+  PlacementLine line;
+  if (curve.keyword() == "IFCLINE") {
+    line.point = read_point(model, curve.reference("Pnt"), curve.id());
+    const Entity vector = model.entity(curve.reference("Dir"), curve.id());
+    line.direction = read_direction(model, vector.reference("Orientation"), vector.id());
+  } else if (curve.keyword() == "IFCPOLYLINE" && curve.references("Points").size() == 2) {
+    const auto points = curve.references("Points");
+    line.point = read_point(model, points[0], curve.id());
+    line.direction = (read_point(model, points[1], curve.id()) - line.point).normalized();
+  } else {
+    axis.fail("AxisCurve", "a straight line; " + curve.keyword() + " is not read");
+  }
+  if (axis.value("SameSense").text == "F") line.direction = -line.direction;
+  return line;
+}
 
 Eigen::Vector3d read_point(const Model& model, std::uint64_t id, std::uint64_t referrer) {
   const Entity point = model.entity(id, referrer);

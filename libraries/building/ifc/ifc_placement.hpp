@@ -16,6 +16,13 @@ Eigen::Vector3d read_direction(const Model& model, std::uint64_t id, std::uint64
 /// IfcAxis2Placement2D or 3D: maps coordinates inside it to those around it. Identity for nothing.
 RigidTransform read_axis_placement(const Model& model, std::optional<std::uint64_t> id, std::uint64_t referrer);
 
+/// A line in the plane of a grid, lengths in the file's unit.
+struct PlacementLine {
+  Eigen::Vector3d point, direction;
+};
+/// An IfcGridAxis in its sense, in the axes of its grid. Throws step::Error for one that is not straight.
+PlacementLine read_grid_axis(const Model& model, const Entity& axis);
+
 /// Object placements, each resolved once.
 class Placements {
  public:

@@ -86,6 +86,8 @@ constexpr EntityLayout kLayouts[] = {
     {"IFCCARTESIANTRANSFORMATIONOPERATOR3DNONUNIFORM", kAllSchemas,
      "Axis1 Axis2 LocalOrigin Scale Axis3 Scale2 Scale3"},
     // representations
+    {"IFCGEOMETRICREPRESENTATIONCONTEXT", kAllSchemas,
+     "ContextIdentifier ContextType CoordinateSpaceDimension Precision WorldCoordinateSystem TrueNorth"},
     {"IFCPRODUCTDEFINITIONSHAPE", kAllSchemas, "Name Description Representations"},
     {"IFCSHAPEREPRESENTATION", kAllSchemas, "ContextOfItems RepresentationIdentifier RepresentationType Items"},
     {"IFCTOPOLOGYREPRESENTATION", kAllSchemas, "ContextOfItems RepresentationIdentifier RepresentationType Items"},

@@ -23,6 +23,7 @@ struct AnchorCase {
   std::uint64_t instance = 0;
   std::string storey_guid, found_by, reference_point_rule, use, note;
   int floor = 0, column = 0;
+  std::string axis;  ///< of the grid, that crosses its facade nearest to it; empty: none
   Eigen::Vector3d design = Eigen::Vector3d::Constant(nan);  ///< of the surveyed point; nan without element
   Eigen::Vector3d target_offset = Eigen::Vector3d::Zero();
   ifc::FacadeFrame facade;  ///< which way it faces: in_plane, out_of_plane and orders are told in it

@@ -62,7 +62,7 @@ GroupShifts find_group_shifts(const ShiftWork& work, const std::vector<Eigen::Ve
     const std::size_t i = work.deviations.anchors[k];
     const AnchorCase& anchor = work.inputs.anchors[i];
     members.push_back({deviations[k], work.out.anchors[i]->floor, anchor.column, anchor.facade.facade,
-                       anchor.element.batch, anchor.facade});
+                       anchor.element.batch, anchor.axis, anchor.facade});
   }
   return group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work), remainder);
 }

@@ -72,7 +72,7 @@ std::vector<Direction> directions_of(const std::vector<GroupMember>& members, co
 
 std::vector<Group> groups_of(const std::vector<GroupMember>& members) {
   std::map<int, Group> floors, columns;
-  std::map<std::string, Group> facades, batches;
+  std::map<std::string, Group> facades, batches, axes;
   std::map<std::pair<std::string, int>, Group> both;
   const auto put = [](auto& map, const auto& key, std::size_t i, const char* kind, const std::string& name,
                       int floor = 0) {
@@ -85,6 +85,7 @@ std::vector<Group> groups_of(const std::vector<GroupMember>& members) {
     if (m.floor > 0) put(floors, m.floor, i, "floor", floor, m.floor);
     if (m.column > 0) put(columns, m.column, i, "column", "Column " + std::to_string(m.column));
     if (!m.facade.empty()) put(facades, m.facade, i, "facade", "Facade " + m.facade);
+    if (!m.axis.empty()) put(axes, m.axis, i, "axis", "Axis " + m.axis);
     if (!m.batch.empty()) put(batches, m.batch, i, "batch", "Print batch " + m.batch);
     if (!m.facade.empty() && m.floor > 0)
       put(both, std::pair(m.facade, m.floor), i, "floor of a facade", floor + " of facade " + m.facade, m.floor);
@@ -99,7 +100,7 @@ std::vector<Group> groups_of(const std::vector<GroupMember>& members) {
         all.push_back(group);
       }
   };
-  add(facades), add(floors), add(columns), add(batches), add(both);
+  add(facades), add(floors), add(axes), add(columns), add(batches), add(both);
   return all;
 }
 

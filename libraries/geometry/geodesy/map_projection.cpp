@@ -88,6 +88,7 @@ MapProjection::MapProjection(const std::string& system) : impl_(std::make_unique
   proj_context_set_enable_network(i.context.get(), 0);
   const Object crs = i.crs_of(system);
   name_ = proj_get_name(crs.get());
+  if (name_ == "unknown") name_ = system;  // written as "+proj=..."
   i.check_axes(crs.get(), system);
   const Object base(proj_crs_get_geodetic_crs(i.context.get(), crs.get()));
   const Object plain(proj_create_crs_to_crs_from_pj(i.context.get(), base.get(), crs.get(), nullptr, nullptr));

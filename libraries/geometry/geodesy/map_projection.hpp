@@ -22,8 +22,9 @@ struct MapFactors {
 class MapProjection {
  public:
   /// "EPSG:25832", "utm:32", "utm:19S" (ETRS89 or, south, WGS 84) or a name ("NAD83(CSRS) / New Brunswick
-  /// Stereographic"). Of a compound system the horizontal part. Throws std::runtime_error that says what was found and
-  /// what is expected: unknown systems, latitudes and longitudes, axes that are not east and north.
+  /// Stereographic"), or a map as PROJ writes it ("+proj=tmerc ... +type=crs"). Of a compound system the horizontal
+  /// part. Throws std::runtime_error that says what was found and what is expected: unknown systems, latitudes and
+  /// longitudes, axes that are not east and north.
   explicit MapProjection(const std::string& system);
   ~MapProjection();
   MapProjection(const MapProjection&) = delete;

@@ -225,7 +225,8 @@ void fill_cameras(const TagBlock& block, const TagModel& model, const bundle::La
     camera.interior.set_parameters(interior);
     const Eigen::Index at = all * static_cast<Eigen::Index>(c);
     camera.covariance = result.interior_covariance.block<nine, nine>(at, at);
-    if (adjusted.free[nine] || adjusted.free[nine + 1] || !block.cameras[c].distance_terms.isZero(0)) {
+    if ((adjusted.lens == bundle::Lens::brown && (adjusted.free[nine] || adjusted.free[nine + 1])) ||
+        !block.cameras[c].distance_terms.isZero(0)) {
       camera.distance_terms = Eigen::Map<const Eigen::Vector2d>(values.data() + nine);
       camera.reference_distance = 1 / adjusted.inverse_reference;
     }

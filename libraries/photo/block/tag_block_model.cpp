@@ -41,11 +41,15 @@ Eigen::Matrix2d whitening_of_corner(const Eigen::Matrix2d& covariance) {
 /// Which values a self-calibration may change. A prior without variance means that the calibration held the parameter:
 /// so do we.
 std::vector<bool> free_interior(const TagCamera& camera, const TagBlockOptions& options) {
-  const auto& names = bundle::value_names(bundle::Lens::brown);
+  const auto has = [](bundle::Lens lens, const std::string& name) {
+    const auto& names = bundle::value_names(lens);
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   for (const auto& name : options.free_interior)
-    if (std::find(names.begin(), names.end(), name) == names.end())
+    if (!has(bundle::Lens::brown, name) && !has(bundle::Lens::fisheye, name))
       throw std::runtime_error("unknown interior parameter '" + name +
-                               "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2");
+                               "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2, and k4 of a fisheye");
+  const auto& names = bundle::value_names(bundle::lens_of(camera.interior.lens));
   std::vector<bool> free;
   for (size_t i = 0; i < names.size(); ++i) {
     const bool named =
@@ -81,8 +85,8 @@ int interior_group(const TagBlock& block, const TagCamera& camera, TagModel& mod
 
 void add_interior_terms(const TagBlock& block, const TagCamera& camera, const TagBlockOptions& options,
                         const std::vector<bool>& free, TagModel& model) {
-  constexpr int count = BrownCamera::parameter_count;
-  const int all = bundle::value_count(bundle::Lens::brown);
+  const int count = static_cast<int>(camera.interior.names().size());
+  const int all = bundle::value_count(bundle::lens_of(camera.interior.lens));
   std::vector<int> chosen;
   for (int i = 0; i < count; ++i)  // nobody calibrated d1 and d2
     if (free[static_cast<size_t>(i)]) chosen.push_back(i);
@@ -120,7 +124,7 @@ void add_cameras(const TagBlock& block, const TagBlockOptions& options, const Ta
     });
     std::vector<bool> free = free_interior(camera, options);
     if (!used) std::fill(free.begin(), free.end(), false);
-    model.problem.cameras.push_back({camera.name, bundle::Lens::brown, 0, free,
+    model.problem.cameras.push_back({camera.name, bundle::lens_of(camera.interior.lens), 0, free,
                                      camera.reference_distance > 0
                                          ? 1 / camera.reference_distance
                                          : inverse_distance(block, start, static_cast<int>(c))});

@@ -126,6 +126,7 @@ void test_models(const TagBlockOptions& options, const TagModel& model, const bu
   std::vector<int> distances;
   for (size_t c = 0; c < larger.cameras.size() && result.degrees_of_freedom - 2 >= least_redundancy; ++c) {
     auto& free = larger.cameras[c].free;
+    if (larger.cameras[c].lens != bundle::Lens::brown) continue;
     if (free[d1] || free[d1 + 1]) continue;
     free[d1] = free[d1 + 1] = true;
     distances.push_back(static_cast<int>(c));

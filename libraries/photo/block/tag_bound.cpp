@@ -21,25 +21,6 @@ using Eigen::Index;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Derivatives of a pixel by the camera's parameters, in their order.
-Eigen::Matrix<double, 2, BrownCamera::parameter_count> by_camera(const BrownCamera& camera, double x, double y) {
-  BrownCamera unit = camera;
-  unit.fx = unit.fy = 1;
-  unit.cx = unit.cy = 0;
-  Eigen::Vector2d distorted;
-  project_normalised(unit.parameters().data(), x, y, distorted.data());
-  const double r2 = x * x + y * y, r4 = r2 * r2;
-  const Eigen::Vector2d ray(camera.fx * x, camera.fy * y);
-  Eigen::Matrix<double, 2, BrownCamera::parameter_count> slope;
-  slope.leftCols<4>() << distorted.x(), 0, 1, 0, 0, distorted.y(), 0, 1;
-  slope.col(4) = r2 * ray;
-  slope.col(5) = r4 * ray;
-  slope.col(6) = r4 * r2 * ray;
-  slope.col(7) << camera.fx * 2 * x * y, camera.fy * (r2 + 2 * y * y);
-  slope.col(8) << camera.fx * (r2 + 2 * x * x), camera.fy * 2 * x * y;
-  return slope;
-}
-
 /// "the position of A and B", or a motion of the whole block, for a null vector of the scaled information.
 std::string name_of_defect(const BoundProblem& problem, const Eigen::VectorXd& change) {
   std::vector<least_squares::NamedPoint> points, held;
@@ -119,7 +100,8 @@ void TagBound::derivatives(const RigidTransform& pose, const BoundTag& tag, Deri
     by_pose.block<2, 3>(row, 3) = slope;
     by_rest.block<2, 3>(row, 0) = slope * rotation;
     by_rest.block<2, 3>(row, 3) = -slope * rotation * skew(arm);
-    const auto camera = by_camera(problem_.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
+    const auto camera =
+        pixel_by_parameters(problem_.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
     for (std::size_t k = 0; k < problem_.free_parameters.size(); ++k)
       by_rest.block<2, 1>(row, 6 + static_cast<Index>(k)) = whiten * camera.col(problem_.free_parameters[k]);
     if (scales_batches())

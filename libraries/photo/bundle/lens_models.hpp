@@ -1,8 +1,8 @@
-// The three lens models written once, for one direction (T is double) or for the four corners of a tag side by side
+// The lens models written once, for one direction (T is double) or for the four corners of a tag side by side
 // (V4). Formulas: lens.hpp.
 #pragma once
 
-#include "geometry/vectors.hpp"
+#include "geometry/lens_distortion.hpp"
 #include "photo/bundle/lens.hpp"
 
 namespace plumbline::bundle {
@@ -138,11 +138,35 @@ PLUMBLINE_INLINE void correcting(const LensInput<T>& at, bool jacobians, const L
 }
 
 template <typename T>
+PLUMBLINE_INLINE void fisheye(const LensInput<T>& at, bool jacobians, const LensOutput<T>& to) {
+  const double* p = at.values;
+  const T iz = 1 / at.v[2], x = at.v[0] * iz, y = at.v[1] * iz;
+  const FisheyeScale<T> s = fisheye_scale(p + 4, x * x + y * y);
+  to.misclosure[0] = p[0] * s.scale * x + p[2] - at.observed[0];
+  to.misclosure[1] = p[1] * s.scale * y + p[3] - at.observed[1];
+  if (!jacobians) return;
+  const T zero = 0 * x, one = 1 + zero;
+  to.set_direction(p[0] * (s.scale + s.slope * x * x) * iz, p[0] * s.slope * x * y * iz, p[1] * s.slope * x * y * iz,
+                   p[1] * (s.scale + s.slope * y * y) * iz, x, y, zero, zero);
+  to.set_interior(0, s.scale * x, zero);
+  to.set_interior(1, zero, s.scale * y);
+  to.set_interior(2, one, zero);
+  to.set_interior(3, zero, one);
+  T power = s.ratio;
+  for (int k = 4; k < 8; ++k) {
+    power *= s.angle_squared;
+    to.set_interior(k, p[0] * power * x, p[1] * power * y);
+  }
+}
+
+template <typename T>
 PLUMBLINE_INLINE void compute_lens(Lens lens, const LensInput<T>& at, bool jacobians, const LensOutput<T>& to) {
   if (lens == Lens::brown)
     brown(at, jacobians, to);
   else if (lens == Lens::balanced)
     balanced(at, jacobians, to);
+  else if (lens == Lens::fisheye)
+    fisheye(at, jacobians, to);
   else
     correcting(at, jacobians, to);
 }

@@ -101,8 +101,7 @@ void Problem::require_consistent() const {
   for (const auto& o : image_tags) {
     check({Kind::image, o.image}), check({Kind::plate, o.plate});
     const Image& image = images[static_cast<size_t>(o.image)];
-    require(image.mount < 0 && image.exposure < 0 && cameras[static_cast<size_t>(image.camera)].lens != Lens::fisheye,
-            "tags in photographs of a rig or a fisheye are not computed");
+    require(image.mount < 0 && image.exposure < 0, "tags in photographs of a rig are not computed");
     if (o.inset >= 0) check({Kind::inset, o.inset});
   }
   for (const auto& d : distances) {

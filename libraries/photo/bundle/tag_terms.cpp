@@ -22,7 +22,6 @@ constexpr V4 form_moves[form_count][3] = {{along_x, against_y, no_move},
 
 PLUMBLINE_INLINE V4 of_next(const V4& v) { return __builtin_shufflevector(v, v, 1, 2, 3, 0); }
 PLUMBLINE_INLINE V4 of_previous(const V4& v) { return __builtin_shufflevector(v, v, 3, 0, 1, 2); }
-PLUMBLINE_INLINE V4 root(const V4& v) { return V4{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])}; }
 PLUMBLINE_INLINE double sum_of(const V4& v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 /// A 2 × 2 matrix of each corner, row by row.

@@ -12,8 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-BrownCamera camera_of(const bundle::Interior& values) {
-  BrownCamera camera;
+InteriorOrientation camera_of(const bundle::Camera& of, const bundle::Interior& values) {
+  InteriorOrientation camera;
+  camera.lens = of.lens == bundle::Lens::fisheye ? LensModel::fisheye : LensModel::brown;
   std::array<double, BrownCamera::parameter_count> p;
   std::copy_n(values.begin(), p.size(), p.begin());
   camera.set_parameters(p);
@@ -64,7 +65,7 @@ void read_back(const markers::ColmapModel& model, const std::vector<int>& order,
     const auto found = model.cameras.find(static_cast<std::uint32_t>(c + 1));
     if (found == model.cameras.end()) throw std::runtime_error("COLMAP's answer lacks a camera");
     const auto values = found->second.camera.parameters();
-    for (size_t v = 0; v < values.size(); ++v)
+    for (size_t v = 0; v < found->second.camera.names().size(); ++v)
       if (problem.cameras[c].free[v]) state.interiors[c][v] = values[v];
   }
 }
@@ -92,7 +93,7 @@ markers::ColmapModel model_of(const bundle::Problem& problem, const bundle::Stat
   markers::ColmapModel model;
   for (size_t c = 0; c < problem.cameras.size(); ++c) {
     const auto id = static_cast<std::uint32_t>(c + 1);
-    model.cameras[id] = {id, "", camera_of(state.interiors[c])};
+    model.cameras[id] = {id, "", camera_of(problem.cameras[c], state.interiors[c])};
   }
   std::vector<std::uint32_t> id_of(problem.images.size());
   for (size_t k = 0; k < order.size(); ++k) {

@@ -84,8 +84,12 @@ Corners corners_of(const TagBlock& block, const TagStart& start, const TagModel&
     bundle::Camera& camera = problem.cameras[c];
     camera.inverse_reference = 0;
     if (std::any_of(problem.images.begin(), problem.images.end(),
-                    [&](const auto& image) { return image.camera == static_cast<int>(c); }))
-      camera.free = {focal, focal, centre, centre, lens, lens, false, lens, lens, false, false};
+                    [&](const auto& image) { return image.camera == static_cast<int>(c); })) {
+      if (camera.lens == bundle::Lens::fisheye)
+        camera.free = {focal, focal, centre, centre, lens, lens, lens, lens};
+      else
+        camera.free = {focal, focal, centre, centre, lens, lens, false, lens, lens, false, false};
+    }
   }
   problem.groups.push_back({"images"});
   corners.state.interiors = model.state.interiors;
@@ -285,8 +289,9 @@ TagBlockResult adjust_plates(const TagBlock& block, const TagBlockOptions& given
         "camera has; use adjust.schur, or a camera adjusted without");
   TagBlockOptions options = given;
   TagBlockResult result;
-  if (options.bundle.refine_extra_params &&
-      std::any_of(block.cameras.begin(), block.cameras.end(), [](const auto& c) { return c.interior.k3 != 0; })) {
+  if (options.bundle.refine_extra_params && std::any_of(block.cameras.begin(), block.cameras.end(), [](const auto& c) {
+        return c.interior.lens == LensModel::brown && c.interior.k3 != 0;
+      })) {
     options.bundle.refine_extra_params = false;
     result.warnings.push_back(
         "the lens' distortion is held: with k3, COLMAP would estimate a rational model, which no other camera here is");

@@ -152,6 +152,22 @@ void add_model_error(double model_error, FittedEdge& edge) {
   edge.covariance(1, 1) += 0.5 * shift * shift;
 }
 
+/// Of a quadrilateral's edges: how many have their dark side inside, less those that have it outside.
+int dark_inside(const Quadrilateral& q, const Edges& edges) {
+  const Eigen::Vector2d middle = 0.25 * (q.corners[0] + q.corners[1] + q.corners[2] + q.corners[3]);
+  int count = 0;
+  for (const auto& edge : edges) count += edge->dark * edge->across.dot(middle - edge->centre) > 0 ? 1 : -1;
+  return count;
+}
+
+/// Whether some of the image's quadrilaterals are black on white and some white on black.
+bool of_both_polarities(const std::vector<Quadrilateral>& found, const std::vector<Edges>& measured) {
+  bool black = false, white = false;
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (complete(measured[k])) (dark_inside(found[k], measured[k]) > 0 ? black : white) = true;
+  return black && white;
+}
+
 /// Standard deviation of how far all edges are drawn inwards together: by the doubt about the curve, and by what the
 /// model errs in, which may be the same for all of them (a halo, bloom); never less than the floor.
 double inset_sigma_of(const std::vector<Edges>& measured, double model_error, double by_curve) {
@@ -189,12 +205,16 @@ Measurement measure_corners(const std::vector<Quadrilateral>& found, const EdgeF
   measurement.quality = {used.gamma, *used.grid, model_error_of(measured)};
   if (options.gamma == 0)
     measurement.quality.inset_sigma = inset_sigma_of(measured, measurement.quality.model_error, curve.inset_sigma);
+  const bool both = options.gamma == 0 && of_both_polarities(found, measured);
   for (std::size_t k = 0; k < found.size(); ++k) {
     if (!complete(measured[k])) {
       measurement.corners.emplace_back();
       continue;
     }
-    for (auto& edge : measured[k]) add_model_error(measurement.quality.model_error, *edge);
+    for (auto& edge : measured[k]) {
+      add_model_error(measurement.quality.model_error, *edge);
+      if (both) edge->covariance(0, 0) += std::pow(measurement.quality.inset_sigma, 2);
+    }
     measurement.corners.push_back(corners_of(measured[k], found[k]));
   }
   return measurement;

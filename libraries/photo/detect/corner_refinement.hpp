@@ -36,8 +36,10 @@ struct ImageQuality {
   SamplingGrid grid;  ///< where the pixels lie
   double model_error =
       0;  ///< what the edges' profiles differ from the model by, root mean square in units of the contrast
-  /// Standard deviation of how far all edges of the image are drawn inwards together, which the stated covariances
-  /// leave out [px]; 0: the curve was given.
+  /// Standard deviation of how far all edges of the image are drawn towards their dark side together, inwards on tags
+  /// that are black on white; the stated covariances leave it out [px]. 0: the curve was given. Where tags of both
+  /// polarities are in the image it moves some inwards and some outwards, so that no common inset can hold it, and the
+  /// covariances have it, too.
   double inset_sigma = 0;
 };
 

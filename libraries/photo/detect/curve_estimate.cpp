@@ -12,7 +12,7 @@ using OfEachExponent = std::array<double, kExponents.size()>;
 
 /// What the edges of some quadrilaterals say of each of the exponents.
 struct CurveFits {
-  OfEachExponent misfit{}, position{};  // sums over the edges; position across them [px]
+  OfEachExponent misfit{}, position{};  // sums over the edges; position towards the dark side [px]
   double count = 0, noise = 0, samples = 0, blur = 0;
 };
 
@@ -32,7 +32,7 @@ CurveFits fit_curves(const std::vector<Quadrilateral>& found, const EdgeFitOptio
     if (!all) continue;
     for (const auto& edge : edges) {
       for (std::size_t g = 0; g < edge.size(); ++g)
-        fits.misfit[g] += edge[g].misfit, fits.position[g] += edge[g].shape[0];
+        fits.misfit[g] += edge[g].misfit, fits.position[g] += edge[g].dark * edge[g].shape[0];
       fits.noise += std::pow(edge[0].noise / edge[0].contrast, 2);
       fits.samples += edge[0].samples;
       fits.blur += edge[0].blur, fits.count += 1;

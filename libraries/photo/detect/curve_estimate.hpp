@@ -9,7 +9,7 @@ namespace plumbline::detect {
 
 struct CurveEstimate {
   double gamma = 1;        ///< see EdgeFitOptions::gamma
-  double inset_sigma = 0;  ///< what the doubt about it moves all edges by together, inwards or outwards [px]
+  double inset_sigma = 0;  ///< what the doubt about it moves all edges by together, to or from their dark side [px]
 };
 
 /// The exponent that explains the edges best, of those that cameras have; where JPEG, noise or sharpening hide it, the

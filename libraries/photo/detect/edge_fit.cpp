@@ -270,7 +270,8 @@ std::optional<FittedEdge> EdgeFitter::fitted_edge(const TransferCurve& curve) co
                   contrast,
                   solution_.noise,
                   static_cast<int>(samples_.count),
-                  misfit(contrast)};
+                  misfit(contrast),
+                  solution_.p[6] < solution_.p[4] ? 1.0 : -1.0};
   if (!edge.shape.allFinite() || !(edge.covariance.diagonal().maxCoeff() < 0.25)) return std::nullopt;
   return edge;
 }

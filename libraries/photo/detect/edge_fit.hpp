@@ -52,6 +52,7 @@ struct FittedEdge {
   /// What the profile across the edge differs from the model by, mean square in units of the contrast, with the share
   /// that noise alone would leave taken off: below zero by chance where the model holds.
   double misfit = 0;
+  double dark = 1;  ///< +1: the dark side is where `across` points, -1: it is the other one
 };
 
 /// Fits edges one after the other; holds the memory that they need. One for each thread.

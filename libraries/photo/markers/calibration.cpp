@@ -42,15 +42,6 @@ class Calibrator {
     return result();
   }
 
-  /// √(Σ(dx² + dy²)/n) of all points after the adjustment [px].
-  double residuals_of_all() {
-    start();
-    adjust();
-    double squares = 0;
-    for (size_t k = 0; k < labels_.size(); ++k) squares += residual_of(k).squaredNorm();
-    return std::sqrt(squares / static_cast<double>(labels_.size()));
-  }
-
  private:
   double focal_length() const {
     double ab = 0, aa = 0;
@@ -73,17 +64,28 @@ class Calibrator {
     return w > 0 && std::isfinite(w) ? unit / std::sqrt(w) : std::nan("");
   }
 
-  bool pose_all(double f) {
+  LensModel lens() const { return options_.known ? options_.known->lens : options_.lens; }
+
+  InteriorOrientation without_distortion(double f) const {
+    InteriorOrientation camera;
+    camera.lens = lens();
+    camera.fx = camera.fy = f, camera.cx = 0.5 * (width_ - 1), camera.cy = 0.5 * (height_ - 1);
+    return camera;
+  }
+
+  bool pose_all(const InteriorOrientation& camera) {
     state_ = {};
-    state_.interiors = {{f, f, 0.5 * (width_ - 1), 0.5 * (height_ - 1)}};
+    const auto values = camera.parameters();
+    std::copy(values.begin(), values.end(), state_.interiors.emplace_back().begin());
     state_.bends = {Eigen::Vector2d::Zero()};
-    const bundle::Interior& interior = state_.interiors[0];
     for (const auto& view : views_) {
       std::vector<Eigen::Vector2d> plane, image;
       for (const auto& p : view.points) {
-        plane.push_back(p.board.head<2>());
-        image.emplace_back((p.pixel.x() - interior[2]) / f, (p.pixel.y() - interior[3]) / f);
+        const auto ray = unproject(camera, p.pixel);
+        if (!ray) continue;
+        plane.push_back(p.board.head<2>()), image.push_back(*ray);
       }
+      if (plane.size() < 4) return false;
       const auto poses = poses_of_plane(plane, image);
       if (poses.empty()) return false;
       const RigidTransform& pose = poses.front().cam_from_figure;
@@ -92,19 +94,26 @@ class Calibrator {
     return true;
   }
 
+  std::vector<bool> free_values() const {
+    std::vector<bool> free(static_cast<size_t>(bundle::value_count(bundle::lens_of(lens()))), false);
+    const auto place = [](LensModel model, const std::string& name) {
+      const auto names = InteriorOrientation::names_of(model);
+      const auto at = std::find(names.begin(), names.end(), name);
+      return at == names.end() ? std::nullopt : std::optional(static_cast<size_t>(at - names.begin()));
+    };
+    for (const auto& name : options_.free) {
+      if (!place(LensModel::brown, name) && !place(LensModel::fisheye, name))
+        throw std::runtime_error("unknown interior parameter '" + name +
+                                 "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2, and k4 of a fisheye");
+      if (const auto at = place(lens(), name); at && !options_.known) free[*at] = true;
+    }
+    return free;
+  }
+
   void build() {
     problem_ = {}, labels_.clear(), state_.points.clear();
     problem_.groups = {{"points"}, {"bend"}};
-    const bundle::Lens lens = options_.lens == LensModel::brown ? bundle::Lens::brown : bundle::Lens::fisheye;
-    problem_.cameras = {{"", lens, 0, std::vector<bool>(static_cast<size_t>(bundle::value_count(lens)), false)}};
-    for (const auto& name : options_.free) {
-      const auto at = std::find_if(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end(),
-                                   [&](const char* known) { return name == known; });
-      if (at == BrownCamera::parameter_names.end())
-        throw std::runtime_error("unknown interior parameter '" + name +
-                                 "'; known are fx, fy, cx, cy, k1, k2, k3, p1, p2");
-      problem_.cameras[0].free.at(static_cast<size_t>(at - BrownCamera::parameter_names.begin())) = true;
-    }
+    problem_.cameras = {{"", bundle::lens_of(lens()), 0, free_values()}};
     const bool bent = options_.bend_sigma > 0;
     problem_.sheets = {{"the board", bent}};
     if (bent)
@@ -157,13 +166,20 @@ class Calibrator {
   /// The best of several principal distances, minimised robustly.
   void start() {
     const double extent = std::max(width_, height_), zhang = focal_length();
-    std::vector<double> candidates;
-    if (zhang > 0.3 * extent && zhang < 20 * extent) candidates.push_back(zhang);
-    for (const double factor : {1.0, 0.6, 1.8, 4.0}) candidates.push_back(factor * extent);
+    const bool is_fisheye = lens() == LensModel::fisheye;
+    std::vector<InteriorOrientation> candidates;
+    if (options_.known) {
+      candidates.push_back(*options_.known);
+    } else {
+      if (!is_fisheye && zhang > 0.3 * extent && zhang < 20 * extent) candidates.push_back(without_distortion(zhang));
+      // A circle of 180 degrees within the image has 0.32 of its width, one across its diagonal 0.4.
+      for (const double factor : is_fisheye ? std::vector{0.45, 0.32, 0.7, 1.2} : std::vector{1.0, 0.6, 1.8, 4.0})
+        candidates.push_back(without_distortion(factor * extent));
+    }
     bundle::State best;
     double lowest = std::numeric_limits<double>::infinity();
-    for (const double f : candidates) {
-      if (!pose_all(f)) continue;
+    for (const InteriorOrientation& camera : candidates) {
+      if (!pose_all(camera)) continue;
       minimise(30);
       const double fit = upper_median(misfits());
       if (fit < lowest) lowest = fit, best = state_;
@@ -265,8 +281,8 @@ class Calibrator {
 
   Calibration result() const {
     Calibration c;
-    c.camera.width = width_, c.camera.height = height_;
-    std::array<double, BrownCamera::parameter_count> interior;
+    c.camera.lens = lens(), c.camera.width = width_, c.camera.height = height_;
+    std::array<double, InteriorOrientation::parameter_count> interior;
     std::copy_n(state_.interiors[0].begin(), interior.size(), interior.begin());
     c.camera.set_parameters(interior);
     c.observations = adjusted_.rows, c.unknowns = adjusted_.unknowns;
@@ -334,17 +350,18 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
                              "; at least 3 are needed, 15 to 30 are good, tilted and over the whole image");
   for (const auto& view : views)
     if (view.points.size() < 4) throw std::runtime_error(view.path + " has fewer than 4 points of the board");
-  // Photographs that are too much alike tell neither a bend from the lens nor its third radial coefficient. If it is
+  // Photographs that are too much alike tell neither a bend from the lens nor its highest radial coefficient. If it is
   // not that, the last attempt says what.
   std::vector<CalibrationOptions> attempts{options};
-  const auto add = [&](bool flat, bool without_k3) {
+  const std::string highest = options.lens == LensModel::fisheye ? "k4" : "k3";
+  const auto add = [&](bool flat, bool without_highest) {
     attempts.push_back(options);
     if (flat) attempts.back().bend_sigma = 0;
-    if (without_k3) std::erase(attempts.back().free, "k3");
+    if (without_highest) std::erase(attempts.back().free, highest);
   };
   const bool bent = options.bend_sigma > 0;
   if (bent) add(true, false);
-  if (std::find(options.free.begin(), options.free.end(), "k3") != options.free.end()) {
+  if (std::find(options.free.begin(), options.free.end(), highest) != options.free.end()) {
     if (bent) add(false, true);
     add(true, true);
   }
@@ -352,34 +369,12 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
     try {
       Calibration result = Calibrator(views, width, height, attempts[k]).run();
       result.held_flat = bent && !(attempts[k].bend_sigma > 0);
-      result.held_k3 = attempts[k].free.size() < options.free.size();
+      result.held_highest = attempts[k].free.size() < options.free.size();
       return result;
     } catch (const std::runtime_error&) {
       if (k + 1 == attempts.size()) throw;
     }
   }
-}
-
-LensComparison compare_lenses(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
-                              const Calibration& all) {
-  constexpr double wide = 35 * std::numbers::pi / 180;
-  LensComparison lenses;
-  for (const CalibratedView& view : all.views)
-    for (const CalibrationPoint& point : views[static_cast<size_t>(view.view)].points) {
-      const Eigen::Vector3d ray = view.cam_from_board * point.board;
-      lenses.widest = std::max(lenses.widest, std::atan2(ray.head<2>().norm(), ray.z()));
-    }
-  if (lenses.widest < wide) return lenses;
-  CalibrationOptions keep = options, fisheye = options;
-  keep.reject_above = 0, fisheye.reject_above = 0;
-  fisheye.lens = LensModel::fisheye, fisheye.free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1"};  // p1 is k4 there
-  try {
-    lenses.brown = Calibrator(views, all.camera.width, all.camera.height, keep).residuals_of_all();
-    lenses.fisheye = Calibrator(views, all.camera.width, all.camera.height, fisheye).residuals_of_all();
-  } catch (const std::runtime_error&) {
-    lenses.brown = lenses.fisheye = 0;  // one of them fits nothing
-  }
-  return lenses;
 }
 
 }  // namespace plumbline::markers

@@ -1,10 +1,11 @@
 // Calibration of one camera on photographs of a board: interior orientation with its covariance, a board that may be
 // bent, and what that uncertainty means over the image.
 //
-// Units: m, rad, px. The camera is Brown's as OpenCV has it (geometry/camera.hpp).
+// Units: m, rad, px. The camera is Brown's or a fisheye, as OpenCV has them (geometry/camera.hpp).
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,18 +26,16 @@ struct CalibrationView {
   std::vector<CalibrationPoint> points;
 };
 
-/// How a lens bends rays: Brown's polynomial of the tangent, or, for comparison only, the polynomial of the angle that
-/// fisheyes follow (Kannala and Brandt 2006, as OpenCV's fisheye model): r = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸).
-enum class LensModel { brown, fisheye };
-
 struct CalibrationOptions {
-  std::vector<std::string> free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"};
+  LensModel lens = LensModel::brown;
+  /// Of these, those that the lens has.
+  std::vector<std::string> free = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"};
   /// The board may be bent: z = a (1 − x²) + b (1 − y²), x and y from −1 to 1 over the board; a and b get this prior
   /// [m], 0 holds it flat.
   double bend_sigma = 0;
   double reject_above = 5;  ///< points whose residual is this many times the median are left out; 0 keeps all
   int max_iterations = 200;
-  LensModel lens = LensModel::brown;  ///< calibrate() takes Brown's only
+  std::optional<InteriorOrientation> known = {};  ///< the camera is held at this, and `lens` and `free` do not count
 };
 
 struct CalibratedView {
@@ -49,7 +48,7 @@ struct CalibratedView {
 };
 
 struct Calibration {
-  BrownCamera camera;
+  InteriorOrientation camera;
   /// 9 × 9, zero for held parameters: the larger of what the residuals and what the scatter of the photographs say.
   Eigen::MatrixXd covariance;
   Eigen::MatrixXd formal_covariance;  ///< 9 × 9, scaled with the residuals
@@ -60,8 +59,8 @@ struct Calibration {
   double sigma = 0;  ///< standard deviation of an image coordinate, from the residuals and their redundancy [px]
   int observations = 0, unknowns = 0, degrees_of_freedom = 0;
   std::vector<std::string> rejected;  ///< in words
-  bool held_flat = false;  ///< the photographs did not tell a bend of the board from the lens, so it was held flat
-  bool held_k3 = false;    ///< nor the third radial coefficient, which was held at zero
+  bool held_flat = false;     ///< the photographs did not tell a bend of the board from the lens, so it was held flat
+  bool held_highest = false;  ///< nor the highest radial coefficient (k3, a fisheye's k4), which was held at zero
 };
 
 /// Throws std::runtime_error that says what is missing: fewer than three views or too few points, all views from one
@@ -69,30 +68,42 @@ struct Calibration {
 Calibration calibrate(const std::vector<CalibrationView>& views, int width, int height,
                       const CalibrationOptions& options);
 
-/// Residuals of the same points with both lenses, none left out: √(Σ(dx² + dy²)/n) [px].
+/// Residuals that each lens leaves in photographs it was not fitted to: every second one calibrates, the others are
+/// only oriented, and the other way round; no point is left out. √(Σ(dx² + dy²)/n) [px].
 struct LensComparison {
   double brown = 0, fisheye = 0;
-  double widest = 0;  ///< angle of a point off the axis, by the calibration [rad]
-  /// That of a fisheye, which has a parameter fewer, leaves less than 0.85 of the residuals.
+  double widest = 0;      ///< angle of a point off the axis, by the calibration [rad]
+  bool held_out = false;  ///< false: of the photographs they were fitted to, which are too few to be divided
+  /// The fisheye's model, which has a parameter fewer, leaves less than 0.85 of the residuals.
   bool is_fisheye() const { return fisheye > 0 && fisheye < 0.85 * brown; }
 };
 
 /// Compares the lenses where points lie more than 35° off the axis; elsewhere both models are nearly the same, and
-/// nothing is compared. `all`: the calibration with Brown's lens.
+/// nothing is compared. `all`: a calibration with either.
 LensComparison compare_lenses(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
                               const Calibration& all);
+
+/// The calibration with the lens that the photographs show: Brown's, unless compare_lenses() finds a fisheye, or only
+/// the fisheye's model fits at all. Throws as calibrate().
+struct CalibrationOfLens {
+  Calibration calibration;
+  LensComparison lenses;
+};
+CalibrationOfLens calibrate_lens_and_camera(const std::vector<CalibrationView>& views, int width, int height,
+                                            CalibrationOptions options);
 
 /// Standard deviation of a projected pixel over the image: what the covariance leaves after the rotation that fits best
 /// is taken out, because an orientation takes that up. Largest over all directions, in a grid of columns × rows pixels
 /// that covers the image, row by row [px].
-std::vector<double> projection_uncertainty(const BrownCamera& camera, const Eigen::MatrixXd& covariance, int columns,
-                                           int rows);
+std::vector<double> projection_uncertainty(const InteriorOrientation& camera, const Eigen::MatrixXd& covariance,
+                                           int columns, int rows);
 
 /// Two calibrations against each other over the same grid, the best fitting rotation taken out: length of the
 /// difference [px]; nan where a pixel cannot be unprojected.
-std::vector<double> projection_difference(const BrownCamera& a, const BrownCamera& b, int columns, int rows);
+std::vector<double> projection_difference(const InteriorOrientation& a, const InteriorOrientation& b, int columns,
+                                          int rows);
 
 /// Pixel of a cell of that grid.
-Eigen::Vector2d grid_pixel(const BrownCamera& camera, int columns, int rows, int column, int row);
+Eigen::Vector2d grid_pixel(const InteriorOrientation& camera, int columns, int rows, int column, int row);
 
 }  // namespace plumbline::markers

@@ -99,6 +99,20 @@ std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& 
   return result;
 }
 
+const CalibrationParts* contradiction_of(const std::vector<CalibrationParts>& all) {
+  constexpr double told = 4;  // of chi-squared over its freedom
+  const auto ratio = [](const CalibrationParts& parts) { return parts.statistic / std::max(1, parts.freedom); };
+  const CalibrationParts* worst = nullptr;
+  for (const CalibrationParts& parts : all)
+    if (ratio(parts) > told && (!worst || ratio(parts) > ratio(*worst))) worst = &parts;
+  return worst;
+}
+
+double shown_too_small_by(const std::vector<CalibrationParts>& all) {
+  const CalibrationParts* worst = contradiction_of(all);
+  return worst ? std::sqrt(worst->statistic / worst->freedom) : 1;
+}
+
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
                            const Calibration& all) {
   const auto& change = all.truth.change;

@@ -23,6 +23,13 @@ constexpr int map_columns = 25, map_rows = 19;  ///< of maps over the image
 std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& views,
                                             const CalibrationOptions& options, const Calibration& all);
 
+/// The parts whose parameters differ most, in units of what their covariances allow, if that is twice as much or more:
+/// from half of the photographs the covariances themselves are rough. Null: none.
+const CalibrationParts* contradiction_of(const std::vector<CalibrationParts>& all);
+
+/// What the standard deviations of the whole are too small by, as these parts show: 1 if there are none.
+double shown_too_small_by(const std::vector<CalibrationParts>& all);
+
 /// Where the photographs are of two cameras (all.truth.change): "as two cameras, fx ..., they fit to ..."; empty where
 /// there is no such change, or a part cannot be calibrated by itself.
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,

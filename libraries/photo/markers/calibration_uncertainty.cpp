@@ -33,24 +33,6 @@ std::vector<Ray> rays_of(const BrownCamera& camera, int columns, int rows) {
   return rays;
 }
 
-/// Derivative of the pixel by the nine parameters, by central differences.
-Eigen::Matrix<double, 2, BrownCamera::parameter_count> by_parameters(const BrownCamera& camera,
-                                                                     const Eigen::Vector3d& direction) {
-  Eigen::Matrix<double, 2, BrownCamera::parameter_count> slope;
-  const auto values = camera.parameters();
-  for (int k = 0; k < BrownCamera::parameter_count; ++k) {
-    const double step = k < 4 ? 1e-3 : 1e-7;
-    double pixels[2][2];
-    for (int side = 0; side < 2; ++side) {
-      auto moved = values;
-      moved[static_cast<size_t>(k)] += side ? step : -step;
-      project_normalised(moved.data(), direction.x() / direction.z(), direction.y() / direction.z(), pixels[side]);
-    }
-    slope.col(k) = Eigen::Vector2d(pixels[1][0] - pixels[0][0], pixels[1][1] - pixels[0][1]) / (2 * step);
-  }
-  return slope;
-}
-
 }  // namespace
 
 Eigen::Vector2d grid_pixel(const BrownCamera& camera, int columns, int rows, int column, int row) {
@@ -66,7 +48,8 @@ std::vector<double> projection_uncertainty(const BrownCamera& camera, const Eige
   std::vector<Eigen::Matrix<double, 2, BrownCamera::parameter_count>> slopes(rays.size());
   for (size_t i = 0; i < rays.size(); ++i) {
     if (!rays[i].valid) continue;
-    slopes[i] = by_parameters(camera, rays[i].direction);
+    const Eigen::Vector2d ray = rays[i].direction.hnormalized();
+    slopes[i] = pixel_by_parameters(camera, ray.x(), ray.y());
     normal += rays[i].by_rotation.transpose() * rays[i].by_rotation;
     right += rays[i].by_rotation.transpose() * slopes[i];
   }

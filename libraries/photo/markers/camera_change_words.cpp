@@ -182,6 +182,13 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
       default:
         break;
     }
+  constexpr double much = 1.3;
+  if (std::max(empirical.by_order, empirical.by_place) > much)
+    words +=
+        empirical.by_order > empirical.by_place
+            ? printed(" (of that %.1f times because photographs that follow one another err alike)", empirical.by_order)
+            : printed(" (of that %.1f times because photographs from places near to each other err alike)",
+                      empirical.by_place);
   return words + (list.empty() ? ". Nothing that could be its cause stands out" : ". It is that of " + list);
 }
 

@@ -135,7 +135,7 @@ std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamer
   add(What::several, {{c.fx, c.fy}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}},
       {0.03, 0.01 * w, 0.01 * w, 0.1, 0.3});
   // Of the distortion that all have in the mean: those that a program freed of it lack more than that.
-  add(What::undistorted, {{0, 0, 0, 0, -c.k1, -c.k2, -c.k3, -c.p1, -c.p2}}, {1.5});
+  if (c.lens == LensModel::brown) add(What::undistorted, {{0, 0, 0, 0, -c.k1, -c.k2, -c.k3, -c.p1, -c.p2}}, {1.5});
   add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
   return all;
 }
@@ -361,7 +361,7 @@ CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
                          const std::vector<RigidTransform>& cam_from_object) {
   CameraTruth truth;
   truth.evidence = std::move(evidence);
-  truth.empirical = empirical_covariance(truth.evidence);
+  truth.empirical = empirical_covariance(truth.evidence, cam_from_object);
   truth.change = find_change(truth.evidence, camera, cam_from_object);
   if (!truth.change) truth.scatter = causes_of_scatter(truth.evidence, camera, cam_from_object);
   return truth;

@@ -13,6 +13,7 @@
 
 #include "geometry/camera.hpp"
 #include "photo/markers/photograph_shares.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::markers {
 
@@ -47,15 +48,17 @@ CameraEvidence evidence_of(const std::vector<PhotographShare>& shares, const Eig
                            const std::vector<int>& columns, const std::vector<int>& members,
                            const std::vector<std::string>& paths);
 
-/// Fewer photographs than this say nothing of their scatter.
+/// Fewer photographs than this say too little of their scatter to be believed alone.
 constexpr int fewest_to_scatter = 6;
 
 struct EmpiricalCovariance {
-  bool judged = false;  ///< false: fewer than fewest_to_scatter photographs, and `written` is the formal one
+  bool judged = false;  ///< false: fewer than fewest_to_scatter photographs, see empirical_covariance()
   int photographs = 0;
-  Eigen::MatrixXd scatter;      ///< covariance of the estimated parameters by the scatter of the photographs alone
-  Eigen::MatrixXd written;      ///< the larger of this and the formal one, direction by direction
-  double factor = 1;            ///< by which the standard deviations of `written` are larger than the formal ones
+  Eigen::MatrixXd scatter;  ///< covariance of the estimated parameters by the scatter of the photographs alone
+  Eigen::MatrixXd written;  ///< the larger of this and the formal one, direction by direction
+  double factor = 1;        ///< by which the standard deviations of `written` are larger than the formal ones
+  double by_order = 1;  ///< of that: because photographs that follow one another err alike; by_place alike, where the
+  double by_place = 1;  ///< larger one counts
   Eigen::VectorXd sigma_ratio;  ///< of each parameter
   /// Standard deviations by the bootstrap over photographs over those of `scatter`, median over the parameters.
   double bootstrap_ratio = 1;
@@ -66,7 +69,16 @@ struct EmpiricalCovariance {
 /// Sølvsten 2020, by clusters). From n photographs a matrix of nine parameters is a rough one: it is drawn towards the
 /// formal one times its mean ratio as far as its own scatter says (Ledoit and Wolf 2004), and no direction gets less
 /// than the formal one.
-EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence);
+///
+/// Photographs that follow one another, or were taken from places near to each other (`cam_from_object`, in the order
+/// of the evidence; may be empty), err alike where a board is not quite the model or a camera moves on: their
+/// influences are then summed with the products of neighbours (Newey and West 1987 in the order; Conley 1999 by place),
+/// and the whole is enlarged by what that adds in the mean over the parameters.
+///
+/// Of fewer than fewest_to_scatter photographs the formal covariance is enlarged by one factor, that of their scatter
+/// drawn towards what public sets of photographs have.
+EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence,
+                                         const std::vector<RigidTransform>& cam_from_object = {});
 
 /// 9 × 9 of the estimated parameters' p × p.
 Eigen::MatrixXd in_nine(const CameraEvidence& evidence, const Eigen::MatrixXd& of_estimated);

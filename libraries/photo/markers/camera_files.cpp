@@ -132,7 +132,7 @@ std::optional<int> whole(const YAML::Node& node) {
   refuse(file, "line " + std::to_string(node.Mark().line + 1) + " has '" + text + "', expected " + expected);
 }
 
-void read_size(const YAML::Node& root, const std::string& file, BrownCamera& camera) {
+void read_size(const YAML::Node& root, const std::string& file, InteriorOrientation& camera) {
   const auto size = [&](const YAML::Node& node) {
     const auto value = whole(node);
     if (!value) refuse_value(file, node, "a number of pixels");
@@ -155,8 +155,15 @@ double number(const YAML::Node& node, const std::string& file, const std::string
   return values[0];
 }
 
-/// k1, k2, p1, p2, k3, ... in OpenCV's order.
-void set_distortion(const std::vector<double>& d, const std::string& file, BrownCamera& camera) {
+/// k1, k2, p1, p2, k3, ... in OpenCV's order; of a fisheye k1, k2, k3, k4.
+void set_distortion(const std::vector<double>& d, const std::string& file, InteriorOrientation& camera) {
+  if (camera.lens == LensModel::fisheye) {
+    if (d.size() != 4)
+      refuse(file, "has " + std::to_string(d.size()) +
+                       " coefficients of distortion, a fisheye (equidistant, Kannala-Brandt) has 4: k1, k2, k3, k4");
+    camera.k1 = d[0], camera.k2 = d[1], camera.k3 = d[2], camera.k4 = d[3];
+    return;
+  }
   for (size_t i = 5; i < d.size(); ++i)
     if (std::abs(d[i]) > 1e-12)
       refuse(file, "has " + std::to_string(d.size()) +
@@ -189,13 +196,14 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
   }
   const YAML::Node model = find(root, {"distortionmodel", "cameramodel", "model"});
   const std::string name = model.IsDefined() && model.IsScalar() ? simple(model.as<std::string>()) : "";
-  for (const char* other : {"equidistant", "fisheye", "kannala", "omni", "mei", "eucm", "ds", "fov"})
+  for (const char* other : {"omni", "mei", "eucm", "ds", "fov", "thinprism"})
     if (name.find(other) != std::string::npos && name.find("pinhole") == std::string::npos)
-      refuse(file,
-             "the distortion model is '" + model.as<std::string>() + "'; only Brown's (plumb_bob, radtan) is known");
+      refuse(file, "the distortion model is '" + model.as<std::string>() +
+                       "'; known are Brown's (plumb_bob, radtan) and the fisheye (equidistant, Kannala-Brandt)");
   const YAML::Node fisheye = find(root, {"fisheyemodel"});
-  if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0)
-    refuse(file, "it is a fisheye calibration; only Brown's model is known");
+  for (const char* same : {"equi", "fisheye", "kannala", "kb4"})
+    if (name.find(same) != std::string::npos) result.camera.lens = LensModel::fisheye;
+  if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0) result.camera.lens = LensModel::fisheye;
   const YAML::Node list = find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
                                       "distortioncoeffs", "cameradistortion", "distcoefs"});
   const auto d = numbers(list);
@@ -207,9 +215,11 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
                      "where there are none");
   std::vector<double> named = d;
   if (d.empty()) {
-    named.assign(5, 0);
-    const char* names[] = {"k1", "k2", "p1", "p2", "k3"};
-    for (size_t i = 0; i < 5; ++i) {
+    const std::vector<const char*> names = result.camera.lens == LensModel::fisheye
+                                               ? std::vector<const char*>{"k1", "k2", "k3", "k4"}
+                                               : std::vector<const char*>{"k1", "k2", "p1", "p2", "k3"};
+    named.assign(names.size(), 0);
+    for (size_t i = 0; i < names.size(); ++i) {
       const YAML::Node value = find(root, {names[i]});
       if (value.IsDefined() && !value.IsNull()) named[i] = number(value, file, names[i]);
     }
@@ -218,10 +228,10 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
 }
 
 /// A mistyped name would leave its parameter at zero.
-void refuse_unknown_names(const YAML::Node& map, const std::string& of, const std::string& file) {
+void refuse_unknown_names(const YAML::Node& map, LensModel lens, const std::string& of, const std::string& file) {
   for (const auto& entry : map) {
     const std::string name = entry.first.as<std::string>("");
-    const auto& names = BrownCamera::parameter_names;
+    const auto names = InteriorOrientation::names_of(lens);
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     std::string known;
     for (const char* each : names) known += (known.empty() ? "" : ", ") + std::string(each);
@@ -230,13 +240,14 @@ void refuse_unknown_names(const YAML::Node& map, const std::string& of, const st
   }
 }
 
-CameraCorrelations read_correlations(const YAML::Node& given, const std::string& file) {
+CameraCorrelations read_correlations(const YAML::Node& given, LensModel lens, const std::string& file) {
   CameraCorrelations rows;
   if (!given || given.IsNull()) return rows;
   if (!given.IsMap()) refuse_value(file, given, "a map of parameters and their correlations with those before them");
-  refuse_unknown_names(given, "correlations", file);
-  for (size_t i = 0; i < rows.size(); ++i) {
-    const YAML::Node row = given[BrownCamera::parameter_names[i]];
+  refuse_unknown_names(given, lens, "correlations", file);
+  const auto names = InteriorOrientation::names_of(lens);
+  for (size_t i = 0; i < names.size(); ++i) {
+    const YAML::Node row = given[names[i]];
     if (!row) continue;
     rows[i] = numbers(row);
     for (const double value : rows[i])
@@ -250,13 +261,20 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   result.format = "Plumbline";
   const YAML::Node parameters = root["parameters"], given = root["sigmas"];
   if (!parameters || !parameters.IsMap()) refuse(file, "'parameters' is missing");
-  refuse_unknown_names(parameters, "parameters", file);
+  if (const YAML::Node lens = root["lens"]) {
+    const auto known = lens_called(lens.as<std::string>(""));
+    if (!known) refuse_value(file, lens, "the lens: brown or fisheye");
+    result.camera.lens = *known;
+  }
+  const LensModel lens = result.camera.lens;
+  const auto names = result.camera.names();
+  refuse_unknown_names(parameters, lens, "parameters", file);
   if (given && !given.IsNull() && !given.IsMap())
     refuse_value(file, given, "a map of parameters and their standard deviations");
-  if (given && given.IsMap()) refuse_unknown_names(given, "sigmas", file);
-  std::array<double, BrownCamera::parameter_count> values{}, sigmas{};
-  for (size_t i = 0; i < values.size(); ++i) {
-    const char* name = BrownCamera::parameter_names[i];
+  if (given && given.IsMap()) refuse_unknown_names(given, lens, "sigmas", file);
+  std::array<double, InteriorOrientation::parameter_count> values{}, sigmas{};
+  for (size_t i = 0; i < names.size(); ++i) {
+    const char* name = names[i];
     const bool is_distortion = i >= 4;
     if (parameters[name])
       values[i] = number(parameters[name], file, name);
@@ -271,9 +289,9 @@ bool read_ours(const YAML::Node& root, const std::string& file, CameraFile& resu
   result.camera.set_parameters(values);
   if (root["pixel_origin"] && root["pixel_origin"].as<std::string>("") == "corner")
     result.camera.cx -= 0.5, result.camera.cy -= 0.5;
-  const CameraCorrelations correlations = read_correlations(root["correlations"], file);
+  const CameraCorrelations correlations = read_correlations(root["correlations"], lens, file);
   try {
-    result.covariance = camera_covariance(sigmas, correlations);
+    result.covariance = camera_covariance(lens, sigmas, correlations);
   } catch (const std::runtime_error& error) {
     refuse(file, error.what());
   }
@@ -351,10 +369,13 @@ std::vector<CameraFile> parse_camera_files(const std::string& text, const std::s
   return cameras;
 }
 
-Eigen::MatrixXd usual_covariance(const BrownCamera& camera) {
+Eigen::MatrixXd usual_covariance(const InteriorOrientation& camera) {
   Eigen::VectorXd sigma(9);
   const double f = 1e-3 * camera.fx;
-  sigma << f, f, 2 * f, 2 * f, 0.01, 0.03, camera.k3 != 0 ? 0.05 : 0.0, 5e-4, 5e-4;
+  if (camera.lens == LensModel::fisheye)
+    sigma << f, f, 2 * f, 2 * f, 0.01, 0.03, 0.05, 0.05, 0;
+  else
+    sigma << f, f, 2 * f, 2 * f, 0.01, 0.03, camera.k3 != 0 ? 0.05 : 0.0, 5e-4, 5e-4;
   return sigma.cwiseAbs2().asDiagonal();
 }
 
@@ -384,20 +405,24 @@ std::string camera_yaml(const CameraFile& file) {
   std::string text = in_comment(file.remarks) + "plumbline_camera: 1\nid: \"" + id +
                      "\"\nwidth: " + std::to_string(file.camera.width) +
                      "\nheight: " + std::to_string(file.camera.height) +
-                     "\npixel_origin: centre     # the centre of the top-left pixel is (0, 0), as OpenCV has it\n"
-                     "parameters:              # px; Brown's distortion, order and signs of OpenCV\n";
+                     "\npixel_origin: centre     # the centre of the top-left pixel is (0, 0), as OpenCV has it\n";
+  text += file.camera.lens == LensModel::fisheye
+              ? "lens: fisheye            # Kannala and Brandt, as OpenCV's fisheye, Kalibr's equidistant\n"
+                "parameters:              # px; k1 to k4 of the angle off the axis\n"
+              : "parameters:              # px; Brown's distortion, order and signs of OpenCV\n";
   const auto values = file.camera.parameters();
-  for (size_t i = 0; i < values.size(); ++i)
-    text += std::string("  ") + BrownCamera::parameter_names[i] + ": " + number(values[i]) + "\n";
+  const auto names = file.camera.names();
+  const auto count = static_cast<Eigen::Index>(names.size());
+  for (size_t i = 0; i < names.size(); ++i) text += std::string("  ") + names[i] + ": " + number(values[i]) + "\n";
   if (file.covariance.size() == 0) return text;
   text += "sigmas:                  # standard deviations; 0: held\n";
-  for (Eigen::Index i = 0; i < 9; ++i)
-    text += std::string("  ") + BrownCamera::parameter_names[static_cast<size_t>(i)] + ": " +
+  for (Eigen::Index i = 0; i < count; ++i)
+    text += std::string("  ") + names[static_cast<size_t>(i)] + ": " +
             number(std::sqrt(std::max(0.0, file.covariance(i, i)))) + "\n";
   if (file.covariance.isDiagonal(0)) return text;
   text += "correlations:            # of each with those before it, in the order above\n";
-  for (Eigen::Index i = 1; i < 9; ++i) {
-    text += std::string("  ") + BrownCamera::parameter_names[static_cast<size_t>(i)] + ": [";
+  for (Eigen::Index i = 1; i < count; ++i) {
+    text += std::string("  ") + names[static_cast<size_t>(i)] + ": [";
     for (Eigen::Index j = 0; j < i; ++j) {
       const double scale = std::sqrt(file.covariance(i, i) * file.covariance(j, j));
       text += (j ? ", " : "") + (scale > 0 ? number(file.covariance(i, j) / scale) : "0");

@@ -69,10 +69,16 @@ ColmapCamera camera_of(std::uint32_t id, const std::string& model, int width, in
                                " has the rational terms k4 to k6, which Brown's model has "
                                "not; " +
                                representable);
+  } else if (model == "SIMPLE_RADIAL_FISHEYE") {
+    single(4), b.lens = LensModel::fisheye, b.k1 = p[3];
+  } else if (model == "RADIAL_FISHEYE") {
+    single(5), b.lens = LensModel::fisheye, b.k1 = p[3], b.k2 = p[4];
+  } else if (model == "OPENCV_FISHEYE") {
+    two(8), b.lens = LensModel::fisheye, b.k1 = p[4], b.k2 = p[5], b.k3 = p[6], b.k4 = p[7];
   } else {
     throw std::runtime_error(where + ": camera " + std::to_string(id) + " is " + model +
-                             "; known are SIMPLE_PINHOLE, PINHOLE, "
-                             "SIMPLE_RADIAL, RADIAL, OPENCV and FULL_OPENCV; " +
+                             "; known are SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
+                             "SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE and OPENCV_FISHEYE; " +
                              representable);
   }
   b.cx -= 0.5, b.cy -= 0.5;
@@ -283,12 +289,14 @@ std::map<std::string, std::string> colmap_text(const ColmapModel& model) {
               images = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n",
               points = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n";
   for (const auto& [id, c] : model.cameras) {
-    const BrownCamera& b = c.camera;
-    cameras += std::to_string(id) + (b.k3 != 0 ? " FULL_OPENCV" : " OPENCV");
+    const InteriorOrientation& b = c.camera;
+    const bool is_fisheye = b.lens == LensModel::fisheye, has_third = !is_fisheye && b.k3 != 0;
+    cameras += std::to_string(id) + (is_fisheye ? " OPENCV_FISHEYE" : has_third ? " FULL_OPENCV" : " OPENCV");
     append(cameras, b.width);
     append(cameras, b.height);
-    std::vector<double> p = {b.fx, b.fy, b.cx + 0.5, b.cy + 0.5, b.k1, b.k2, b.p1, b.p2};
-    if (b.k3 != 0) p.insert(p.end(), {b.k3, 0, 0, 0});
+    std::vector<double> p = {
+        b.fx, b.fy, b.cx + 0.5, b.cy + 0.5, b.k1, b.k2, is_fisheye ? b.k3 : b.p1, is_fisheye ? b.k4 : b.p2};
+    if (has_third) p.insert(p.end(), {b.k3, 0, 0, 0});
     for (const double v : p) append(cameras, v);
     cameras += "\n";
   }

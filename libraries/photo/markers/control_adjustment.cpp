@@ -14,7 +14,6 @@ namespace {
 
 using bundle::Kind;
 
-constexpr int interior_count = BrownCamera::parameter_count;
 enum Group { group_ties, group_measured, group_control, group_interior };
 
 Eigen::Vector3d sigma_of(const ControlPoint& p, const ControlOptions& options) {
@@ -30,15 +29,16 @@ bundle::Known interior_prior(int camera, const bundle::Camera& given, const Brow
   const auto values = start.parameters();
   bundle::Known term;
   term.refs = {{Kind::camera, camera}};
-  const int all = bundle::value_count(bundle::Lens::brown);
+  const int all = bundle::value_count(given.lens), interior_count = static_cast<int>(start.names().size());
   term.target = Eigen::VectorXd::Zero(all);
-  term.target.head<interior_count>() = Eigen::Map<const Eigen::VectorXd>(values.data(), interior_count);
+  term.target.head(interior_count) = Eigen::Map<const Eigen::VectorXd>(values.data(), interior_count);
   term.group = group_interior;
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(interior_count - 1, all);
   rows(0, 0) = 1 / (1e-3 * extent), rows(0, 1) = -rows(0, 0);
   rows(1, 2) = rows(2, 3) = 1 / (0.01 * extent);
   for (int k = 4; k < interior_count; ++k)
-    if (given.free[static_cast<size_t>(k)]) rows(k - 1, k) = 1 / (k < 7 ? 0.2 : 0.01);
+    if (given.free[static_cast<size_t>(k)])
+      rows(k - 1, k) = 1 / (k < 7 || start.lens == LensModel::fisheye ? 0.2 : 0.01);
   std::vector<Eigen::Index> used;
   for (Eigen::Index r = 0; r < rows.rows(); ++r)
     if (!rows.row(r).isZero(0)) used.push_back(r);
@@ -216,10 +216,10 @@ class Adjustment {
 
   void add_camera(size_t c) {
     const BrownCamera& camera = model_.cameras.at(cameras_[c]).camera;
-    bundle::Camera entry{"camera " + std::to_string(cameras_[c]), bundle::Lens::brown, 0,
-                         std::vector<bool>(interior_count, options_.self_calibration)};
+    bundle::Camera entry{"camera " + std::to_string(cameras_[c]), bundle::lens_of(camera.lens), 0,
+                         std::vector<bool>(camera.names().size(), options_.self_calibration)};
     entry.free.resize(static_cast<size_t>(bundle::value_count(entry.lens)), false);
-    if (starts_[c].k3 == 0) entry.free[6] = false;
+    if (camera.lens == LensModel::brown && starts_[c].k3 == 0) entry.free[6] = false;
     state_.interiors.push_back({});
     const auto values = camera.parameters();
     std::copy(values.begin(), values.end(), state_.interiors.back().begin());
@@ -252,8 +252,8 @@ class Adjustment {
       pose.translation = -(pose.rotation * state_.images[i].position);
     }
     for (size_t c = 0; c < cameras_.size(); ++c) {
-      std::array<double, interior_count> values;
-      std::copy_n(state_.interiors[c].begin(), interior_count, values.begin());
+      std::array<double, InteriorOrientation::parameter_count> values;
+      std::copy_n(state_.interiors[c].begin(), values.size(), values.begin());
       model_.cameras.at(cameras_[c]).camera.set_parameters(values);
     }
     for (size_t j = 0; j < targets_.size(); ++j) targets_[j].position = state_.points[j];
@@ -314,7 +314,7 @@ class Adjustment {
     for (size_t i = 0; i < images_.size(); ++i) result_.pose_covariance[images_[i]] = cofactor(Kind::image, i);
     for (size_t c = 0; c < cameras_.size(); ++c) {
       Eigen::MatrixXd& covariance = result_.camera_covariance[cameras_[c]];
-      covariance = Eigen::MatrixXd::Zero(interior_count, interior_count);
+      covariance = Eigen::MatrixXd::Zero(InteriorOrientation::parameter_count, InteriorOrientation::parameter_count);
       const auto& free = layout.free_values(static_cast<int>(c));
       if (!free.empty()) covariance(free, free) = cofactor(Kind::camera, c);
     }

@@ -147,6 +147,7 @@ std::vector<std::vector<BrownCamera>> camera_candidates(const MarkerBlock& block
         const double extent = std::max(camera.width, camera.height);
         double f = factor > 0 ? factor * extent : focal_length_from_tags(block, static_cast<int>(c));
         if (!(f > 0.4 * extent && f < 8 * extent)) f = 1.2 * extent;
+        if (camera.lens == LensModel::fisheye) f = 0.4 * extent * (factor > 0 ? factor : 1.0);
         camera.fx = camera.fy = f;
         camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
       }
@@ -290,8 +291,12 @@ void run_or_explain(const MarkerBlock& block, const MarkerOptions& options, cons
 }
 
 /// An inset that is not significant is set to zero, but its uncertainty stays in all covariances: with one distance it
-/// cannot be told from the size of the tags, and half a millimetre in ten metres hangs on 0.01 px of it.
+/// cannot be told from the size of the tags, and half a millimetre in ten metres hangs on 0.01 px of it. Not where a
+/// detector states how far it may draw edges inwards: then the estimate is the best there is, and zero would err by up
+/// to three of the standard deviations that are stated.
 void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& options, const Trial& trial, Run& run) {
+  if (std::any_of(block.images.begin(), block.images.end(), [](const MarkerImage& i) { return i.inset_sigma > 0; }))
+    return;
   constexpr double always_significant = 0.1;  // [px]
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     const bundle::Ref ref{bundle::Kind::inset, run.model.inset_batch(c)};

@@ -23,10 +23,11 @@ namespace plumbline::markers {
 /// A camera as it is known beforehand.
 struct MarkerCamera {
   std::string id;
-  BrownCamera camera;          ///< start; fx = fy = 0 if the principal distance is unknown
+  BrownCamera camera;          ///< its lens, and a start; fx = fy = 0 if the principal distance is unknown
   std::string source;          ///< where the start comes from, in words
   Eigen::MatrixXd covariance;  ///< 9 × 9 prior; empty: none. Parameters of variance 0 are held
   bool held = false;           ///< the interior orientation is taken as exact
+  bool any_lens = false;       ///< the prior is of what EXIF says, not of a calibration: the lens may be another
   double pixel_pitch = std::numeric_limits<double>::quiet_NaN();  ///< edge of a pixel on the sensor [m]; nan: unknown
 };
 
@@ -161,5 +162,10 @@ struct MarkerResult {
 /// frame is then that of the tag with the lowest id. Throws std::runtime_error that names the cause: no tag in two
 /// images, fewer than two images of one object, a rank defect (by its unknowns), no convergence.
 MarkerResult adjust_marker_block(const MarkerBlock& block, const MarkerOptions& options);
+
+/// The same, and where cameras that calibrate themselves see tags more than 35° off the axis and the fisheye's model
+/// leaves less than 0.85 of the residuals of Brown's, which has a parameter more: with fisheyes, which `block` and a
+/// warning then say.
+MarkerResult adjust_lens_and_block(MarkerBlock& block, const MarkerOptions& options);
 
 }  // namespace plumbline::markers

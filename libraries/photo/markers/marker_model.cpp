@@ -11,8 +11,6 @@ namespace {
 
 using bundle::Kind;
 
-constexpr int interior_count = BrownCamera::parameter_count;
-
 void add_known(Kind kind, int index, Eigen::VectorXd target, Eigen::MatrixXd whitening, int group, MarkerModel& model) {
   model.problem.known.push_back({{{kind, index}}, std::move(target), std::move(whitening), group});
 }
@@ -21,8 +19,9 @@ void add_known(Kind kind, int index, Eigen::VectorXd target, Eigen::MatrixXd whi
 /// than lenses have. Weak enough to leave to the photographs what they determine, and what keeps a block of few
 /// photographs from running away.
 void add_interior(const MarkerCamera& camera, bool is_used, int c, MarkerModel& model) {
-  bundle::Camera entry{camera.id, bundle::Lens::brown, 0, {}};
+  bundle::Camera entry{camera.id, bundle::lens_of(camera.camera.lens), 0, {}};
   const Eigen::Index all = bundle::value_count(entry.lens);
+  const int interior_count = static_cast<int>(camera.camera.names().size());
   entry.free.assign(static_cast<size_t>(all), false);
   const bool has_prior = camera.covariance.size() > 0;
   std::vector<int> chosen;
@@ -34,7 +33,7 @@ void add_interior(const MarkerCamera& camera, bool is_used, int c, MarkerModel& 
   Eigen::MatrixXd whitening;
   if (has_prior) {
     const auto start = camera.camera.parameters();
-    target.head<interior_count>() = Eigen::Map<const Eigen::VectorXd>(start.data(), interior_count);
+    target.head(interior_count) = Eigen::Map<const Eigen::VectorXd>(start.data(), interior_count);
     const Eigen::LLT<Eigen::MatrixXd> factor(camera.covariance(chosen, chosen).eval());
     if (factor.info() != Eigen::Success)
       throw std::runtime_error("the covariance of camera '" + camera.id + "' is not positive definite");
@@ -44,12 +43,14 @@ void add_interior(const MarkerCamera& camera, bool is_used, int c, MarkerModel& 
     whitening(Eigen::all, chosen) = inverse;
   } else {
     const double extent = std::max(camera.camera.width, camera.camera.height);
-    whitening = Eigen::MatrixXd::Zero(8, all);
+    const bool is_fisheye = camera.camera.lens == LensModel::fisheye;
+    whitening = Eigen::MatrixXd::Zero(interior_count - 1, all);
     target(2) = 0.5 * (camera.camera.width - 1), target(3) = 0.5 * (camera.camera.height - 1);
     whitening(0, 0) = 1 / (0.01 * extent), whitening(0, 1) = -whitening(0, 0);
     whitening(1, 2) = whitening(2, 3) = 1 / (0.05 * extent);
     whitening(3, 4) = 1 / 0.5, whitening(4, 5) = 1 / 1.0, whitening(5, 6) = 1 / 1.0;
-    whitening(6, 7) = whitening(7, 8) = 1 / 0.01;
+    whitening(6, 7) = 1 / (is_fisheye ? 1.0 : 0.01);  // k4, or p1
+    if (!is_fisheye) whitening(7, 8) = 1 / 0.01;
   }
   add_known(Kind::camera, c, target, whitening, group_interior, model);
 }

@@ -273,9 +273,9 @@ std::string furthest_parameter(const BrownCamera& given, const BrownCamera& foun
     const double w = std::abs(after[i] - before[i]) / std::sqrt(prior(k, k) - adjusted(k, k));
     if (!(w > largest)) continue;
     largest = w;
-    worst = std::string(BrownCamera::parameter_names[i]) + " is " + digits(after[i]) + " \u00b1 " +
-            digits(std::sqrt(adjusted(k, k))) + ", given were " + digits(before[i]) + " \u00b1 " +
-            digits(std::sqrt(prior(k, k))) + " (w = " + text::format_fixed(w, 1) + ")";
+    worst = std::string(given.names()[i]) + " is " + digits(after[i]) + " \u00b1 " + digits(std::sqrt(adjusted(k, k))) +
+            ", given were " + digits(before[i]) + " \u00b1 " + digits(std::sqrt(prior(k, k))) +
+            " (w = " + text::format_fixed(w, 1) + ")";
   }
   return worst;
 }

@@ -94,7 +94,7 @@ class RigAdjuster {
         model.state = adjusted.state;
         read(begin, model, layout, adjusted, rig);
         if (freedom == Freedom::principal)
-          rig.held = "k3, p1, p2 of the cameras and the bend of the board";
+          rig.held = "k3 and what follows it of the cameras and the bend of the board";
         else if (freedom == Freedom::none)
           rig.held = "the interior orientations and the bend of the board";
         return rig;
@@ -184,7 +184,7 @@ class RigAdjuster {
       const std::string& id = cameras_[static_cast<size_t>(p.members[m])].id;
       const Calibration& own = *cameras_[static_cast<size_t>(p.members[m])].calibration;
       problem.mounts.push_back({"camera " + id, m == 0});
-      bundle::Camera camera{id, bundle::Lens::brown, 0, {}};
+      bundle::Camera camera{id, bundle::lens_of(own.camera.lens), 0, {}};
       for (Eigen::Index k = 0; k < bundle::value_count(camera.lens); ++k) {
         const bool estimated =
             k < BrownCamera::parameter_count && (own.covariance.size() == 0 || own.covariance(k, k) > 0);

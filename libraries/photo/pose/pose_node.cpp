@@ -74,8 +74,10 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
                     (image.tags.size() == 1 ? " was" : " were") + " detected, " + std::to_string(field.size()) +
                     " are in the table), needed are " + need);
   const bool raw = settings.raw_tags > 0;
-  const TagPose found = raw ? raw_tag_pose(camera, views, solver, settings.raw_tags)
-                            : estimate_tag_pose(camera, views, solver, settings.robust);
+  TagPoseOptions robust = settings.robust;
+  if (image.corner_inset_sigma > 0) robust.inset_sigma = image.corner_inset_sigma;
+  const TagPose found =
+      raw ? raw_tag_pose(camera, views, solver, settings.raw_tags) : estimate_tag_pose(camera, views, solver, robust);
   if (found.inlier_count < least)
     throw NoTagPose(std::to_string(found.inlier_count) + " of " + std::to_string(views.size()) +
                     " markers agree with one pose, needed are " + need);

@@ -50,9 +50,13 @@ Eigen::ArrayXf mean_patch(const std::vector<Share>& shares) {
   return mean / static_cast<float>(shares.size());
 }
 
-double correlation(const Share& share, const Eigen::ArrayXf& mean) {
-  const double norm = std::sqrt(static_cast<double>(mean.square().mean()));
-  return norm > 0 ? static_cast<double>((share.patch.values * mean).mean()) / norm : 0;
+/// Of a photograph with the pattern, noise apart: the root of its mean correlation with the `count - 1` others, as two
+/// noisy patches agree by the product of what each agrees with the pattern by. With the mean of all, two photographs
+/// would agree by 0.7 whatever they show, since each is a part of it.
+double correlation(const Share& share, const Eigen::ArrayXf& mean, size_t count) {
+  const double all = static_cast<double>(count);
+  const double others = (all * static_cast<double>((share.patch.values * mean).mean()) - 1) / (all - 1);
+  return std::sqrt(std::max(0.0, others));
 }
 
 /// Mean correlation of pairs of patches: (K² |T|² − K) / (K (K − 1)), since all have contrast 1.
@@ -90,6 +94,8 @@ struct Normal {
   Eigen::Matrix2d texture = Eigen::Matrix2d::Zero();  ///< Σ of the gradients' products, less the share of noise [1/m²]
   double squares = 0;
   int residuals = 0;
+  Eigen::ArrayXXd
+      pull;  ///< what each place, all photographs together, pulls the height by (its gradient times residual)
 };
 
 Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
@@ -98,6 +104,7 @@ Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
   Eigen::ArrayXd by_u, by_v;
   gradients(mean, half, by_u, by_v);
   const int n = 2 * half + 1;
+  normal.pull = Eigen::ArrayXXd::Zero(n - 2, n - 2);
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Share& share : shares) middle += share.parallax / static_cast<double>(shares.size());
   for (int j = 1; j + 1 < n; ++j)
@@ -111,6 +118,7 @@ Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
         const double residual = static_cast<double>(share.patch.values(at) - mean(at));
         normal.matrix += row * row.transpose();
         normal.right -= row * residual;
+        normal.pull(i - 1, j - 1) += row(0) * residual;
         normal.squares += residual * residual;
       }
       normal.residuals += static_cast<int>(shares.size());
@@ -125,6 +133,23 @@ double variance_of(const Normal& normal, size_t views) {
   const double inner = normal.residuals / count;
   const double freedom = (count - 1) * inner - 2 * count - 3;
   return freedom > 1 ? normal.squares / freedom : 0;
+}
+
+/// Facet::neighbours. Source: Newey and West (1987), with a window of Bartlett's in both directions.
+double of_neighbours(const Eigen::ArrayXXd& pull) {
+  constexpr Eigen::Index window = 4;
+  const Eigen::Index n = pull.rows();
+  const double alone = pull.square().sum();
+  if (!(alone > 0) || n < window) return 1;
+  double together = alone;
+  for (Eigen::Index j = 0; j < window; ++j)
+    for (Eigen::Index i = j == 0 ? 1 : 1 - window; i < window; ++i) {
+      const Eigen::Index apart = std::abs(i), first = i < 0 ? apart : 0;
+      const double weight = (1 - static_cast<double>(apart) / window) * (1 - static_cast<double>(j) / window);
+      together +=
+          2 * weight * (pull.block(first, 0, n - apart, n - j) * pull.block(first + i, j, n - apart, n - j)).sum();
+    }
+  return together / alone;
 }
 
 void settle(const Normal& normal, const std::vector<Share>& shares, double spacing, Facet& facet) {
@@ -145,6 +170,7 @@ void settle(const Normal& normal, const std::vector<Share>& shares, double spaci
     return;
   }
   facet.sigma = std::sqrt(variance / weight);
+  facet.neighbours = of_neighbours(normal.pull);
   for (const Share& share : shares) {
     facet.views.push_back(share.number);
     facet.by_shift.push_back(-(texture * (share.parallax - middle)) / weight);
@@ -224,9 +250,9 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
       for (;;) {
         const Eigen::ArrayXf mean = mean_patch(agreeing);
         const auto worst = std::min_element(agreeing.begin(), agreeing.end(), [&](const Share& a, const Share& b) {
-          return correlation(a, mean) < correlation(b, mean);
+          return correlation(a, mean, agreeing.size()) < correlation(b, mean, agreeing.size());
         });
-        if (correlation(*worst, mean) >= options.min_correlation) break;
+        if (correlation(*worst, mean, agreeing.size()) >= options.min_correlation) break;
         agreeing.erase(worst);
         if (static_cast<int>(agreeing.size()) < options.min_views ||
             static_cast<double>(agreeing.size()) < options.min_share * static_cast<double>(shares.size())) {
@@ -268,7 +294,7 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
     facet.height = start + raise, facet.slope = slope;
     const Eigen::ArrayXf mean = mean_patch(agreeing);
     for (const Share& share : agreeing)
-      facet.correlation += correlation(share, mean) / static_cast<double>(agreeing.size());
+      facet.correlation += correlation(share, mean, agreeing.size()) / static_cast<double>(agreeing.size());
     facet.outcome = FacetOutcome::measured;
     settle(normal, agreeing, spacing, facet);
     if (facet.outcome != FacetOutcome::measured) return facet;

@@ -28,7 +28,7 @@ struct FacetOptions {
   int half = 5;                  ///< a patch has (2 · half + 1)² samples
   double search = 0.05;          ///< heights from −search to search are looked at [m]
   int min_views = 3;             ///< photographs that have to agree
-  double min_correlation = 0.7;  ///< of a photograph's patch with the mean of all
+  double min_correlation = 0.7;  ///< of a photograph with the pattern that all show, noise apart
   double min_share = 0.6;        ///< of the photographs that see it have to agree: in a mirror a few may by chance
   double repetition = 0.02;      ///< a second height within so much of the best correlation is as good
   double max_sigma = 0.002;      ///< of a height [m]
@@ -42,8 +42,11 @@ struct FacetView {
 
 struct Facet {
   FacetOutcome outcome = FacetOutcome::too_few_views;
-  double height = 0;                                ///< [m]
-  double sigma = 0;                                 ///< random part only: noise of the photographs [m]
+  double height = 0;  ///< [m]
+  double sigma = 0;   ///< random part only: noise of the photographs, each place by itself [m]
+  /// How many times larger the height's variance is because neighbouring places pull alike: where a facet is no plane,
+  /// or the photographs show it in their own ways. 1 ± 0.4 of one facet if each place errs by itself.
+  double neighbours = 1;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< by u and v
   double correlation = 0;                           ///< mean over the photographs that agree
   std::vector<int> views;                           ///< those, numbers into the list given

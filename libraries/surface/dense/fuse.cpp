@@ -74,10 +74,34 @@ std::vector<bool> agreeing(const std::vector<Said>& said, double within) {
   return best;
 }
 
+/// Numbers of the faces that may have points within `reach` of the one of number `which`, which is not among them.
+std::vector<size_t> around(const std::vector<PanelFace>& faces, size_t which, double reach) {
+  const auto radius = [&](const PanelFace& face) { return std::hypot(0.5 * face.width, 0.5 * face.height, reach); };
+  std::vector<size_t> numbers;
+  for (size_t f = 0; f < faces.size(); ++f)
+    if (f != which &&
+        (faces[f].plane.origin - faces[which].plane.origin).norm() < radius(faces[f]) + radius(faces[which]))
+      numbers.push_back(f);
+  return numbers;
+}
+
+/// Whether another face has the point at `height` above the one of number `which`.
+bool is_of_another(const std::vector<PanelFace>& faces, size_t which, const std::vector<size_t>& others,
+                   const Eigen::Vector3d& point, double height) {
+  return std::any_of(others.begin(), others.end(), [&](size_t f) {
+    const Eigen::Vector3d at = faces[f].plane.local(point);
+    if (std::abs(at.x()) > 0.5 * faces[f].width || std::abs(at.y()) > 0.5 * faces[f].height) return false;
+    return std::abs(at.z()) < std::abs(height) || (f < which && std::abs(at.z()) <= std::abs(height));
+  });
+}
+
 }  // namespace
 
-FusedFace fuse_face(const PanelFace& face, const std::vector<std::vector<MeasuredTile>>& sources,
-                    const std::vector<int>& ranks, double reach, const FuseOptions& options) {
+FusedFace fuse_face(const std::vector<PanelFace>& faces, size_t which,
+                    const std::vector<std::vector<MeasuredTile>>& sources, const std::vector<int>& ranks, double reach,
+                    const FuseOptions& options) {
+  const PanelFace& face = faces.at(which);
+  const std::vector<size_t> others = around(faces, which, reach);
   const int columns = std::max(1, static_cast<int>(face.width / options.cell)),
             rows = std::max(1, static_cast<int>(face.height / options.cell));
   std::vector<std::vector<Said>> cells(static_cast<size_t>(columns) * static_cast<size_t>(rows),
@@ -92,11 +116,12 @@ FusedFace fuse_face(const PanelFace& face, const std::vector<std::vector<Measure
                                     std::to_string(tile.factor.cols()) + " common errors, the source " +
                                     std::to_string(ranks[s]));
       for (size_t p = 0; p < tile.points.size(); ++p) {
-        const Eigen::Vector3d at = face.plane.local(tile.at(tile.points[p]));
+        const Eigen::Vector3d point = tile.at(tile.points[p]), at = face.plane.local(point);
         const auto c = static_cast<int>(std::floor((at.x() / face.width + 0.5) * columns)),
                    r = static_cast<int>(std::floor((at.y() / face.height + 0.5) * rows));
         const double sigma = static_cast<double>(tile.points[p].sigma);
         if (c < 0 || r < 0 || c >= columns || r >= rows || !(std::abs(at.z()) <= reach + 6 * sigma)) continue;
+        if (is_of_another(faces, which, others, point, at.z())) continue;
         cells[static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c)][s].points.push_back(
             {t, p, at.z(), sigma});
       }

@@ -32,10 +32,12 @@ struct FusedFace {
   FuseCounts counts;
 };
 
-/// `sources`: the tiles that hold points of the face, source by source; points beside the face are left out. `ranks`:
-/// of each source's systematic part, which is 0 where none is known. Throws std::invalid_argument for a factor of
-/// another rank.
-FusedFace fuse_face(const PanelFace& face, const std::vector<std::vector<MeasuredTile>>& sources,
-                    const std::vector<int>& ranks, double reach, const FuseOptions& options);
+/// Of `faces` the one of number `which`. `sources`: the tiles that hold points of the face, source by source; points
+/// beside the face are left out, and so are those that lie nearer to another of the faces, which has them: where faces
+/// overlap each point is one face's, of two alike the first's. `ranks`: of each source's systematic part, which is 0
+/// where none is known. Throws std::invalid_argument for a factor of another rank.
+FusedFace fuse_face(const std::vector<PanelFace>& faces, size_t which,
+                    const std::vector<std::vector<MeasuredTile>>& sources, const std::vector<int>& ranks, double reach,
+                    const FuseOptions& options);
 
 }  // namespace plumbline::surface

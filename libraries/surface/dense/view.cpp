@@ -7,20 +7,6 @@
 namespace plumbline::surface {
 namespace {
 
-/// Derivatives of the pixel by the nine parameters at normalised image coordinates (x, y).
-Eigen::Matrix<double, 2, 9> by_parameters(const BrownCamera& camera, double x, double y) {
-  const double r2 = x * x + y * y;
-  const double radial = 1 + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
-  const double xd = x * radial + 2 * camera.p1 * x * y + camera.p2 * (r2 + 2 * x * x);
-  const double yd = y * radial + camera.p1 * (r2 + 2 * y * y) + 2 * camera.p2 * x * y;
-  Eigen::Matrix<double, 2, 9> d;
-  d.row(0) << xd, 0, 1, 0, camera.fx * x * r2, camera.fx * x * r2 * r2, camera.fx * x * r2 * r2 * r2,
-      camera.fx * 2 * x * y, camera.fx * (r2 + 2 * x * x);
-  d.row(1) << 0, yd, 0, 1, camera.fy * y * r2, camera.fy * y * r2 * r2, camera.fy * y * r2 * r2 * r2,
-      camera.fy * (r2 + 2 * y * y), camera.fy * 2 * x * y;
-  return d;
-}
-
 GreyImage halved(const GreyImage& image) {
   GreyImage half;
   half.width = image.width / 2, half.height = image.height / 2;
@@ -51,7 +37,7 @@ std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const
   map.pixel = seen->pixel;
   map.by_place = seen->by_point * cam_from_plane;
   map.by_image << -seen->by_point * skew(turned), seen->by_point, Eigen::Matrix2d::Identity();
-  map.by_camera = by_parameters(view.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
+  map.by_camera = pixel_by_parameters(view.camera, in_camera.x() / in_camera.z(), in_camera.y() / in_camera.z());
   return map;
 }
 

@@ -13,7 +13,7 @@ constexpr double kSmallest = 50e-6, kAgree = 0.1, kShare = 0.8;
 constexpr std::size_t kPoints = 4, kMostPoints = 200;  // pairs grow with the square
 
 /// Places of the points that both epochs have, without coordinates that one of them lacks.
-std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> common_points(const Epoch& first, const Epoch& second) {
+std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> common_positions(const Epoch& first, const Epoch& second) {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> points;
   for (std::size_t i = 0; i < first.ids.size() && points.size() < kMostPoints; ++i) {
     const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
@@ -30,7 +30,7 @@ std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> common_points(const Epo
 }  // namespace
 
 std::optional<double> common_scale(const Epoch& first, const Epoch& second) {
-  const auto points = common_points(first, second);
+  const auto points = common_positions(first, second);
   if (points.size() < kPoints) return std::nullopt;
   std::vector<double> ratios;
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -1,3 +1,4 @@
+#include <Eigen/Cholesky>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -15,10 +16,10 @@ using text::child_text;
 using enum ObservationKind;
 
 constexpr double kSecondOfArc = std::numbers::pi / 180 / 3600;
-constexpr double kFarthest = 20000;  // [m] from the middle: a plane is true to 5 ppm there
+constexpr double kFarthest = 500000;  // [m] from the middle
 constexpr const char* kRead =
-    "S, C, V, Z, A, D, L or H: slope and chord distances, zenith and vertical angles, "
-    "horizontal angles, direction sets, level differences, heights";
+    "S, C, V, Z, A, D, L, H, G or X: slope and chord distances, zenith and vertical angles, "
+    "horizontal angles, direction sets, level differences, heights, GNSS baselines and their clusters";
 
 /// What DynAdjust calls the types that cannot be adjusted here.
 std::string name_of_type(const std::string& type) {
@@ -54,6 +55,8 @@ class DynaMlReader {
   void read_directions(pugi::xml_node node);
   void read_direction(pugi::xml_node node, const std::string& from, const std::string& to, int set_up);
   void read_height(pugi::xml_node node);
+  void read_baselines(pugi::xml_node node, const std::string& type);
+  bool read_covariance(pugi::xml_node block, const char* const (&names)[3][3], Eigen::Ref<Eigen::MatrixXd> c);
   std::optional<double> number(pugi::xml_node parent, const char* name, const char* expected);
   std::optional<double> angle(pugi::xml_node parent, const char* name);
   /// [rad] or [m]; above zero.
@@ -183,14 +186,17 @@ void DynaMlReader::place_stations() {
       throw SurveyReadError(xml_.position(s.node),
                             "station " + text::quoted(s.name) + " " + text::format_fixed(p.norm() / 1000, 0) +
                                 " km from the middle of the stations",
-                            "a site within 20 km, which a plane can stand for; DynAdjust is for larger networks");
+                            "a network within 500 km; DynAdjust is for larger ones");
     builder_.give_coordinates(s.name, {p.x(), p.y(), s.place.height}, xml_.position(s.node));
     hold(s);
   }
+  builder_.survey.info.coordinate_system = plane.as_map();
   const auto degrees = [](double rad) { return text::format_fixed(rad * 180 / std::numbers::pi, 6); };
   builder_.warn("E and N are of a plane about latitude " + degrees(mean.latitude) + ", longitude " +
                 degrees(mean.longitude) + " degrees with true lengths at the height " +
-                text::format_fixed(mean.height, 1) + " m; heights are as given, above the ellipsoid where X, Y, Z are");
+                text::format_fixed(mean.height, 1) +
+                " m (a map of the network's own, to which lengths are reduced); heights are as given, above the "
+                "ellipsoid where X, Y, Z are");
 }
 
 void DynaMlReader::read_single(pugi::xml_node node, ObservationKind kind, bool vertical_angle) {
@@ -265,6 +271,75 @@ void DynaMlReader::read_height(pugi::xml_node node) {
   builder_.survey.coordinates.push_back(group);
 }
 
+bool DynaMlReader::read_covariance(pugi::xml_node block, const char* const (&names)[3][3],
+                                   Eigen::Ref<Eigen::MatrixXd> c) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const auto value = number(block, names[i][j], "a covariance in m^2");
+      if (!value) return false;
+      c(i, j) = *value;
+    }
+  return true;
+}
+
+/// First, Second and GPSBaseline of each baseline follow one another; in a cluster each baseline has blocks with its
+/// covariance to those behind it. All variances times Vscale; Pscale, Lscale and Hscale are of north, east and height.
+void DynaMlReader::read_baselines(pugi::xml_node node, const std::string& type) {
+  static constexpr const char* kOwn[3][3] = {
+      {"SigmaXX", "SigmaXY", "SigmaXZ"}, {"SigmaXY", "SigmaYY", "SigmaYZ"}, {"SigmaXZ", "SigmaYZ", "SigmaZZ"}};
+  static constexpr const char* kBlock[3][3] = {{"m11", "m12", "m13"}, {"m21", "m22", "m23"}, {"m31", "m32", "m33"}};
+  const auto firsts = text::children(node, "First"), seconds = text::children(node, "Second"),
+             baselines = text::children(node, "GPSBaseline");
+  if (baselines.empty() || firsts.size() != baselines.size() || seconds.size() != baselines.size())
+    return reject(node, name_of_type(type) + " without First, Second and GPSBaseline of each", "all three of each");
+  VectorGroup group;
+  group.is_geocentric = true;
+  group.source = xml_.position(node);
+  const auto n = static_cast<Eigen::Index>(3 * baselines.size());
+  group.values.resize(n);
+  group.covariance = Eigen::MatrixXd::Zero(n, n);
+  double scales[4];  // V, P, L, H
+  for (int k = 0; k < 4; ++k) {
+    static constexpr const char* kNames[] = {"Vscale", "Pscale", "Lscale", "Hscale"};
+    const auto value = child_text(node, kNames[k]).empty() ? 1 : number(node, kNames[k], "a factor above zero");
+    if (!value) return;
+    if (!(*value > 0)) return reject(node, std::string(kNames[k]) + " of zero or less", "a factor above zero");
+    scales[k] = *value;
+  }
+  if (scales[1] != scales[2])
+    return reject(node, "Pscale and Lscale that differ", "one factor for both, as nothing else is read");
+  group.horizontal_factor = std::sqrt(scales[1]), group.vertical_factor = std::sqrt(scales[3]);
+  for (size_t i = 0; i < baselines.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(3 * i);
+    static constexpr const char* kAxes[] = {"X", "Y", "Z"};
+    for (int k = 0; k < 3; ++k) {
+      const auto value = number(baselines[i], kAxes[k], "a difference in m");
+      if (!value) return;
+      group.values[at + k] = *value;
+    }
+    if (!read_covariance(baselines[i], kOwn, group.covariance.block<3, 3>(at, at))) return;
+    const auto blocks = text::children(baselines[i], "GPSCovariance");
+    if (blocks.size() + i + 1 != baselines.size())
+      return reject(baselines[i], std::to_string(blocks.size()) + " blocks GPSCovariance",
+                    std::to_string(baselines.size() - i - 1) + ", one for each baseline behind it");
+    for (size_t j = 0; j < blocks.size(); ++j) {
+      const auto other = static_cast<Eigen::Index>(3 * (i + 1 + j));
+      if (!read_covariance(blocks[j], kBlock, group.covariance.block<3, 3>(at, other))) return;
+      group.covariance.block<3, 3>(other, at) = group.covariance.block<3, 3>(at, other).transpose();
+    }
+    const std::string from(text::trim(firsts[i].text().get())), to(text::trim(seconds[i].text().get()));
+    if (from.empty() || to.empty() || from == to) return reject(baselines[i], "a baseline", "two stations");
+    group.vectors.push_back({from, to});
+  }
+  group.covariance *= scales[0];
+  if (Eigen::LLT<Eigen::MatrixXd>(group.covariance).info() != Eigen::Success)
+    return reject(node, "a covariance of " + name_of_type(type) + " that is not positive definite",
+                  "one that is: six numbers, or blocks, of the same processing");
+  for (const auto& v : group.vectors)
+    for (const std::string& id : {v.from, v.to}) builder_.point(id, group.source);
+  builder_.survey.vectors.push_back(std::move(group));
+}
+
 void DynaMlReader::read_measurement(pugi::xml_node node) {
   const std::string type = child_text(node, "Type");
   if (is_ignored(node)) {
@@ -281,6 +356,8 @@ void DynaMlReader::read_measurement(pugi::xml_node node) {
     read_directions(node);
   } else if (type == "H") {
     read_height(node);
+  } else if (type == "G" || type == "X") {
+    read_baselines(node, type);
   } else {
     reject(node, name_of_type(type), kRead);
   }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text/text.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -76,9 +78,16 @@ Geodetic from_geocentric(const Eigen::Vector3d& p) {
 }
 
 GroundPlane::GroundPlane(const Geodetic& centre)
-    : projection_(centre.longitude,
-                  1 + centre.height * (1 - kE2 * std::pow(std::sin(centre.latitude), 2)) / (kA * std::sqrt(1 - kE2))),
+    : centre_(centre),
+      scale_(1 + centre.height * (1 - kE2 * std::pow(std::sin(centre.latitude), 2)) / (kA * std::sqrt(1 - kE2))),
+      projection_(centre.longitude, scale_),
       north_(projection_.forward(centre).y()) {}
+
+std::string GroundPlane::as_map() const {
+  const auto degrees = [](double rad) { return text::format_fixed(rad * 180 / std::numbers::pi, 13); };
+  return "+proj=tmerc +lat_0=" + degrees(centre_.latitude) + " +lon_0=" + degrees(centre_.longitude) +
+         " +k=" + text::format_fixed(scale_, 15) + " +x_0=0 +y_0=0 +ellps=GRS80 +units=m +type=crs";
+}
 
 Eigen::Vector2d GroundPlane::operator()(const Geodetic& p) const {
   return projection_.forward(p) - Eigen::Vector2d(0, north_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 namespace plumbline::survey {
 
@@ -33,8 +34,12 @@ class GroundPlane {
  public:
   explicit GroundPlane(const Geodetic& centre);
   Eigen::Vector2d operator()(const Geodetic& p) const;
+  /// The plane as PROJ writes it, so that it can be a map: "+proj=tmerc ...".
+  std::string as_map() const;
 
  private:
+  Geodetic centre_;
+  double scale_;
   TransverseMercator projection_;
   double north_;
 };

@@ -9,6 +9,7 @@
 #include "least_squares/problem/cofactors.hpp"
 #include "plumbline/failure.hpp"
 #include "survey/model/instrument_profile.hpp"
+#include "survey/model/map_frame.hpp"
 #include "survey/model/survey_observations.hpp"
 
 namespace plumbline::survey {
@@ -70,7 +71,7 @@ struct AdjustOptions {
   /// Map of E and N ("EPSG:25832", "utm:32"); empty: a plane of its own in which lengths are true; kPlane: likewise,
   /// and coordinates that look like those of a map are none.
   std::string map;
-  double geoid_height = 0;  ///< of the geoid above the map's ellipsoid [m]
+  GeoidChoice geoid;  ///< of the map
   /// Cofactors are one matrix of up to so many unknowns, 8 bytes times their square; beyond, they are found on demand,
   /// and the external effects of readings are those on their own points.
   int largest_whole = least_squares::Cofactors::kLargestWhole;

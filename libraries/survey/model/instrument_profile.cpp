@@ -12,6 +12,7 @@
 #include "base/text/one_document.hpp"
 #include "base/text/whole_file.hpp"
 #include "builtin_profiles.hpp"
+#include "survey/model/starnet_project.hpp"
 #include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
@@ -199,10 +200,14 @@ std::map<std::string, InstrumentProfile> parse_instruments(const std::string& ya
 }
 
 std::map<std::string, InstrumentProfile> read_instruments(const std::string& path) {
-  return parse_instruments(text::read_whole(path), path);
+  const std::string text = text::read_whole(path);
+  return is_starnet_project(text) ? parse_starnet_project(text, path).library : parse_instruments(text, path);
 }
 
-InstrumentProfile read_profile(const std::string& path) { return parse_profile(text::read_whole(path), path); }
+InstrumentProfile read_profile(const std::string& path) {
+  const std::string text = text::read_whole(path);
+  return is_starnet_project(text) ? parse_starnet_project(text, path).instrument : parse_profile(text, path);
+}
 
 std::vector<const char*> profile_names() {
   std::vector<const char*> names;
@@ -222,7 +227,14 @@ InstrumentProfile built_in_profile(const std::string& name) {
 
 InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
                                  const std::string& instrument, std::string& remark) {
-  if (!profile_file.empty()) return read_profile(profile_file);
+  if (!profile_file.empty()) {
+    const std::string text = text::read_whole(profile_file);
+    if (is_starnet_project(text))
+      remark = "of the project " + profile_file +
+               " the instruments are taken; not what else it sets, which is to be given: " +
+               join(parse_starnet_project(text, profile_file).settings, 20);
+    return read_profile(profile_file);
+  }
   if (profile != "automatic") return built_in_profile(profile);
   const std::vector<const char*> names = profile_names();
   if (std::find(names.begin(), names.end(), instrument) != names.end()) return built_in_profile(instrument);

@@ -61,6 +61,7 @@ std::vector<const char*> profile_names();
 InstrumentProfile built_in_profile(const std::string& name);
 /// `origin` names the text in errors. Throws std::runtime_error with line and column.
 InstrumentProfile parse_profile(const std::string& yaml, const std::string& origin);
+/// A profile file, or a project of STAR*NET (starnet_project.hpp), whose default instrument it is.
 InstrumentProfile read_profile(const std::string& path);
 /// Further instruments of the same file, by the names that survey files call them: "instruments: {S9: {keys}}"; a key
 /// that one of them lacks is the file's own.
@@ -69,7 +70,8 @@ std::map<std::string, InstrumentProfile> read_instruments(const std::string& pat
 
 /// Profile of the parameters `profile` and `profile_file` that several nodes have: the file if there is one; for
 /// "automatic" the built-in profile that the observations name (`instrument`, as campaign.yaml sets it), or else
-/// ics50_assumed with a sentence in `remark` if they name another instrument.
+/// ics50_assumed with a sentence in `remark` if they name another instrument; of a project of STAR*NET `remark` is what
+/// else it sets.
 InstrumentProfile choose_profile(const std::string& profile, const std::string& profile_file,
                                  const std::string& instrument, std::string& remark);
 

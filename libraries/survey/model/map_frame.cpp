@@ -19,9 +19,18 @@ Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
+MapFrame::MapFrame(const std::string& system, const GeoidChoice& geoid, const Eigen::Vector2d& middle) : map_(system) {
+  if (geoid.grid.empty())
+    geoid_ = geodesy::Geoid(geoid.height, geoid.deflection,
+                            geoid.deflection.isZero(0) ? geodesy::Place() : map_.inverse(middle));
+  else
+    geoid_ = geodesy::Geoid(std::make_shared<const geodesy::GeoidGrid>(geoid.grid));
+}
+
 double MapFrame::height_factor(const Eigen::Vector2d& at, double height) const {
-  const double radius = map_.radius(map_.inverse(at));
-  return radius / (radius + height + geoid_height_);
+  const geodesy::Place place = map_.inverse(at);
+  const double radius = map_.radius(place);
+  return radius / (radius + height + geoid_.height(place));
 }
 
 double MapFrame::scale(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
@@ -31,7 +40,8 @@ double MapFrame::scale(const Eigen::Vector3d& from, const Eigen::Vector3d& to) c
 
 Eigen::Vector3d MapFrame::geocentric(const Eigen::Vector3d& at, Eigen::Matrix3d* jacobian) const {
   const auto place = [&](const Eigen::Vector3d& p) {
-    return map_.geocentric(map_.inverse(p.head<2>()), p.z() + geoid_height_);
+    const geodesy::Place on_ellipsoid = map_.inverse(p.head<2>());
+    return map_.geocentric(on_ellipsoid, p.z() + geoid_.height(on_ellipsoid));
   };
   for (int k = 0; jacobian && k < 3; ++k) {  // symmetric: a metre is nothing to the curvature of map and earth
     const Eigen::Vector3d step = Eigen::Vector3d::Unit(k);
@@ -40,13 +50,39 @@ Eigen::Vector3d MapFrame::geocentric(const Eigen::Vector3d& at, Eigen::Matrix3d*
   return place(at);
 }
 
+// Astronomic zenith minus geodetic: xi to the north, eta to the east. Seen at the azimuth A a zenith angle is smaller
+// by xi cos A + eta sin A, a direction larger by (xi sin A - eta cos A) cot z, beside what all directions of a set-up
+// share.
+void MapFrame::add_deflection(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double& direction, double& zenith,
+                              double& rise) const {
+  const Eigen::Vector2d d = to.head<2>() - from.head<2>();
+  rise = geoid_height(to.head<2>()) - geoid_height(from.head<2>());
+  if (d.norm() < kShortestHorizontal) return;
+  const geodesy::Place place = map_.inverse(from.head<2>());
+  const Eigen::Vector2d deflection = geoid_.deflection(place);
+  const double azimuth = std::atan2(d.x(), d.y()) + map_.factors(from.head<2>()).convergence;
+  const double sine = std::sin(azimuth), cosine = std::cos(azimuth), up = or_zero(to.z() - from.z()) + rise;
+  direction -= (deflection.x() * sine - deflection.y() * cosine) * up / d.norm();
+  zenith += deflection.x() * cosine + deflection.y() * sine;
+}
+
+std::string MapFrame::geoid_in_words(const Eigen::Vector2d& at) const {
+  constexpr double kSecond = std::numbers::pi / 180 / 3600;
+  if (!has_deflection()) return "";
+  const Eigen::Vector2d d = geoid_.deflection(map_.inverse(at)) / kSecond;
+  return "; the geoid lies " + fixed_digits(geoid_height(at), 3) +
+         " m above the ellipsoid, deflection of the vertical " + fixed_digits(d.x(), 1) + "\" to the north, " +
+         fixed_digits(d.y(), 1) + "\" to the east";
+}
+
 std::string MapFrame::in_words(const std::vector<Eigen::Vector3d>& points) const {
   const Eigen::Vector3d middle = middle_of(points);
   const geodesy::MapFactors f = map_.factors(middle.head<2>());
   const double height = height_factor(middle.head<2>(), middle.z());
   return map_.name() + ": in the middle of the points scale " + fixed_digits(f.scale, 6) + ", height factor " +
          fixed_digits(height, 6) + ", together " + fixed_digits(f.scale * height, 6) + "; grid north " +
-         fixed_digits(f.convergence * 200 / std::numbers::pi, 4) + " gon clockwise of true north";
+         fixed_digits(f.convergence * 200 / std::numbers::pi, 4) + " gon clockwise of true north" +
+         geoid_in_words(middle.head<2>());
 }
 
 std::string map_that_explains(double factor, double sigma, const std::vector<Eigen::Vector3d>& points) {

@@ -23,10 +23,10 @@ struct SightLine {
   Vector3d tilt = Vector3d::Zero();
 };
 
-SightLine sight(const Equation& eq, int target, double target_height, const double* const* values) {
+SightLine sight(const Equation& eq, int target, double target_height, double rise, const double* const* values) {
   SightLine s;
   s.level = Map<const Vector3d>(values[target]) - Map<const Vector3d>(values[eq.from]);
-  s.level.z() += target_height - eq.instrument_height;
+  s.level.z() += target_height - eq.instrument_height + rise;
   s.level.head<2>() /= eq.map_scale;
   if (eq.centring >= 0) s.level.head<2>() -= Map<const Eigen::Vector2d>(values[eq.centring]);
   if (eq.instrument_height_correction >= 0) s.level.z() -= values[eq.instrument_height_correction][0];
@@ -99,8 +99,8 @@ bool distance(const Equation& eq, const Vector3d& d, const double* const* values
 }
 
 bool evaluate_angle(const Equation& eq, const double* const* values, double& residual, const RowWriter& out) {
-  const SightLine left = sight(eq, eq.to, eq.target_height, values);
-  const SightLine right = sight(eq, eq.second_to, eq.second_target_height, values);
+  const SightLine left = sight(eq, eq.to, eq.target_height, eq.rise, values);
+  const SightLine right = sight(eq, eq.second_to, eq.second_target_height, eq.second_rise, values);
   double azimuth_left = 0, azimuth_right = 0;
   Vector3d gradient_left, gradient_right;
   if (!azimuth(left.d, azimuth_left, gradient_left) || !azimuth(right.d, azimuth_right, gradient_right)) return false;
@@ -112,7 +112,7 @@ bool evaluate_angle(const Equation& eq, const double* const* values, double& res
 
 bool evaluate_equation(const Equation& eq, const double* const* values, double& residual, const RowWriter& out) {
   if (eq.kind == ObservationKind::angle) return evaluate_angle(eq, values, residual, out);
-  const SightLine s = sight(eq, eq.to, eq.target_height, values);
+  const SightLine s = sight(eq, eq.to, eq.target_height, eq.rise, values);
   double value = 0, extra = 0;
   Vector3d gradient = Vector3d::Zero();
   switch (eq.kind) {

@@ -32,6 +32,7 @@ struct Equation {
   double target_height = 0;      ///< above `to` [m]
   double second_target_height = 0;
   double map_scale = 1;                    ///< horizontal length on the map over that on the ground
+  double rise = 0, second_rise = 0;        ///< of the geoid from `from` to `to`, `second_to` [m]
   int from = -1, to = -1, second_to = -1;  ///< point blocks (E, N, H)
   int orientation = -1;                    ///< block of 1
   int centring = -1;                       ///< block of 2: E, N by which the instrument stood beside `from` [m]

@@ -226,27 +226,6 @@ std::vector<NetworkModel> with_approximations(NetworkModel m, const SetUpChain& 
   return models;
 }
 
-/// Vectors of the earth need a map, vectors of a plane have none.
-void take_map(NetworkModel& m, const AdjustOptions& options) {
-  const auto& vectors = m.survey.vectors;
-  const auto geocentric = [](const VectorGroup& g) { return g.is_geocentric; };
-  const bool some = std::any_of(vectors.begin(), vectors.end(), geocentric);
-  const bool plane = options.map.empty() || options.map == kPlane;
-  if (plane && some)
-    throw NetworkError(
-        "the network has vectors in X, Y, Z of the earth: say which map its E and N are on, such as "
-        "map=EPSG:25832, or leave them out");
-  if (plane) return;
-  if (!std::all_of(vectors.begin(), vectors.end(), geocentric))
-    throw NetworkError(
-        "the network has vectors dE, dN, dH of a plane, which are not adjusted on a map: leave out map=" + options.map);
-  try {
-    m.map = std::make_shared<const MapFrame>(options.map, options.geoid_height);
-  } catch (const std::runtime_error& error) {
-    throw NetworkError(std::string("map: ") + error.what());
-  }
-}
-
 ResultRow given_row(const std::string& kind, const std::string& from, const std::string& to, int axis, double value,
                     const SourcePosition& source, int group) {
   ResultRow row;

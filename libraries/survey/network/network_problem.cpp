@@ -46,8 +46,10 @@ class Assembler {
     eq.kind = o.kind;
     eq.value = o.value;
     if (!m_.corrections.empty()) {
-      eq.map_scale = m_.corrections[static_cast<size_t>(observation)].scale;
-      eq.value += m_.corrections[static_cast<size_t>(observation)].direction;
+      const MapCorrection& c = m_.corrections[static_cast<size_t>(observation)];
+      eq.map_scale = c.scale;
+      eq.value += o.kind == ObservationKind::zenith_angle ? c.zenith : c.direction;
+      eq.rise = c.rise, eq.second_rise = c.second_rise;
     }
     const double own = o.set_up >= 0 ? m_.survey.set_ups[o.set_up].instrument_height : 0.0;
     eq.instrument_height = or_zero(std::isnan(o.instrument_height) ? own : o.instrument_height);

@@ -55,31 +55,6 @@ void drop_unusable(NetworkModel& m) {
   }
 }
 
-void find_map_corrections(NetworkModel& m) {
-  m.corrections.clear();
-  if (!m.map) return;
-  if (!m.starts_from_known_points)
-    throw NetworkError(
-        "map: no point has coordinates, so that nothing says where on the map the network lies; give "
-        "control points");
-  const auto place = [&](const std::string& id) -> const Eigen::Vector3d& { return m.initial[m.index.at(id)]; };
-  for (size_t i = 0; i < m.observations.size(); ++i) {
-    const Observation& o = m.observations[i].observation;
-    MapCorrection& c = m.corrections.emplace_back();
-    if (m.dropped[i] || o.kind == ObservationKind::height_difference || o.kind == ObservationKind::azimuth) continue;
-    const Eigen::Vector3d &from = place(o.from), &to = place(o.to);
-    try {
-      c.scale = m.map->scale(from, to);
-      if (o.kind == ObservationKind::direction) c.direction = m.map->direction(from, to);
-      if (o.kind == ObservationKind::angle)
-        c.direction = m.map->direction(from, place(o.second_to)) - m.map->direction(from, to);
-    } catch (const std::runtime_error& error) {
-      throw NetworkError("map " + m.map->name() + ": " + o.from + " at E " + fixed_digits(from.x(), 1) + ", N " +
-                         fixed_digits(from.y(), 1) + ": " + error.what());
-    }
-  }
-}
-
 namespace {
 
 /// What the approximate coordinates disagree with an observation, as a length at the target [m].

@@ -119,6 +119,12 @@ DesignT to_artifact(const Design& design) {
     to.map_conversion->map_unit = map.map_unit;
   }
   to.site_origin = design.site_origin;
+  for (const GridAxis& axis : design.grid) {
+    auto item = std::make_unique<DesignGridAxisT>();
+    item->tag = axis.tag, item->family = axis.family, item->point = axis.point, item->direction = axis.direction;
+    to.grid_axes.push_back(std::move(item));
+  }
+  to.true_north = design.true_north;
   to.skipped = design.skipped;
   to.warnings = design.warnings;
   for (const NotApplied& request : design.not_applied) to.not_applied.push_back(to_artifact(request));
@@ -142,6 +148,7 @@ Design from_artifact(const DesignT& artifact) {
                                       map->x_axis_abscissa, map->x_axis_ordinate, map->scale,
                                       map->scale_given,     map->crs_name,        map->map_unit};
   to.site_origin = artifact.site_origin;
+  to.grid = grid_of(artifact), to.true_north = artifact.true_north;
   to.skipped = artifact.skipped;
   to.warnings = artifact.warnings;
   for (const auto& request : artifact.not_applied)

@@ -3,6 +3,7 @@
 
 #include "artifacts.hpp"
 #include "artifacts/accuracy.hpp"
+#include "artifacts/as_built_changes.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/input_files.hpp"
@@ -16,6 +17,7 @@
 #include "building/judgement/worst_first.hpp"
 #include "check_node.hpp"
 #include "design_file.hpp"
+#include "ids_node.hpp"
 #include "installation_nodes.hpp"
 #include "instant.hpp"
 #include "match_node.hpp"
@@ -170,13 +172,16 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{"bim.write_bcf", "", 3,
+  static constexpr Info info{"bim.write_bcf", "", 4,
                              "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
                              "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: the date of the topics"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
+  Optional<AsBuiltChanges> changes{
+      "changes", frame("frame=?F"),
+      "since the campaign before: what was mended is closed, what nobody measured again stays open"};
   Param<std::string> version{"version", "2.1", one_of("2.1", "3.0"), "of BCF: every BIM program reads 2.1"};
   Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
   Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
@@ -218,6 +223,9 @@ struct WriteBcf : Node {
     options.surface_judgement = judged.surfaces.get();
     if (judged.surfaces && !surfaces)
       context.warn("the deviation has verdicts of surfaces; connect 'surfaces' too, or they have no topics");
+    AsBuiltChangesT since;
+    if (changes) since = changes.unpack();
+    if (since.compared) options.changes = &since;
     const std::string bytes =
         write_bcf(judged, judgement::worst_first(judged), judgement::worst_panels_first(judged), options);
     to.content.assign(bytes.begin(), bytes.end());
@@ -229,5 +237,5 @@ struct WriteBcf : Node {
 }  // namespace plumbline::ifc
 
 PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::ifc::ReadIfc, plumbline::ifc::MatchElements,
-                 plumbline::ifc::WriteIfc, plumbline::ifc::WriteBcf, plumbline::ifc::CheckIfc,
+                 plumbline::ifc::WriteIfc, plumbline::ifc::WriteBcf, plumbline::ifc::CheckIfc, plumbline::ifc::WriteIds,
                  plumbline::ifc::WriteInstallation, plumbline::ifc::WriteInstallationBcf)

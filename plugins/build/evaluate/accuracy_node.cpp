@@ -10,6 +10,7 @@
 #include "build/evaluate/crlb_node.hpp"
 #include "build/evaluate/crossval_nodes.hpp"
 #include "build/evaluate/deviation_node.hpp"
+#include "build/evaluate/epochs_node.hpp"
 #include "build/evaluate/errors_node.hpp"
 #include "build/evaluate/image_plan_node.hpp"
 #include "build/evaluate/metrics.hpp"
@@ -152,4 +153,4 @@ PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::judgement::EvaluateAccur
                  plumbline::judgement::EvaluateErrors, plumbline::judgement::EvaluatePoses,
                  plumbline::judgement::EvaluateCrlb, plumbline::judgement::PlanImages,
                  plumbline::judgement::EvaluateWithhold, plumbline::judgement::EvaluateLengths,
-                 plumbline::judgement::EvaluateDeviation)
+                 plumbline::judgement::EvaluateDeviation, plumbline::judgement::EvaluateEpochs)

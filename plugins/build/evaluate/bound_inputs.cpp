@@ -15,11 +15,12 @@ namespace {
 /// Parameters that the prior leaves free, and its covariance of them.
 void set_camera(block::BoundProblem& problem, const CameraT& camera, const std::string& self_calibration) {
   problem.camera = camera_of(camera);
-  const Eigen::MatrixXd prior = unpack_symmetric(camera.covariance, 9, "camera '" + camera.id + "'");
+  const Eigen::MatrixXd prior = interior_covariance_of(camera);
   if (self_calibration == "off" || (self_calibration == "prior" && prior.size() == 0)) return;
-  for (int i = 0; i < BrownCamera::parameter_count; ++i) {
-    const bool third_radial = i == 6;  // not estimated without a prior: k1 and k2 explain it
-    if (self_calibration == "prior" ? prior(i, i) > 0 : !third_radial) problem.free_parameters.push_back(i);
+  for (int i = 0; i < std::ssize(problem.camera.names()); ++i) {
+    // Not estimated without a prior: k1 and k2 explain it.
+    const bool higher_radial = i == 6 || (i == 7 && problem.camera.lens == LensModel::fisheye);
+    if (self_calibration == "prior" ? prior(i, i) > 0 : !higher_radial) problem.free_parameters.push_back(i);
   }
   if (self_calibration == "prior") problem.camera_prior = prior(problem.free_parameters, problem.free_parameters);
 }

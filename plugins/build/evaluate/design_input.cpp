@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/grid.hpp"
 #include "building/judgement/figures.hpp"
 #include "geometry/panel_fit.hpp"
 
@@ -46,6 +47,7 @@ class Builder {
  public:
   Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
       : design_(design),
+        grid_(ifc::grid_of(design)),
         tolerances_(tolerances),
         mounting_(mounting),
         rules_(tolerances.rules.size()),
@@ -172,6 +174,7 @@ class Builder {
     note(findings);
     for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
       mounting_rules_[i] += plate && mounting_.rules[i].selection.matches(anchor.element);
+    if (const auto* axis = ifc::axis_across(grid_, element.position, anchor.facade.out)) anchor.axis = axis->tag;
     anchor.element.properties = nullptr;
     anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
   }
@@ -281,6 +284,7 @@ class Builder {
   }
 
   const DesignT& design_;
+  std::vector<ifc::GridAxis> grid_;
   const judgement::ToleranceTable& tolerances_;
   const judgement::Mounting& mounting_;
   std::vector<std::pair<int, int>> rules_;      // anchors and panels that each rule selects

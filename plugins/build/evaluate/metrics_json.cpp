@@ -1,6 +1,7 @@
 // metrics.json: what was judged, as a file, from the artifacts of the judgement. No library: it knows artifacts.
 #include <nlohmann/json.hpp>
 
+#include "build/evaluate/long_lists.hpp"
 #include "build/evaluate/metrics.hpp"
 
 namespace plumbline::judgement {
@@ -274,7 +275,7 @@ Json to_json(const DeviationT* d) {
           {"requests", list(d->requests)},
           {"common_shift", d->common_shift ? d->common_shift->words : ""},
           {"floors", list(d->floors)},
-          {"anchors", list(d->anchors)}};
+          {"anchors", place_of_list("anchors")}};
 }
 
 const AccuracyComparisonT* headline(const AccuracyT& accuracy) {
@@ -316,15 +317,21 @@ std::string metrics_json(const AccuracyT& accuracy, const DeviationT* deviation)
                          {"anchors_needed", accuracy.anchors_needed},
                          {"verdict", verdict},
                          {"comparisons", list(accuracy.comparisons)},
-                         {"anchors", list(accuracy.anchors)},
+                         {"anchors", place_of_list("anchors")},
                          {"deviation", to_json(deviation)},
-                         {"panels", deviation ? list(deviation->panels) : Json::array()},
+                         {"panels", place_of_list("panels")},
                          {"adjustment", to_json(accuracy.adjustment.get())},
                          {"registration", to_json(accuracy.registration.get())},
                          {"correlation_note", accuracy.correlation_note},
                          {"warnings", warnings}};
   // Ids come from files in any encoding: an invalid byte becomes U+FFFD instead of an exception.
-  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::string text = document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  const auto item = [](const auto& one) { return to_json(*one); };
+  put_list(text, "anchors", accuracy.anchors, item);  // in the order of the document
+  if (deviation) put_list(text, "anchors", deviation->anchors, item);
+  const std::vector<std::unique_ptr<PanelDeviationT>> none;
+  put_list(text, "panels", deviation ? deviation->panels : none, item);
+  return text;
 }
 
 }  // namespace plumbline::judgement

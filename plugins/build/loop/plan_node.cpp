@@ -34,7 +34,7 @@ FacadeRules PlanInstallation::rules() {
 /// else this one alone, and why.
 RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopStateT* before,
                                                        InstallationPlanT& result) {
-  std::vector<std::string> words;
+  std::vector<std::string> said;
   if (control)
     for (const auto& point : control.unpack().points)
       if (std::find(input.control.begin(), input.control.end(), point->id) != input.control.end()) {
@@ -51,18 +51,18 @@ RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopS
   if (before)
     if (const ControlChange change = control_change(before->control, result.control); !change.none()) {
       before->estimate = nullptr;
-      words.push_back(words_of(change) + ". It counts alone, and the next ones with it");
+      said.push_back(words_of(change) + ". It counts alone, and the next ones with it");
     }
   const bool alone = before && !before->estimate;
   RoundsEstimate rounds = combine_rounds(input.facade, before, {*drift_per_storey}, 500, repeated.targets);
   if (control && input.facade.own.size() == 0 && rounds.words.empty())
-    words.push_back("none of the " + std::to_string(control->points()->size()) +
+    said.push_back("none of the " + std::to_string(control->points()->size()) +
                     " points of 'control' is in the model: what campaigns share is not known, and each counts alone");
   // The same campaign planned once more is no other one that repeats it.
   const bool once_more = repeated.count == repeated.all && !alone && rounds.estimate && before &&
                          rounds.estimate->campaigns == before->estimate->campaigns;
-  if (repeated.count > 0 && !once_more) words.push_back(words_of(repeated));
-  rounds.words.insert(rounds.words.begin(), words.begin(), words.end());
+  if (repeated.count > 0 && !once_more) said.push_back(words_of(repeated));
+  rounds.words.insert(rounds.words.begin(), said.begin(), said.end());
   return rounds;
 }
 

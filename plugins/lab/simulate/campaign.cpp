@@ -48,9 +48,8 @@ std::string camera_yaml(const SimulatedCamera& camera, const BrownCamera& values
       "# px for f and c; Brown's distortion in OpenCV's order and signs\n";
   const auto list = [&](const char* name, const std::array<double, BrownCamera::parameter_count>& numbers) {
     text += std::string(name) + ":\n";
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      text += std::string("  ") + BrownCamera::parameter_names[i] + ": " + number(numbers[i]) + "\n";
-    }
+    for (std::size_t i = 0; i < values.names().size(); ++i)
+      text += std::string("  ") + values.names()[i] + ": " + number(numbers[i]) + "\n";
   };
   list("parameters", values.parameters());
   if (with_sigmas) list("sigmas", camera.profile.calibration_sigmas);

@@ -101,10 +101,14 @@ struct ColmapAdjuster : Node {
  private:
   /// What COLMAP estimated, without a standard deviation that nobody knows.
   void describe_interior(BlockT& artifact) const {
-    const std::map<std::string, bool> estimated = {{"fx", *refine_focal_length},    {"fy", *refine_focal_length},
-                                                   {"cx", *refine_principal_point}, {"cy", *refine_principal_point},
-                                                   {"k1", *refine_extra_params},    {"k2", *refine_extra_params},
-                                                   {"p1", *refine_extra_params},    {"p2", *refine_extra_params}};
+    std::map<std::string, bool> estimated = {
+        {"fx", *refine_focal_length},    {"fy", *refine_focal_length}, {"cx", *refine_principal_point},
+        {"cy", *refine_principal_point}, {"k1", *refine_extra_params}, {"k2", *refine_extra_params},
+        {"p1", *refine_extra_params},    {"p2", *refine_extra_params}, {"k4", *refine_extra_params}};
+    // k3 is a fisheye's; with Brown's, COLMAP's model has it held.
+    const bool fisheyes = std::any_of(artifact.interior_orientation.begin(), artifact.interior_orientation.end(),
+                                      [](const auto& parameter) { return parameter->name.starts_with("k4"); });
+    estimated["k3"] = fisheyes && *refine_extra_params;
     for (auto& parameter : artifact.interior_orientation) {
       const auto at = estimated.find(parameter->name);
       parameter->estimated = at != estimated.end() && at->second;

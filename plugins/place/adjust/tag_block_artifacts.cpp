@@ -47,7 +47,7 @@ void TagBlockBuilder::set_prior(bool use_prior) {
   if (!use_prior) return;
   for (size_t c = 0; c < cameras_.size(); ++c) {
     Eigen::MatrixXd& prior = block_.cameras[c].covariance;
-    prior = unpack_symmetric(cameras_[c].covariance, count, "camera '" + cameras_[c].id + "'");
+    prior = interior_covariance_of(cameras_[c]);
     if (prior.size() == 0) prior = Eigen::MatrixXd::Zero(count, count);
   }
 }
@@ -179,12 +179,9 @@ CameraT TagBlockBuilder::adjusted_camera(const TagBlockResult& result, size_t in
   adjusted.beyond.clear();
   adjusted.distance_terms.clear();
   adjusted.reference_distance = std::nan("");
-  const auto values = found.interior.parameters();
-  adjusted.parameters.assign(values.begin(), values.end());
-  if (found.covariance.diagonal().maxCoeff() > 0) {
-    adjusted.covariance = pack_symmetric(found.covariance);
-    adjusted.source = "self-calibration";
-  }
+  const bool estimated = found.covariance.diagonal().maxCoeff() > 0;
+  set_interior(found.interior, estimated ? found.covariance : Eigen::MatrixXd(), adjusted);
+  if (estimated) adjusted.source = "self-calibration";
   if (!found.distance_terms.isZero(0)) {
     adjusted.beyond = "distance-dependent distortion (d1, d2)";
     adjusted.distance_terms = {found.distance_terms.x(), found.distance_terms.y()};
@@ -268,9 +265,10 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
     const AdjustedTagCamera& camera = result.cameras[static_cast<size_t>(c)];
     const std::string of = result.cameras.size() > 1 ? cameras_[static_cast<size_t>(c)].id : "";
     const auto values = camera.interior.parameters();
-    for (int i = 0; i < BrownCamera::parameter_count; ++i) {
+    const auto names = camera.interior.names();
+    for (int i = 0; i < std::ssize(names); ++i) {
       const size_t at = static_cast<size_t>(i);
-      add(BrownCamera::parameter_names[at], values[at], std::sqrt(camera.covariance(i, i))).camera = of;
+      add(names[at], values[at], std::sqrt(camera.covariance(i, i))).camera = of;
       if (camera.covariance(i, i) > 0) estimated.push_back(all * c + i);
     }
     for (int k = 0; k < 2 && camera.reference_distance > 0; ++k) {

@@ -74,6 +74,10 @@ void BlockOfTargets::run(Context& context) {
   ReadBlock read;
   for (size_t c = 0; c < cameras.size(); ++c) {
     const CameraT given = cameras.unpack(c);
+    if (camera_of(given).lens != LensModel::brown)
+      throw std::runtime_error("camera '" + given.id +
+                               "' is a fisheye, which a block of targets cannot take: its coordinates are those of a "
+                               "pinhole, as PhotoModeler has them. Use tags (adjust.schur), which take fisheyes");
     known.push_back({given.id, camera_of(given), given.pixel_pitch > 0 ? 1e3 * given.pixel_pitch : unknown_pitch});
     read.block.cameras.push_back(ideal_camera(known.back(), static_cast<int>(c) + 1));
   }

@@ -11,7 +11,7 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
   const YAML::Node root = load_yaml(yaml, shown);
   const Mapping mapping(root, shown,
                         {"plumbline_camera", "id", "make", "model", "width", "height", "pixel_pitch_um", "pixel_origin",
-                         "parameters", "sigmas", "correlations"});
+                         "lens", "parameters", "sigmas", "correlations"});
   mapping.require_version("plumbline_camera");
   CameraCalibration c;
   c.id = mapping.as<std::string>("id", "a name");
@@ -24,11 +24,17 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
   if (c.camera.width <= 0 || c.camera.height <= 0)
     mapping.fail(mapping.get("width"), "the image size must be positive");
 
-  const std::vector<std::string> names(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end());
+  if (mapping.has("lens")) {
+    const std::string given = mapping.as<std::string>("lens", "brown or fisheye");
+    const auto lens = lens_called(given);
+    if (!lens) mapping.fail(mapping.get("lens"), "'lens' is '" + given + "', expected 'brown' or 'fisheye'");
+    c.camera.lens = *lens;
+  }
+  const std::vector<std::string> names(c.camera.names().begin(), c.camera.names().end());
   const auto read = [&](const char* key, bool all_needed) {
     const Mapping values(mapping.get(key), shown, names);
-    std::array<double, BrownCamera::parameter_count> numbers{};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
+    std::array<double, InteriorOrientation::parameter_count> numbers{};
+    for (std::size_t i = 0; i < names.size(); ++i) {
       const bool needed = all_needed && i < 4;  // distortion that is not given is none
       if (needed || values.has(names[i])) numbers[i] = values.number(names[i]);
     }
@@ -58,7 +64,7 @@ CameraCalibration parse_camera(const std::string& yaml, const std::filesystem::p
       if (rows.has(names[i])) correlations[i] = rows.as<std::vector<double>>(names[i], "a list of numbers");
   }
   try {
-    c.covariance = camera_covariance(c.sigmas, correlations);
+    c.covariance = camera_covariance(c.camera.lens, c.sigmas, correlations);
   } catch (const std::runtime_error& error) {
     mapping.fail(mapping.get(mapping.has("correlations") ? "correlations" : "sigmas"), error.what());
   }

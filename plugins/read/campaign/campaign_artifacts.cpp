@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "artifacts/camera_artifact.hpp"
 #include "base/text/whole_file.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "survey/files/survey_format.hpp"
@@ -23,12 +24,8 @@ PhotographHeader header_of(const fs::path& path) {
 CameraT to_artifact(const CameraCalibration& c, const std::string& source) {
   CameraT camera;
   camera.id = c.id;
-  camera.width = c.camera.width;
-  camera.height = c.camera.height;
   camera.pixel_pitch = c.pixel_pitch;
-  const auto parameters = c.camera.parameters();
-  camera.parameters.assign(parameters.begin(), parameters.end());
-  camera.covariance = pack_symmetric(c.covariance);
+  set_interior(c.camera, c.covariance, camera);
   camera.source = source;
   return camera;
 }

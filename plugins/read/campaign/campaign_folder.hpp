@@ -88,7 +88,7 @@ struct CameraCalibration {
   std::string id, make, model;
   double pixel_pitch = 0;  ///< [m]; nan if not given
   BrownCamera camera;
-  /// In the order and units of BrownCamera::parameter_names; 0: exact. All 0 if the file gives none.
+  /// In the order and units of InteriorOrientation::names(); 0: exact. All 0 if the file gives none.
   std::array<double, BrownCamera::parameter_count> sigmas{};
   Eigen::MatrixXd covariance;  ///< 9 × 9 of them, with the file's correlations; empty if all are exact
 };

@@ -1,5 +1,6 @@
 #include "photo_campaign_node.hpp"
 
+#include "artifacts/camera_artifact.hpp"
 #include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -16,10 +17,7 @@ namespace fs = std::filesystem;
 CameraT artifact_of(const markers::CameraFile& file, const std::string& name) {
   CameraT camera;
   camera.id = file.id;
-  camera.width = file.camera.width, camera.height = file.camera.height;
-  const auto values = file.camera.parameters();
-  camera.parameters.assign(values.begin(), values.end());
-  camera.covariance = pack_symmetric(file.covariance.size() ? file.covariance : markers::usual_covariance(file.camera));
+  set_interior(file.camera, file.covariance.size() ? file.covariance : markers::usual_covariance(file.camera), camera);
   camera.source = file.format + " file " + name;
   return camera;
 }

@@ -6,9 +6,9 @@
 
 #include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
+#include "artifacts/camera_artifact.hpp"
 #include "artifacts/file.hpp"
 #include "geometry/median.hpp"
-#include "geometry/packed_symmetric.hpp"
 #include "output.hpp"
 #include "photo/markers/camera_groups.hpp"
 #include "plumbline/node.hpp"
@@ -28,21 +28,24 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 
 CameraT artifact_of(const Calibrated& one, const std::string& id) {
   CameraT camera;
-  camera.id = id, camera.width = one.selection.width, camera.height = one.selection.height;
-  const auto values = one.calibration.camera.parameters();
-  camera.parameters.assign(values.begin(), values.end());
-  camera.covariance = pack_symmetric(one.calibration.covariance);
+  camera.id = id;
+  set_interior(one.calibration.camera, one.calibration.covariance, camera);
   camera.source = "calibration on a " + one.selection.board;
   return camera;
 }
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 5,
+      "calibrate.board", "", 6,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
-  Param<std::vector<std::string>> free{
-      "free", {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "p1", "p2"}, "parameters to estimate"};
+  Param<std::string> lens{"lens", "by_photographs", one_of("by_photographs", "brown", "fisheye"),
+                          "how the lens bends rays: Brown's model, or a fisheye's (Kannala and Brandt); "
+                          "by_photographs: Brown's, unless the "
+                          "fisheye's foretells photographs better that neither was fitted to"};
+  Param<std::vector<std::string>> free{"free",
+                                       {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1", "p2"},
+                                       "parameters to estimate, those of them that the lens has"};
   Param<double> bend_sigma{
       "bend_sigma", 0.001, "m", between(0, 1),
       "prior standard deviation of how far the board bulges, along x and along y; 0 holds it flat"};
@@ -87,17 +90,19 @@ struct CalibrateBoard : Node {
                                  selection.left_out.front().first + ": " + selection.left_out.front().second);
       for (const auto& [path, reason] : selection.left_out)
         if (!told.count(path)) context.warn("left out: " + path + ": " + reason);
-      all.push_back({std::move(selection), {}, {}, {}});
+      all.emplace_back().selection = std::move(selection);
       Calibrated& one = all.back();
       try {
-        one.calibration = calibrate(one.selection.views, one.selection.width, one.selection.height, options);
+        one.lenses = calibrate_told(one, options);
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
         throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
-      refuse_fisheye(compare_lenses(one.selection.views, options, one.calibration), one.selection.camera);
-      one.parts = compare_parts(one.selection.views, options, one.calibration);
-      one.as_two = as_two_cameras(one.selection.views, options, one.calibration);
+      CalibrationOptions as_found = options;
+      as_found.lens = one.calibration.camera.lens;
+      one.parts = compare_parts(one.selection.views, as_found, one.calibration);
+      one.calibration.covariance *= std::pow(shown_too_small_by(one.parts), 2);
+      one.as_two = as_two_cameras(one.selection.views, as_found, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);
     }
@@ -129,18 +134,17 @@ struct CalibrateBoard : Node {
                              first->path + ": " + first->problem);
   }
 
-  static void refuse_fisheye(const LensComparison& lenses, const std::string& camera) {
-    if (!lenses.is_fisheye()) return;
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "the lens is a fisheye: over %.0f degrees off the axis the points fit to %.2f px with a fisheye's model "
-        "(Kannala and Brandt, 8 parameters) and to %.2f px with Brown's (9)",
-        lenses.widest * 180 / M_PI, lenses.fisheye, lenses.brown);
-    throw std::runtime_error(
-        (camera.empty() ? "" : "camera " + camera + ": ") + std::string(text) +
-        ", which is the only one that camera.yaml and what follows have. Photograph without fish-eye ('linear' or "
-        "'narrow' on action cameras), or undistort the photographs with the program that knows the lens");
+  /// Into `one.calibration`; with which residuals the lens was chosen, or would have been.
+  LensComparison calibrate_told(Calibrated& one, CalibrationOptions options) const {
+    const Selection& selection = one.selection;
+    if (*lens == "by_photographs") {
+      CalibrationOfLens found = calibrate_lens_and_camera(selection.views, selection.width, selection.height, options);
+      one.calibration = std::move(found.calibration);
+      return found.lenses;
+    }
+    options.lens = *lens == "fisheye" ? LensModel::fisheye : LensModel::brown;
+    one.calibration = calibrate(selection.views, selection.width, selection.height, options);
+    return compare_lenses(selection.views, options, one.calibration);
   }
 
   /// A photograph whose markers have another size than those of the others says nothing of the board file.

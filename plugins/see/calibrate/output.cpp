@@ -71,19 +71,39 @@ std::string with_capital(std::string text) {
 
 /// Parts that differ by more than the scatter of the photographs, which is in their covariances.
 void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
-  constexpr double told = 4;  // from half of the photographs the covariances themselves are rough
-  const CalibrationParts* worst = nullptr;
-  for (const CalibrationParts& parts : all)
-    if (parts.statistic > told * parts.freedom && (!worst || parts.statistic > worst->statistic)) worst = &parts;
+  const CalibrationParts* worst = contradiction_of(all);
   if (!worst) return;
   char text[400];
   std::snprintf(
       text, sizeof text,
       "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
       "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
-      "board, or the camera changed between them, and the standard deviations are too small by about that",
+      "board, or the camera changed between them. The standard deviations are made larger by that",
       with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
       worst->freedom, worst->difference);
+  warnings.emplace_back(text);
+}
+
+/// Which lens the photographs show, where that is not Brown's as asked for.
+void add_lens(const LensComparison& lenses, LensModel used, std::vector<std::string>& warnings) {
+  const bool as_fisheye = used == LensModel::fisheye;
+  if (!lenses.is_fisheye()) {
+    if (as_fisheye && !(lenses.brown > 0))
+      warnings.emplace_back(
+          "The lens is a fisheye: Brown's model does not fit the photographs at all, and it is calibrated with the "
+          "fisheye's (Kannala and Brandt)");
+    return;
+  }
+  char text[400];
+  std::snprintf(
+      text, sizeof text,
+      "The lens is a fisheye: over %.0f degrees off the axis, %s fit to %.2f px with the fisheye's model (Kannala "
+      "and Brandt, 8 parameters) and to %.2f px with Brown's (9). %s",
+      lenses.widest * 180 / M_PI, lenses.held_out ? "photographs that the lens was not fitted to" : "the photographs",
+      lenses.fisheye, lenses.brown,
+      as_fisheye ? "It is calibrated as one, which camera.yaml says"
+                 : "As Brown's it is wrong towards the corners by more than its standard deviations: "
+                   "lens=fisheye");
   warnings.emplace_back(text);
 }
 
@@ -94,14 +114,16 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   const Calibration& c = one.calibration;
   std::vector<std::string> warnings;
   char text[400];
+  add_lens(one.lenses, c.camera.lens, warnings);
+  const size_t before = warnings.size();
   for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
-  if (c.truth.change && !one.as_two.empty()) warnings.front() += ". " + with_capital(one.as_two);
+  if (c.truth.change && !one.as_two.empty()) warnings[before] += ". " + with_capital(one.as_two);
   if (!c.truth.empirical.judged) {
     std::snprintf(
         text, sizeof text,
-        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are made "
-        "of the corners alone, and what a photograph's corners have in common is not in them",
-        c.truth.empirical.photographs, fewest_to_scatter);
+        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are %.1f times "
+        "those that the corners give, because photographs of a board usually scatter so much more than their corners",
+        c.truth.empirical.photographs, fewest_to_scatter, c.truth.empirical.factor);
     warnings.emplace_back(text);
   }
   if (!c.truth.change) add_parts(one.parts, warnings);
@@ -122,10 +144,11 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
     warnings.emplace_back(
         "The photographs are too much alike to tell a bend of the board from the lens: the board is taken as flat, and "
         "the standard deviations know nothing of a bend");
-  if (c.held_k3)
-    warnings.emplace_back(
-        "The photographs do not determine the third radial coefficient: k3 is held at 0. Bring the board into the "
-        "corners of the image");
+  if (c.held_highest)
+    warnings.push_back(
+        std::string("The photographs do not determine the ") +
+        (c.camera.lens == LensModel::fisheye ? "fourth radial coefficient: k4" : "third radial coefficient: k3") +
+        " is held at 0. Bring the board into the corners of the image");
   // Coverage in a 4 × 4 grid of the image.
   std::array<int, 16> cells{};
   for (const auto& view : c.views)
@@ -166,18 +189,25 @@ Json parts_json(const std::vector<CalibrationParts>& all) {
   return list;
 }
 
-Json scatter_json(const Calibration& c) {
+Json scatter_json(const Calibrated& one) {
+  const Calibration& c = one.calibration;
   const EmpiricalCovariance& empirical = c.truth.empirical;
   Json formal, ratio;
   for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
-    const char* name = BrownCamera::parameter_names[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
+    const char* name = c.camera.names()[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
     ratio[name] = empirical.sigma_ratio(k);
   }
-  return {{"judged", empirical.judged}, {"photographs", empirical.photographs},
-          {"factor", empirical.factor}, {"bootstrap_over_scatter", empirical.bootstrap_ratio},
-          {"formal_sigmas", formal},    {"sigma_over_formal", ratio}};
+  return {{"judged", empirical.judged},
+          {"photographs", empirical.photographs},
+          {"factor", empirical.factor},
+          {"by_order", empirical.by_order},
+          {"by_place", empirical.by_place},
+          {"by_parts", shown_too_small_by(one.parts)},
+          {"bootstrap_over_scatter", empirical.bootstrap_ratio},
+          {"formal_sigmas", formal},
+          {"sigma_over_formal", ratio}};
 }
 
 }  // namespace
@@ -187,12 +217,14 @@ Json calibration_json(const Calibrated& one) {
   const Calibration& c = one.calibration;
   Json parameters, sigmas, correlations = Json::array();
   const auto values = c.camera.parameters();
-  for (size_t i = 0; i < values.size(); ++i) {
+  const auto names = c.camera.names();
+  const auto count = static_cast<Eigen::Index>(names.size());
+  for (size_t i = 0; i < names.size(); ++i) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
-    parameters[BrownCamera::parameter_names[i]] = values[i];
-    sigmas[BrownCamera::parameter_names[i]] = std::sqrt(c.covariance(k, k));
+    parameters[names[i]] = values[i];
+    sigmas[names[i]] = std::sqrt(c.covariance(k, k));
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < 9; ++j) {
+    for (Eigen::Index j = 0; j < count; ++j) {
       const double scale = std::sqrt(c.covariance(k, k) * c.covariance(j, j));
       row.push_back(scale > 0 ? c.covariance(k, j) / scale : (k == j ? 1.0 : 0.0));
     }
@@ -205,17 +237,21 @@ Json calibration_json(const Calibrated& one) {
     halves = {{"median_difference_px", one.parts.front().difference},
               {"median_expected_px", one.parts.front().expected}};
   for (const auto& text : warnings_of(one)) warnings.push_back(text);
-  for (Eigen::Index i = 0; i < 9; ++i)
+  for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
   return {
       {"board", selection.board},
       {"width", selection.width},
       {"height", selection.height},
-      {"model", "Brown, as OpenCV: fx, fy, cx, cy, k1, k2, k3, p1, p2; the centre of the top-left pixel is (0, 0)"},
+      {"lens", name_of(c.camera.lens)},
+      {"model",
+       c.camera.lens == LensModel::fisheye
+           ? "fisheye (Kannala and Brandt), as OpenCV's: fx, fy, cx, cy, k1, k2, k3, k4; the centre of the top-left "
+             "pixel is (0, 0)"
+           : "Brown, as OpenCV: fx, fy, cx, cy, k1, k2, k3, p1, p2; the centre of the top-left pixel is (0, 0)"},
       {"parameters", parameters},
       {"sigmas", sigmas},
-      {"parameter_order",
-       std::vector<std::string>(BrownCamera::parameter_names.begin(), BrownCamera::parameter_names.end())},
+      {"parameter_order", std::vector<std::string>(names.begin(), names.end())},
       {"correlations", correlations},
       {"covariance_lower_triangle", covariance},
       {"rms_px", c.rms},
@@ -225,9 +261,14 @@ Json calibration_json(const Calibrated& one) {
       {"degrees_of_freedom", c.degrees_of_freedom},
       {"board_bend_m", {c.bend_x, c.bend_y}},
       {"board_bend_sigma_m", {c.bend_x_sigma, c.bend_y_sigma}},
-      {"scatter_of_photographs", scatter_json(c)},
+      {"scatter_of_photographs", scatter_json(one)},
       {"halves", halves},
       {"parts", parts_json(one.parts)},
+      {"lenses",
+       {{"fisheye_px", one.lenses.fisheye},
+        {"brown_px", one.lenses.brown},
+        {"of_photographs_not_fitted_to", one.lenses.held_out},
+        {"widest_deg", one.lenses.widest * 180 / M_PI}}},
       {"projection_uncertainty_px", grid_json(projection_uncertainty(c.camera, c.covariance, map_columns, map_rows))},
       {"warnings", warnings},
       {"rejected", rejected},
@@ -250,10 +291,11 @@ Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::ve
   for (Eigen::Index i = 0; i < 6; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
   const auto values = c.interior.parameters();
-  for (size_t k = 0; k < values.size(); ++k) {
+  const auto names = c.interior.names();
+  for (size_t k = 0; k < names.size(); ++k) {
     const Eigen::Index i = static_cast<Eigen::Index>(k);
-    parameters[BrownCamera::parameter_names[k]] = values[k];
-    sigmas[BrownCamera::parameter_names[k]] = std::sqrt(c.interior_covariance(i, i));
+    parameters[names[k]] = values[k];
+    sigmas[names[k]] = std::sqrt(c.interior_covariance(i, i));
   }
   const RigidTransform& t = c.cam_from_reference;
   const Eigen::Matrix<double, 6, 1> sigma = c.covariance.diagonal().cwiseSqrt();
@@ -339,13 +381,15 @@ Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, con
 namespace {
 
 /// What the standard deviations of the file are made of.
-std::vector<std::string> remarks_of(const Calibration& c) {
+std::vector<std::string> remarks_of(const Calibrated& one) {
+  const Calibration& c = one.calibration;
   const EmpiricalCovariance& empirical = c.truth.empirical;
   char text[200];
   if (!empirical.judged)
     std::snprintf(text, sizeof text,
-                  "sigmas: of the corners alone; %d photographs are too few to see how photographs scatter",
-                  empirical.photographs);
+                  "sigmas: %.2f times those of the corners alone, as is usual: %d photographs are too few to see how "
+                  "they scatter",
+                  empirical.factor, empirical.photographs);
   else if (empirical.factor > 1.05)
     std::snprintf(text, sizeof text,
                   "sigmas: %.2f times those of the corners alone, because the %d photographs scatter that much",
@@ -354,6 +398,11 @@ std::vector<std::string> remarks_of(const Calibration& c) {
     std::snprintf(text, sizeof text, "sigmas: of the corners; the %d photographs scatter no more than these allow",
                   empirical.photographs);
   std::vector<std::string> remarks = {text};
+  if (const CalibrationParts* parts = contradiction_of(one.parts)) {
+    std::snprintf(text, sizeof text, "and that %.1f times, because %s differ by so much",
+                  std::sqrt(parts->statistic / parts->freedom), parts->split.c_str());
+    remarks.emplace_back(text);
+  }
   if (c.truth.change) remarks.push_back("NOT ONE CAMERA: " + in_words(*c.truth.change, c.truth.evidence));
   return remarks;
 }
@@ -365,7 +414,7 @@ std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& i
   for (const auto& one : cameras) {
     const std::string name = cameras.size() == 1 ? id : one.selection.camera;
     const std::string own =
-        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one.calibration)});
+        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one)});
     if (cameras.size() == 1) return own;
     std::string quoted = name;
     for (size_t at = 0; (at = quoted.find_first_of("\"\\", at)) != std::string::npos; at += 2) quoted.insert(at, "\\");

@@ -14,6 +14,7 @@ namespace plumbline::markers {
 struct Calibrated {
   Selection selection;
   Calibration calibration;
+  LensComparison lenses;
   std::vector<CalibrationParts> parts;
   std::string as_two;  ///< what two cameras in place of one make of its photographs; empty: nothing
 };

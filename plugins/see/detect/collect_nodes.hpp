@@ -15,6 +15,10 @@ std::string apriltag_family_of(const std::string& name, size_t file_size);
 /// covariance [[xx, xy, yy] × 4], refined}}, numbers with 17 significant digits.
 std::string observations_json(const TagObservationsT& observations);
 
+/// What to say where the photographs do not tell how light became grey values, so that the edges of all tags may lie
+/// inwards or outwards together by more than 0.15 px; empty where they do.
+std::string doubt_of_curve(const TagObservationsT& observations);
+
 /// What read.tag_family gives: the name alone, or name and content of the file of that name; `weakness` has what is
 /// doubtful about it. Throws with what is known.
 FileT tag_family_file(const std::string& family, std::string& weakness);
@@ -40,10 +44,11 @@ struct CollectTags : Node {
   List<ImageTags> observations{"observations", "tags of each image"};
   Out<TagObservations> all{"observations", "the same, in the same order"};
 
-  void run(Context&) override {
+  void run(Context& context) override {
     TagObservationsT result;
     for (size_t i = 0; i < observations.size(); ++i)
       result.images.push_back(std::make_unique<ImageTagsT>(observations.unpack(i)));
+    if (const std::string doubt = doubt_of_curve(result); !doubt.empty()) context.warn(doubt);
     all.commit(result);
   }
 };

@@ -13,7 +13,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerBoard : Node {
-  static constexpr Info info{"adjust.marker_board", "", 3,
+  static constexpr Info info{"adjust.marker_board", "", 4,
                              "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};
@@ -65,7 +65,7 @@ struct AdjustMarkerBoard : Node {
     for (size_t i = 0; i < calibrations.size(); ++i) known.push_back(calibrations.unpack(i));
     const TagObservationsT seen = observations.unpack();
     // Without a size any will do: the distance replaces it.
-    const BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
+    BlockInput input = block_of(photographs, seen, known, {*tag_size > 0 ? *tag_size : 0.1, *cameras});
     for (const auto& image : input.left_out) context.warn("left out: " + image.path + ": " + image.reason);
     for (const auto& text : input.warnings) context.warn(text);
     if (input.block.views.empty())
@@ -78,7 +78,7 @@ struct AdjustMarkerBoard : Node {
     options.print_sigma = *print_sigma, options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
-    MarkerResult result = adjust_marker_block(input.block, options);
+    MarkerResult result = adjust_lens_and_block(input.block, options);
     if (options.distance && *tag_size > 0) check_distance(result);
     const std::vector<MarkerHalves> halves =
         *compare ? halves_of(input.block, options, result) : std::vector<MarkerHalves>();

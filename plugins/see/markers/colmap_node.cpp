@@ -27,16 +27,15 @@ Json cameras_json(const ControlResult& result) {
     const Eigen::MatrixXd& c = result.camera_covariance.at(id);
     Json parameters = Json::array(), correlations = Json::array();
     const auto values = camera.camera.parameters();
-    for (size_t k = 0; k < values.size(); ++k) {
+    const auto names = camera.camera.names();
+    for (size_t k = 0; k < names.size(); ++k) {
       const Eigen::Index i = static_cast<Eigen::Index>(k);
-      parameters.push_back({{"name", BrownCamera::parameter_names[k]},
-                            {"value", values[k]},
-                            {"sigma", std::sqrt(c(i, i))},
-                            {"estimated", c(i, i) > 0}});
+      parameters.push_back(
+          {{"name", names[k]}, {"value", values[k]}, {"sigma", std::sqrt(c(i, i))}, {"estimated", c(i, i) > 0}});
       for (Eigen::Index j = 0; j < i; ++j)
         if (c(i, i) * c(j, j) > 0)
-          correlations.push_back({{"of", BrownCamera::parameter_names[static_cast<size_t>(j)]},
-                                  {"with", BrownCamera::parameter_names[k]},
+          correlations.push_back({{"of", names[static_cast<size_t>(j)]},
+                                  {"with", names[k]},
                                   {"correlation", c(i, j) / std::sqrt(c(i, i) * c(j, j))}});
     }
     double squares = 0;

@@ -83,9 +83,7 @@ std::vector<CameraT> camera_artifacts(const ColmapModel& model) {
   for (const auto& [id, camera] : model.cameras) {
     CameraT artifact;
     artifact.id = std::to_string(id);
-    artifact.width = camera.camera.width, artifact.height = camera.camera.height;
-    const auto values = camera.camera.parameters();
-    artifact.parameters.assign(values.begin(), values.end());
+    set_interior(camera.camera, {}, artifact);
     artifact.source = "COLMAP, " + camera.model;
     result.push_back(artifact);
   }

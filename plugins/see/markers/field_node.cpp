@@ -71,7 +71,7 @@ void AdjustMarkerField::run(Context& context) {
   options.shape_sigma = *shape_sigma, options.twist_sigma = *twist_sigma;
   options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
   options.layout_position_sigma = *position_sigma, options.layout_rotation_sigma = *rotation_sigma;
-  const MarkerResult result = adjust_marker_block(input.block, options);
+  const MarkerResult result = adjust_lens_and_block(input.block, options);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   for (const auto& text : result.warnings) context.warn(text);
   context.metric("rms", result.rms, "px");

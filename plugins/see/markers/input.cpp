@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "base/text/text.hpp"
-#include "geometry/packed_symmetric.hpp"
 #include "photo/markers/camera_groups.hpp"
 #include "photograph_groups.hpp"
 
@@ -21,7 +20,7 @@ MarkerCamera camera_from(const CameraT& known) {
   camera.camera = camera_of(known);
   camera.source = known.source;
   camera.pixel_pitch = known.pixel_pitch;
-  camera.covariance = unpack_symmetric(known.covariance, BrownCamera::parameter_count, "camera '" + known.id + "'");
+  camera.covariance = interior_covariance_of(known);
   camera.held = camera.covariance.size() == 0 || camera.covariance.diagonal().maxCoeff() == 0;
   return camera;
 }

@@ -40,17 +40,18 @@ std::vector<const AdjustedMarker*> ordered(const MarkerBlock& block, const Marke
 Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) {
   Json parameters = Json::array(), correlations = Json::array();
   const auto values = camera.camera.parameters();
-  for (size_t k = 0; k < values.size(); ++k) {
+  const auto names = camera.camera.names();
+  for (size_t k = 0; k < names.size(); ++k) {
     const Eigen::Index i = static_cast<Eigen::Index>(k);
-    parameters.push_back({{"name", BrownCamera::parameter_names[k]},
+    parameters.push_back({{"name", names[k]},
                           {"value", values[k]},
                           {"sigma", std::sqrt(camera.covariance(i, i))},
                           {"estimated", camera.covariance(i, i) > 0}});
     for (Eigen::Index j = 0; j < i; ++j) {
       const double scale = std::sqrt(camera.covariance(i, i) * camera.covariance(j, j));
       if (scale > 0)
-        correlations.push_back({{"of", BrownCamera::parameter_names[static_cast<size_t>(j)]},
-                                {"with", BrownCamera::parameter_names[k]},
+        correlations.push_back({{"of", names[static_cast<size_t>(j)]},
+                                {"with", names[k]},
                                 {"correlation", camera.covariance(i, j) / scale}});
     }
   }
@@ -58,6 +59,7 @@ Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) 
           {"source", given.source},
           {"width", camera.camera.width},
           {"height", camera.camera.height},
+          {"lens", name_of(camera.camera.lens)},
           {"pixel_pitch_um", 1e6 * given.pixel_pitch},
           {"interior_orientation", parameters},
           {"correlations", correlations},
@@ -351,10 +353,7 @@ PosesT poses_of(const MarkerBlock& block, const MarkerResult& result) {
 CameraT camera_artifact(const MarkerCamera& camera, const AdjustedMarkerCamera& adjusted) {
   CameraT artifact;
   artifact.id = camera.id;
-  artifact.width = adjusted.camera.width, artifact.height = adjusted.camera.height;
-  const auto values = adjusted.camera.parameters();
-  artifact.parameters.assign(values.begin(), values.end());
-  artifact.covariance = pack_symmetric(adjusted.covariance);
+  set_interior(adjusted.camera, adjusted.covariance, artifact);
   artifact.source = camera.source;
   return artifact;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "artifacts/camera.hpp"
+#include "artifacts/camera_artifact.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "base/text/whole_file.hpp"
@@ -28,13 +29,11 @@ struct ReadCamera : Node {
     for (const CameraFile& read : parse_camera_files(text::read_whole(file->path), file->path, *which)) {
       CameraT result;
       result.id = read.id;
-      result.width = read.camera.width, result.height = read.camera.height;
-      const auto values = read.camera.parameters();
-      result.parameters.assign(values.begin(), values.end());
-      if (!*exact)
-        result.covariance = pack_symmetric(read.covariance.size() ? read.covariance : usual_covariance(read.camera));
+      const Eigen::MatrixXd stated = read.covariance.size() ? read.covariance : usual_covariance(read.camera);
+      set_interior(read.camera, *exact ? Eigen::MatrixXd() : stated, result);
       result.source = read.format + " file";
-      context.info(read.format + " camera, fx " + std::to_string(read.camera.fx) + " px");
+      context.info(read.format + (read.camera.lens == LensModel::fisheye ? " camera, a fisheye, fx " : " camera, fx ") +
+                   std::to_string(read.camera.fx) + " px");
       camera.commit(result);
     }
   }

@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 
+#include "geometry/exchanged_places.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "photo/markers/survey_frame.hpp"
 
@@ -56,7 +57,7 @@ PlatesT plates_of(const PlatesT& given, const MarkerBlock& block, const PointsT&
   return table;
 }
 
-/// The tags of the table in the block: their sizes, and which of them are surveyed control.
+/// The tags of the table in the block: their sizes, and which of them are surveyed.
 std::vector<SurveyedTag> surveyed_tags(const PlatesT& table, const PointsT& points, MarkerBlock& block) {
   std::map<std::string, const PointT*> point_of;
   for (const auto& point : points.points) point_of[point->id] = point.get();
@@ -69,9 +70,9 @@ std::vector<SurveyedTag> surveyed_tags(const PlatesT& table, const PointsT& poin
     if (plate == plate_of.end()) continue;
     if (plate->second->tag_size > 0) marker.size = plate->second->tag_size;
     const auto point = point_of.find(plate->second->anchor);
-    if (point == point_of.end() || plate->second->role == "check" || !point->second->position.allFinite()) continue;
-    surveyed.push_back(
-        {static_cast<int>(m), point->second->id, point->second->position, plate->second->tag_centre_in_plate});
+    if (point == point_of.end() || !point->second->position.allFinite()) continue;
+    surveyed.push_back({static_cast<int>(m), point->second->id, point->second->position,
+                        plate->second->tag_centre_in_plate, plate->second->role == "check"});
   }
   return surveyed;
 }
@@ -168,27 +169,29 @@ void require_unit(const SurveyFrame& frame, double known_size, Context& context)
   context.info("by the survey the edge of a tag measures " + metres(by_survey));
 }
 
-/// Points that are not where the photographs have their tags. Two that are as far off as they are apart were exchanged.
+/// Points that are not where the photographs have their tags. Those in the place of another end the run: no adjustment
+/// finds its way from there.
 void tell_misplaced(const SurveyFrame& frame, const std::vector<SurveyedTag>& surveyed, Context& context) {
-  std::set<size_t> told;
-  const auto off = [&](size_t k) { return std::isfinite(frame.distance[k]) && !frame.agrees[k] && !told.count(k); };
-  for (size_t k = 0; k < surveyed.size(); ++k) {
-    if (!off(k)) continue;
-    for (size_t l = k + 1; l < surveyed.size(); ++l) {
-      const double apart = (surveyed[k].position - surveyed[l].position).norm();
-      if (!off(l) || std::abs(frame.distance[k] - apart) > 0.1 * apart ||
-          std::abs(frame.distance[l] - apart) > 0.1 * apart)
-        continue;
-      context.warn("points " + surveyed[k].name + " and " + surveyed[l].name +
-                   " seem to be exchanged: the photographs show the tag of each " + metres(apart) +
-                   " away, where the survey has the other");
-      told.insert({k, l});
-      break;
-    }
-    if (!told.count(k))
+  std::vector<Eigen::Vector3d> expected;
+  for (const auto& tag : surveyed) expected.push_back(tag.position);
+  std::string exchanged;
+  for (const ExchangedPlace& pair : exchanged_places(frame.found, expected)) {
+    if (frame.agrees[pair.thing] || (pair.mutual && frame.agrees[pair.place])) continue;
+    const std::string apart = metres((expected[pair.thing] - expected[pair.place]).norm()),
+                      &thing = surveyed[pair.thing].name, &place = surveyed[pair.place].name;
+    exchanged +=
+        (exchanged.empty() ? "" : "; ") +
+        (pair.mutual ? "points " + thing + " and " + place + " are exchanged: the photographs show the tag of each " +
+                           apart + " away, where the survey has the other"
+                     : "the photographs show the tag of point " + thing + " where the survey has " + place + ", " +
+                           apart + " away");
+  }
+  if (!exchanged.empty())
+    throw std::runtime_error(exchanged + ". Correct the plate table (which tag is which point) or the survey's names");
+  for (size_t k = 0; k < surveyed.size(); ++k)
+    if (std::isfinite(frame.distance[k]) && !frame.agrees[k] && !surveyed[k].check)
       context.warn("point " + surveyed[k].name + " lies " + metres(frame.distance[k]) +
                    " from where the photographs and the other surveyed points have its tag: is it another tag's?");
-  }
 }
 
 /// What EXIF, or nothing at all, says of an interior orientation: parts of the principal distance and of the width.
@@ -196,13 +199,14 @@ Eigen::MatrixXd weak_prior(const BrownCamera& camera, double of_distance, double
   Eigen::VectorXd sigma(9);
   const double f = of_distance * camera.fx, c = of_width * camera.width;
   sigma << f, f, c, c, distortion, 2 * distortion, 4 * distortion, 0.03 * distortion, 0.03 * distortion;
+  if (camera.lens == LensModel::fisheye) sigma.tail<2>() << 4 * distortion, 0;  // k4
   return sigma.cwiseAbs2().asDiagonal();
 }
 
 /// With priors so weak that the same observations do not count twice: once here, once in the adjustment that follows.
 CameraT start_of(const MarkerCamera& given, const AdjustedMarkerCamera& adjusted) {
   CameraT camera = camera_artifact(given, adjusted);
-  camera.covariance = pack_symmetric(weak_prior(adjusted.camera, 0.1, 0.02, 0.3));
+  set_interior(adjusted.camera, weak_prior(adjusted.camera, 0.1, 0.02, 0.3), camera);
   return camera;
 }
 
@@ -264,8 +268,8 @@ void AdjustMarkerStart::run(Context& context) {
   const std::vector<SurveyedTag> surveyed = surveyed_tags(table, surveyed_points, input.block);
   if (known.empty())
     for (MarkerCamera& one : input.block.cameras)  // few photographs do not calibrate
-      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1);
-  const MarkerResult network = adjust_marker_block(input.block, {});
+      if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1), one.any_lens = true;
+  const MarkerResult network = adjust_lens_and_block(input.block, {});
   for (const auto& text : network.left_out) context.warn("left out: " + text);
   for (const auto& text : network.warnings)  // what EXIF says is no calibration to contradict or to improve
     if (!known.empty() || !(text.starts_with("the photographs contradict the calibration") ||

@@ -77,13 +77,18 @@ void write_built_cells(Markup& html, const Entry& entry) {
   html.element("td", d ? percent(d->pass_probability) : unknown);
 }
 
-void write_row(Markup& html, const Entry& entry, bool with_truth, bool with_design) {
+void write_row(Markup& html, const Entry& entry, const ReportInput& input, bool with_truth) {
+  const bool with_design = input.deviation.has_value();
   const AnchorAccuracyT* a = entry.measured;
   const int floor = entry.built ? entry.built->floor : a->floor;
   const PlacedRow row(html, floor, entry.built ? facade_of(entry.built->facade) : "",
                       entry.built ? entry.built->verdict : ToleranceVerdict::not_measured);
   html.element("th", {{"scope", "row"}}, entry.id());
   html.element("td", floor > 0 ? std::to_string(floor) : unknown);
+  if (with_design && !input.grid.empty()) {
+    const std::string place = entry.built ? place_in_grid(input, entry.built->design) : "";
+    html.element("td", {{"class", "text"}}, place.empty() ? unknown : place);
+  }
   if (with_design) write_built_cells(html, entry);
   html.element("td", {{"class", "text"}}, a ? EnumNameAnchorUse(a->use) : unknown);
   const AnchorDifferenceT* d = a ? a->survey.get() : nullptr;
@@ -155,6 +160,7 @@ void write_anchors(Markup& html, const ReportInput& input) {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
     std::vector<Cell> heads = {"Anchor", "Floor"};
+    if (with_design && !input.grid.empty()) heads.push_back(left("Grid"));
     if (with_design)
       heads.insert(heads.end(), {left("Built"), left("Decided by"), "Horizontal ± u [mm]", "Height ± u [mm]",
                                  "Out of plane ± u [mm]", "within"});
@@ -162,7 +168,7 @@ void write_anchors(Markup& html, const ReportInput& input) {
     if (with_truth) heads.push_back("Δz to truth ± u [mm]");
     table_head(html, heads);
     Scope body(html, "tbody");
-    for (const Entry& entry : entries) write_row(html, entry, with_truth, with_design);
+    for (const Entry& entry : entries) write_row(html, entry, input, with_truth);
   }
   write_missing(html, entries);
   html.element("p", {{"class", "note"}},

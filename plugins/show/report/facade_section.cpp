@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 
 #include "building/ifc/facade_frame.hpp"
 #include "show/report/anchor_names.hpp"
@@ -389,7 +390,9 @@ Sight sight_of(const FacadeT& facade, const DeviationT& deviation) {
 
 /// As-built minus design of a facade with its panels; out of its plane (the arrows then stand for that, outward drawn
 /// upward), or in it. `facade` null: of the anchors that belong to none.
-View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_plane) {
+/// `floor`: of that floor alone.
+View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_plane,
+                std::optional<int> floor = std::nullopt) {
   View view{
       out_of_plane ? "How far out of the facade's plane?" : "Are the anchors in place?",
       out_of_plane ? "as-built minus design out of the facade's plane, upward is outward" : "as-built minus design",
@@ -410,7 +413,7 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
     return (frame ? frame->facade : std::string()) == name;
   };
   for (const auto& a : deviation.anchors) {
-    if (!belongs(a->facade)) continue;
+    if (!belongs(a->facade) || (floor && a->floor != *floor)) continue;
     Spot spot;
     spot.id = a->id, spot.floor = a->floor, spot.position = a->design, spot.difference = a->deviation;
     spot.number = a->deviation.z(), spot.verdict = a->verdict, spot.control = a->use == "control";
@@ -422,7 +425,7 @@ View built_view(const DeviationT& deviation, const FacadeT* facade, bool out_of_
     view.spots.push_back(std::move(spot));
   }
   for (const auto& panel : deviation.panels) {
-    if (!belongs(panel->facade) || panel->corners.size() < 4) continue;
+    if (!belongs(panel->facade) || panel->corners.size() < 4 || (floor && panel->floor != *floor)) continue;
     Quad quad{panel->name, panel->verdict, std::vector<Eigen::Vector3d>(4, Eigen::Vector3d::Zero())};
     const char* order[] = {"bottom_left", "bottom_right", "top_right", "top_left"};
     for (const auto& corner : panel->corners)
@@ -449,6 +452,12 @@ View only(const View& all, const FacadeT& facade, const DeviationT& deviation) {
 }
 
 }  // namespace
+
+void write_floor_elevation(Markup& html, const ReportInput& input, const FacadeT* facade, int floor) {
+  View view = built_view(*input.deviation, facade, false, floor);
+  view.question = "Are the anchors in place?";
+  write_elevation(html, input, view, false);
+}
 
 void write_facade(Markup& html, const ReportInput& input) {
   Scope part(html, "section", {{"id", "facade"}});

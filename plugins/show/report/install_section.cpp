@@ -7,6 +7,7 @@
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/deviation.hpp"
+#include "building/judgement/epochs.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
@@ -166,7 +167,8 @@ Task task_of(const SurfaceVerdictT& verdict, const DeviationT& deviation) {
   return task;
 }
 
-std::vector<Task> tasks_of(const DeviationT& deviation) {
+std::vector<Task> tasks_of(const ReportInput& input) {
+  const DeviationT& deviation = *input.deviation;
   std::vector<Task> tasks;
   const auto open = [](ToleranceVerdict verdict) { return verdict != ToleranceVerdict::pass; };
   // Of a building of several facades whoever is sent somewhere is told to which.
@@ -179,7 +181,11 @@ std::vector<Task> tasks_of(const DeviationT& deviation) {
   for (const ToleranceVerdict wanted :
        {ToleranceVerdict::fail, ToleranceVerdict::undecided, ToleranceVerdict::not_measured}) {
     for (const AnchorDeviationT* anchor : worst_first(deviation))
-      if (anchor->verdict == wanted && open(wanted)) add(*anchor);
+      if (anchor->verdict == wanted && open(wanted)) {
+        add(*anchor);
+        if (const std::string place = place_in_grid(input, anchor->design); !place.empty())
+          tasks.back().what += " at " + place;
+      }
     for (const PanelDeviationT* panel : worst_panels_first(deviation))
       if (panel->verdict == wanted && open(wanted)) add(*panel);
     if (deviation.surfaces)
@@ -351,6 +357,14 @@ void write_count(Markup& html, const char* what, std::initializer_list<std::pair
 
 }  // namespace
 
+std::string what_to_do(const AnchorDeviationT& anchor, const DeviationT& deviation) {
+  return task_of(anchor, deviation).todo;
+}
+
+std::string what_to_do(const PanelDeviationT& panel, const DeviationT& deviation) {
+  return task_of(panel, deviation).todo;
+}
+
 void write_installation(Markup& html, const ReportInput& input) {
   if (!input.deviation) return;
   const DeviationT& d = *input.deviation;
@@ -393,10 +407,12 @@ void write_installation(Markup& html, const ReportInput& input) {
     if (d.common_shift && d.common_shift->significant) html.element("p", d.common_shift->words);
     for (const auto& group : d.group_shifts)
       if (group->significant) html.element("p", group->words);
+    if (input.changes && input.changes->compared)
+      html.element("p", since(*input.changes) + ": " + judgement::words_of_changes(*input.changes) + ".");
     for (const std::string& line : confidence_of(input)) html.element("p", line);
   }
   write_filter(html, d);
-  const std::vector<Task> tasks = tasks_of(d);
+  const std::vector<Task> tasks = tasks_of(input);
   if (!tasks.empty()) {
     html.element("h3", "Where not, and what to do: first to mend first");
     write_tasks(html, tasks, 0, std::min(kFirstRows, tasks.size()));

@@ -1,7 +1,9 @@
 #include "show/report/report.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 #include "artifacts/input_files_text.hpp"
@@ -139,8 +141,10 @@ void write_navigation(Markup& html, const ReportInput& input) {
     html.element("a", {{"href", std::string("#") + id}}, text);
   };
   if (input.deviation) {
+    if (input.changes && input.changes->compared) link("changes", "What changed");
     link("view", "In space");
     link("facade", "Facade");
+    link("places", input.grid.empty() ? "By floor" : "By floor and axis");
     if (!input.deviation->panels.empty()) link("panels", "Panels");
     link("coverage", "What was judged");
     if (input.deviation->surfaces) link("surfaces", "Surfaces");
@@ -171,8 +175,10 @@ void write_body(Markup& html, const ReportInput& input) {
     write_navigation(html, input);
   }
   if (input.deviation) {
+    if (input.changes) write_changes(html, *input.changes);
     write_view(html, input);
     write_facade(html, input);
+    write_places(html, input);
     write_panels(html, *input.deviation);
     write_coverage(html, *input.deviation);
     if (input.deviation->surfaces) write_surfaces(html, *input.deviation->surfaces);
@@ -194,6 +200,23 @@ void write_body(Markup& html, const ReportInput& input) {
 
 }  // namespace
 
+namespace {
+
+/// The title on every sheet of paper. What would end the string, the rule or the element is written as its code.
+std::string running_head(const std::string& title) {
+  std::string text;
+  for (const char c : title) {
+    const auto byte = static_cast<unsigned char>(c);
+    char escaped[8];
+    std::snprintf(escaped, sizeof escaped, "\\%02x ", byte);
+    const bool plain = byte >= 0x80 || std::isalnum(byte) != 0 || c == ' ' || c == ',' || c == '.' || c == '-';
+    text += plain ? std::string(1, c) : std::string(escaped);
+  }
+  return "@media print{@page{@top-left{content:\"" + text + "\";font:8pt sans-serif;color:#444}}}";
+}
+
+}  // namespace
+
 std::string render_page(const std::string& title, const std::function<void(Markup&)>& write_content) {
   Markup html;
   html.raw("<!DOCTYPE html>\n");
@@ -209,7 +232,7 @@ std::string render_page(const std::string& title, const std::function<void(Marku
           {{"http-equiv", "Content-Security-Policy"},
            {"content", "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
       html.element("title", title);
-      html.open("style").raw(page_style).close();
+      html.open("style").raw(page_style).raw(running_head(title)).close();
     }
     Scope body(html, "body");
     write_content(html);

@@ -12,9 +12,12 @@
 #include <vector>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/as_built_changes.hpp"
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/survey_comparison.hpp"
+#include "building/ifc/grid.hpp"
+#include "show/report/building_lines.hpp"
 #include "show/report/facade_backdrop.hpp"
 
 namespace plumbline::report {
@@ -124,9 +127,12 @@ struct ReportInput {
   std::string title = "Accuracy report";
   std::string subtitle;  ///< site, scenario, date: as the pipeline gives them
   AccuracyT accuracy;
-  std::optional<DeviationT> deviation;  ///< as-built minus design; without it the page is about measuring only
-  std::optional<BlockT> block;          ///< the adjustment of the images
-  std::optional<SurfacesT> surfaces;    ///< panels as they are, behind the anchors
+  std::optional<DeviationT> deviation;     ///< as-built minus design; without it the page is about measuring only
+  std::optional<AsBuiltChangesT> changes;  ///< since the campaign before
+  std::optional<BlockT> block;             ///< the adjustment of the images
+  std::optional<SurfacesT> surfaces;       ///< panels as they are, behind the anchors
+  std::vector<ifc::GridAxis> grid;         ///< of the design
+  BuildingLines building;
   std::vector<FacadePicture> pictures;  ///< of the facades, likewise
   std::vector<Fact> images;             ///< what came in from the photographs, and what was left out
   std::optional<NetworkPage> network;

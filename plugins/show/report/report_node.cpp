@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "artifacts/accuracy.hpp"
+#include "artifacts/as_built_changes.hpp"
 #include "artifacts/block.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/design.hpp"
@@ -20,6 +21,7 @@
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
 #include "show/report/calibration_page_node.hpp"
+#include "show/report/dxf_node.hpp"
 #include "show/report/excel_node.hpp"
 #include "show/report/format.hpp"
 #include "show/report/image_block_page_node.hpp"
@@ -27,6 +29,7 @@
 #include "show/report/network_page.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
+#include "show/report/sheets_node.hpp"
 #include "show/report/summary.hpp"
 #include "show/report/surface_page_node.hpp"
 #include "show/report/survey_page_node.hpp"
@@ -113,10 +116,11 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 3,
+  static constexpr Info info{"report.html", "", 4,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
+  Optional<AsBuiltChanges> changes{"changes", frame("frame=?F"), "what became of anchors since the campaign before"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images, with what it rejected"};
   Optional<Poses> poses{"poses", frame("frame=?P"), "the poses before the adjustment"};
   Optional<SiteFrames> frames{"frames", "the frames of the site, for the provenance"};
@@ -147,6 +151,7 @@ struct ReportHtml : Node {
     if (orthophoto) input.pictures = read_pictures(context, orthophoto.unpack());
     input.title = *title, input.subtitle = *subtitle;
     input.accuracy = accuracy.unpack();
+    if (changes) input.changes = changes.unpack();
     if (deviation) input.deviation = deviation.unpack();
     if (block) input.block = block.unpack();
     if (poses) add_images(poses.unpack(), input.images);
@@ -162,7 +167,11 @@ struct ReportHtml : Node {
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
     add_campaign(input.accuracy, camera ? &read_camera : nullptr, survey ? &survey_info : nullptr, input.provenance);
     if (!survey_info.date.empty()) input.provenance.emplace_back("Measured", survey_info.date);
-    if (design) add_design(design.unpack(), input.provenance);
+    if (design) {
+      const DesignT read = design.unpack();
+      add_design(read, input.provenance);
+      input.grid = ifc::grid_of(read), input.building = building_lines(read);
+    }
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
     add_nodes(*pipeline, input.provenance);
@@ -176,9 +185,10 @@ struct ReportHtml : Node {
 };
 
 struct ReportSummary : Node {
-  static constexpr Info info{"report.summary", "", 2, "Writes the result of an evaluation as a few lines of text"};
+  static constexpr Info info{"report.summary", "", 3, "Writes the result of an evaluation as a few lines of text"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
+  Optional<AsBuiltChanges> changes{"changes", frame("frame=?F"), "what became of anchors since the campaign before"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder"};
@@ -189,11 +199,13 @@ struct ReportSummary : Node {
     file.name = "summary.txt", file.media_type = "text/plain";
     std::optional<DeviationT> built;
     if (deviation) built = deviation.unpack();
+    std::optional<AsBuiltChangesT> changed;
+    if (changes) changed = changes.unpack();
     std::optional<InputFilesT> read, left;
     if (inputs) read = inputs.unpack();
     if (unread) left = unread.unpack();
     const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
-    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr) +
+    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
                              words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
     file.content.assign(text.begin(), text.end());
     out.commit(file);
@@ -207,4 +219,4 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
                  plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
-                 plumbline::report::ReportExcel)
+                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets)

@@ -87,8 +87,21 @@ void write_floors(Markup& html, const AccuracyT& accuracy);
 void write_transfers(Markup& html, const AccuracyT& accuracy);
 void write_pass_rates(Markup& html, const AccuracyT& accuracy);
 void write_facade(Markup& html, const ReportInput& input);
+/// The elevation of one floor of a facade, with names; `facade` null: of the anchors that belong to none.
+void write_floor_elevation(Markup& html, const ReportInput& input, const FacadeT* facade, int floor);
+/// What an anchor or panel that is not in order asks for, as the first screen says it.
+std::string what_to_do(const AnchorDeviationT& anchor, const DeviationT& deviation);
+std::string what_to_do(const PanelDeviationT& panel, const DeviationT& deviation);
+/// Floors and grid axes of each facade, with mean and scatter of their anchors.
+void write_places(Markup& html, const ReportInput& input);
+/// "A/4": the axes of the grid nearest to a place; empty without a grid.
+std::string place_in_grid(const ReportInput& input, const Eigen::Vector3d& design);
 void write_panels(Markup& html, const DeviationT& deviation);
 void write_coverage(Markup& html, const DeviationT& deviation);
+/// What became of anchors and panels since the campaign before; nothing without one.
+void write_changes(Markup& html, const AsBuiltChangesT& changes);
+/// "Since 2026-05".
+std::string since(const AsBuiltChangesT& changes);
 /// Verdicts of surfaces, the failing ones first.
 void write_surfaces(Markup& html, const SurfaceJudgementT& judgement);
 /// "12 pass, 1 undecided, 0 fail, 2 not judged".

@@ -58,6 +58,10 @@ const spaceBehind = async (plain, given) => {
       geometry.setAttribute("color", new THREE.Float32BufferAttribute(colours, 3));
       content.add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })));
     }
+    if (view.around) {
+      lines(view.edges, view.soft, { transparent: true, opacity: 0.45 });
+      lines(view.grid.flatMap(([, p, q]) => [p, q]), view.soft, { transparent: true, opacity: 0.9 });
+    }
     if (view.design) lines(panels.flatMap(p => ring(p.q)), view.soft, { transparent: true, opacity: 0.7 });
     if (view.built) for (const w of [0, 1, 2, 3]) {
       const quads = panels.filter(p => p.w === w).map(p => p.q.map((q, k) => shifted(q, p.v[k], view.times)));

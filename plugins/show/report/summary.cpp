@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "building/ifc/surface_words.hpp"
+#include "building/judgement/epochs.hpp"
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
@@ -101,7 +102,7 @@ std::string surfaces_text(const SurfaceJudgementT& surfaces) {
 }
 
 /// Can we install, and what first.
-std::string installation_text(const DeviationT& deviation) {
+std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT* changes) {
   int panels[4] = {};
   for (const auto& panel : deviation.panels) ++panels[static_cast<int>(panel->verdict)];
   const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
@@ -114,6 +115,10 @@ std::string installation_text(const DeviationT& deviation) {
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
   if (deviation.surfaces) text += "; surfaces and joints: " + surface_counts(*deviation.surfaces);
   text += ".\n";
+  if (changes && changes->compared) {
+    text += since(*changes) + ": " + judgement::words_of_changes(*changes) + ".\n";
+    for (const std::string& warning : changes->warnings) text += "Note: " + warning + ".\n";
+  }
   for (const std::string& misfit : deviation.misfits) text += "LESS CERTAIN, " + misfit + "\n";
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) text += "NOT JUDGED: " + request->asked + ": " + request->not_judged + "\n";
@@ -153,8 +158,8 @@ std::string installation_text(const DeviationT& deviation) {
 
 }  // namespace
 
-std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation) {
-  std::string text = deviation ? installation_text(*deviation) : "";
+std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation, const AsBuiltChangesT* changes) {
+  std::string text = deviation ? installation_text(*deviation, changes) : "";
   text +=
       row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard "
           "uncertainties (1 sigma).",

@@ -171,9 +171,9 @@ std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgemen
                                 "Elevation of " + std::to_string(at.panels.size()) + " panels as seen from outside");
       for (const size_t p : at.panels) draw_panel(html, at, *surfaces.panels[p], range);
     }
-    write_pictures(html, pictures);
+    if (judgement) write_surfaces(html, *judgement);  // what fails before what there is
     write_joints(html, surfaces);
-    if (judgement) write_surfaces(html, *judgement);
+    write_pictures(html, pictures);
   });
 }
 

@@ -90,7 +90,7 @@ void write_surfaces(Markup& html, const SurfaceJudgementT& judgement) {
     return surface_order(*a) < surface_order(*b);
   });
   Scope part(html, "section", {{"id", "surfaces"}});
-  html.element("h2", "Surfaces of panels and joints");
+  html.element("h2", "Verdicts on surfaces and joints");
   html.element("p", surface_counts(judgement) + ".");
   std::vector<std::string> unanswered;
   for (const auto& request : judgement.requests)

@@ -69,6 +69,33 @@
               u: (l + r - canvas.width) / 2, up: (canvas.height - t - b) / 2 };
   };
   let behind = null;
+  // The building as lines, the axes of its grid with their tags, and north.
+  const around = document.getElementById("around-input"), edges = data.building, grid = data.grid;
+  const drawAround = soft => {
+    if (!around || !around.checked) return;
+    pen.strokeStyle = soft; pen.lineWidth = 0.8; pen.globalAlpha = 0.45; pen.beginPath();
+    // What stands at or behind the eye has no picture.
+    const seen = (p, q) => { const a = project(p), b = project(q); if (Math.min(a[2], b[2]) > -2.8 * reach) { pen.moveTo(a[0], a[1]); pen.lineTo(b[0], b[1]); } };
+    for (let i = 0; i < edges.length; i += 2) seen(edges[i], edges[i + 1]);
+    pen.stroke(); pen.globalAlpha = 0.8; pen.setLineDash([10, 4, 2, 4]); pen.beginPath();
+    for (const [, p, q] of grid) seen(p, q);
+    pen.stroke(); pen.setLineDash([]); pen.globalAlpha = 1;
+  };
+  const tags = ink => {
+    pen.fillStyle = pen.strokeStyle = ink; pen.font = "13px sans-serif"; pen.lineWidth = 1.6; pen.textAlign = "center";
+    if (around && around.checked) for (const [tag, p] of grid) {
+      const [x, y] = project(p);
+      pen.fillText(utf8(tag), x, y + 4);
+      pen.beginPath(); pen.arc(x, y, 10, 0, 7); pen.lineWidth = 0.8; pen.stroke();
+    }
+    if (data.north !== null) {
+      const [dx, dy] = [Math.sin(data.north), Math.cos(data.north)], c = Math.cos(yaw), s = Math.sin(yaw);
+      const u = c * dx + s * dy, v = Math.sin(pitch) * (c * dy - s * dx), x = 44, y = canvas.height - 44, l = Math.hypot(u, v) || 1;
+      pen.lineWidth = 1.6; pen.beginPath(); pen.moveTo(x - 22 * u, y + 22 * v); pen.lineTo(x + 22 * u, y - 22 * v); pen.stroke();
+      pen.fillText("N", x + 22 * u + 10 * u / l, y - 22 * v - 10 * v / l + 4);
+    }
+    pen.textAlign = "start";
+  };
   // The panels' measured surfaces, 4 x 4 colours a panel from below; corners: bottom left, bottom right, top right, top left.
   const heat = document.getElementById("heat-input");
   const part = (q, x, y) => q[0].map((v, k) => (1 - y) * ((1 - x) * v + x * q[1][k]) + y * ((1 - x) * q[3][k] + x * q[2][k]));
@@ -83,7 +110,8 @@
     told.textContent = "\u00d7" + times;
     pen.clearRect(0, 0, canvas.width, canvas.height);
     fit();
-    if (behind) { drawBehind(fills, ink, times, shown); return; }
+    if (behind) { drawBehind(fills, ink, times, shown); tags(ink); return; }
+    drawAround(fills[0]);
     const quads = panels.map((p, i) => ({ p, i, q: p.q.map(project) })).filter(({ p }) => shown(p) && p.q[0][0] !== null)
       .sort((a, b) => b.q.reduce((s, c) => s + c[2], 0) - a.q.reduce((s, c) => s + c[2], 0));
     for (const { p, i, q } of quads) {
@@ -119,6 +147,7 @@
       pen.stroke();
     }
     name(ink);
+    tags(ink);
   };
   const name = ink => {
     const chosen = spots.find(s => s.a.i === picked);
@@ -130,9 +159,10 @@
   const drawBehind = (fills, ink, times, shown) => {
     const anchors = placed.filter(shown).map(a => ({ ...a, w: state.anchors[a.i] }));
     const at = a => built.checked && a.d[0] !== null ? a.p.map((v, k) => v + times * a.d[k] / 1000) : a.p;
-    behind.draw({ yaw, pitch, frame, fills, ink, times, soft: fills[0], design: design.checked, built: built.checked, anchors,
+    behind.draw({ yaw, pitch, frame, fills, ink, times, soft: fills[0], design: design.checked, built: built.checked, anchors, edges, grid,
+                  around: !!around && around.checked,
                   panels: panels.map((p, i) => ({ ...p, w: state.panels[i] })).filter(shown), cells,
-                  key: [floors.value, times, design.checked, built.checked, !!heat && heat.checked, ink, ...state.anchors, ...state.panels].join() });
+                  key: [floors.value, times, design.checked, built.checked, !!heat && heat.checked, !!around && around.checked, ink, ...state.anchors, ...state.panels].join() });
     spots = anchors.map(a => ({ a, at: project(at(a)) }));
     const chosen = spots.find(s => s.a.i === picked);
     if (chosen) { pen.strokeStyle = ink; pen.lineWidth = 2; pen.beginPath(); pen.arc(chosen.at[0], chosen.at[1], 12, 0, 7); pen.stroke(); }
@@ -159,16 +189,28 @@
     if (!at || moved > 6) return;
     const near = spots.map(s => [Math.hypot(s.at[0] - at[0], s.at[1] - at[1]), s.a]).sort((a, b) => a[0] - b[0])[0];
     if (!near || near[0] > 30) return;
-    const a = near[1], d = a.d.map(v => v === null ? "\u2013" : (v > 0 ? "+" : "") + v.toFixed(1));
+    pick(near[1]);
+  };
+  const pick = a => {
+    const d = a.d.map(v => v === null ? "\u2013" : (v > 0 ? "+" : "") + v.toFixed(1));
     picked = a.i;
     document.getElementById("picked").textContent = utf8(a.n) + ", floor " + (a.f || "unknown") + ": " + words[state.anchors[a.i]] +
       "; as-built minus design " + d.join(", ") + " mm (x, y, z)";
     draw();
   };
+  canvas.addEventListener("keydown", event => {
+    const shown = placed.filter(a => floors.value === "" || String(a.f) === floors.value), at = shown.findIndex(a => a.i === picked);
+    const step = n => shown.length && pick(shown[(at + n + shown.length) % shown.length]);
+    const acts = { ArrowLeft: () => yaw -= 0.1, ArrowRight: () => yaw += 0.1, ArrowUp: () => pitch = Math.min(1.5, pitch + 0.1),
+                   ArrowDown: () => pitch = Math.max(-1.5, pitch - 0.1), "+": () => zoom = Math.min(20, 1.2 * zoom), "=": () => zoom = Math.min(20, 1.2 * zoom),
+                   "-": () => zoom = Math.max(0.3, zoom / 1.2), n: () => step(1), p: () => step(at < 0 ? 0 : -1) };
+    if (!acts[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault(); acts[event.key](); draw();
+  });
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
   canvas.addEventListener("wheel", event => { event.preventDefault(); zoom = Math.min(20, Math.max(0.3, zoom * Math.exp(-event.deltaY / 500))); draw(); }, { passive: false });
-  for (const control of [floors, factor, design, built, heat].filter(c => c)) control.addEventListener("input", draw);
+  for (const control of [floors, factor, design, built, heat, around].filter(c => c)) control.addEventListener("input", draw);
   show();
   // Unpacked when the view comes near: the page opens as quickly as without.
   const plainOnly = () => {

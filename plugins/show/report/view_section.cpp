@@ -1,5 +1,6 @@
 // The building in space, and the numbers from which the slider recomputes verdicts where scripts run. Everything that
 // the view shows stands in the tables too.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -64,15 +65,38 @@ std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
          "],\"v\":[" + movements + "],\"h\":" + heat_json(p.guid, surfaces) + "}";
 }
 
+/// Middle of the anchors.
+Eigen::Vector3d origin_of(const DeviationT& d) {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  double n = 0;
+  for (const auto& anchor : d.anchors)
+    if (anchor->design.allFinite()) origin += anchor->design, ++n;
+  return n > 0 ? Eigen::Vector3d(origin / n) : origin;
+}
+
+/// The building, its grid with tags, and north.
+std::string surroundings_json(const ReportInput& input, const Eigen::Vector3d& origin) {
+  std::string edges, axes;
+  for (const auto& [from, to] : input.building.edges)
+    edges += (edges.empty() ? "" : ",") + script_vector(from - origin, 2) + "," + script_vector(to - origin, 2);
+  Eigen::AlignedBox3d around;
+  for (const auto& anchor : input.deviation->anchors)
+    if (anchor->design.allFinite()) around.extend(Eigen::Vector3d(anchor->design));
+  if (!around.isEmpty()) {
+    const auto lines = grid_lines(input.grid, around.min(), around.max());
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      axes += (axes.empty() ? "" : ",") + ("[" + script_text(input.grid[i].tag)) + "," +
+              script_vector(lines[i].first - origin, 2) + "," + script_vector(lines[i].second - origin, 2) + "]";
+  }
+  return ",\"building\":[" + edges + "],\"grid\":[" + axes +
+         "],\"north\":" + script_number(input.building.true_north, 6);
+}
+
 std::string data_of(const ReportInput& input) {
   std::string text;
   {
     const DeviationT& d = *input.deviation;
-    Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-    double n = 0;
-    for (const auto& anchor : d.anchors)
-      if (anchor->design.allFinite()) origin += anchor->design, ++n;
-    if (n > 0) origin /= n;
+    const Eigen::Vector3d origin = origin_of(d);
     std::map<std::string, std::size_t> index;
     std::string anchors, panels;
     for (const auto& anchor : d.anchors) {
@@ -84,6 +108,7 @@ std::string data_of(const ReportInput& input) {
     text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") +
            ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
   }
+  text += surroundings_json(input, origin_of(*input.deviation));
   std::string heights;
   if (const AccuracyComparisonT* c = headline(input.accuracy))
     for (const auto& a : input.accuracy.anchors)
@@ -135,6 +160,11 @@ void write_view(Markup& html, const ReportInput& input) {
         html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
         html.text(words);
       }
+      if (!input.building.edges.empty() || !input.grid.empty()) {
+        Scope label(html, "label", {{"class", "tick"}});
+        html.empty("input", {{"id", "around-input"}, {"type", "checkbox"}, {"checked", "checked"}});
+        html.text(input.grid.empty() ? "building" : "building and grid");
+      }
       if (input.surfaces) {
         Scope label(html, "label", {{"class", "tick"}});
         html.empty("input", {{"id", "heat-input"}, {"type", "checkbox"}, {"checked", "checked"}});
@@ -147,12 +177,18 @@ void write_view(Markup& html, const ReportInput& input) {
                    {{"id", "canvas"},
                     {"width", "1040"},
                     {"height", "560"},
-                    {"role", "img"},
-                    {"aria-label", "Anchors and panels in space; all numbers stand in the tables"}},
+                    {"tabindex", "0"},
+                    {"role", "application"},
+                    {"aria-describedby", "picked"},
+                    {"aria-label",
+                     "Anchors and panels in space: arrows turn, plus and minus zoom, n and p choose the next and the "
+                     "previous anchor; all numbers stand in the tables"}},
                    "");
     }
-    html.element("p", {{"id", "picked"}, {"class", "note"}},
-                 "Drag to turn, wheel or pinch to zoom, tap an anchor for its values.");
+    html.element(
+        "p", {{"id", "picked"}, {"class", "note"}, {"aria-live", "polite"}},
+        "Drag to turn, wheel or pinch to zoom, tap an anchor for its values; with the keyboard arrows, + and −, n "
+        "and p.");
   }
   html.open("script", {{"type", "application/json"}, {"id", "judged"}}).raw(data_of(input)).close();
   html.open("script", {{"type", "text/plain"}, {"id", "three-js"}}).raw(three_script).close();

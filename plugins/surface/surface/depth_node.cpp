@@ -2,8 +2,23 @@
 
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 namespace plumbline::surface {
+namespace {
+
+/// Appends the next `count` tiles if all of them are there; else none, and they are counted where they are taken.
+bool all_kept(size_t count, std::vector<FacetTile>& tiles, PartialTiles& kept) {
+  std::vector<FacetTile> found(count);
+  for (size_t t = 0; t < count; ++t)
+    if (!kept.has(tiles.size() + t)) return false;
+  for (size_t t = 0; t < count; ++t)
+    if (!kept.load(tiles.size() + t, found[t])) return false;
+  std::move(found.begin(), found.end(), std::back_inserter(tiles));
+  return true;
+}
+
+}  // namespace
 
 void DepthNode::run(Context& context) {
   std::vector<ImageT> all;
@@ -17,13 +32,18 @@ void DepthNode::run(Context& context) {
                     [&](size_t view) { return read_grey_image(context.resolve(photographs.uri(view))); });
   std::vector<FacetTile> tiles;
   std::vector<size_t> face_of_tile;
+  PartialTiles kept(context);
   for (size_t f = 0; f < faces.faces.size(); ++f) {
     context.progress(static_cast<double>(f) / static_cast<double>(faces.faces.size()), faces.faces[f].id);
-    measure_face(context, photographs, pixels.take(that_fit(context, photographs, faces.faces[f], limit)),
-                 faces.faces[f], tiles);
+    const std::vector<size_t> seen = that_fit(context, photographs, faces.faces[f], limit);
+    if (!all_kept(parts_of(faces.faces[f]).size(), tiles, kept))
+      measure_face(context, photographs, pixels.take(seen), faces.faces[f], tiles, kept);
     face_of_tile.resize(tiles.size(), f);
     if (context.cancelled()) throw Stopped();
   }
+  if (kept.found() > 0)
+    context.info(std::to_string(kept.found()) + " of " + std::to_string(tiles.size()) +
+                 " parts were there from a run that was stopped");
   commit(context, photographs, faces, face_of_tile, std::move(tiles));
 }
 

@@ -6,6 +6,7 @@
 
 #include "artifacts/folder.hpp"
 #include "faces.hpp"
+#include "partial_tiles.hpp"
 #include "photographs.hpp"
 #include "plumbline/node.hpp"
 #include "surface/dense/facet_tile.hpp"
@@ -36,9 +37,9 @@ struct DepthNode : Node {
   void run(Context& context) override;
 
  protected:
-  /// Appends the tiles of a face.
+  /// Appends the tiles of a face, one for each of parts_of, and keeps each as soon as it is known.
   virtual void measure_face(Context& context, const Photographs& photographs, const std::vector<FacetView>& views,
-                            const PanelFace& face, std::vector<FacetTile>& tiles) const = 0;
+                            const PanelFace& face, std::vector<FacetTile>& tiles, PartialTiles& kept) const = 0;
   /// Rectangles of a face, `tile` wide and high.
   std::vector<Rectangle> parts_of(const PanelFace& face) const;
 

@@ -9,21 +9,6 @@
 namespace plumbline::surface {
 namespace {
 
-/// Places that look at a plane from before it and from behind it, at no flatter an angle than 15°.
-struct Lookers {
-  int before = 0, behind = 0;
-};
-
-Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
-                  const std::vector<Eigen::Vector3d>& seen_from) {
-  Lookers count;
-  for (const Eigen::Vector3d& place : seen_from) {
-    const double cosine = (place - origin).normalized().dot(out);
-    if (std::abs(cosine) > 0.26) ++(cosine > 0 ? count.before : count.behind);
-  }
-  return count;
-}
-
 /// The panel's own direction out, if the design knows one; nan without.
 Eigen::Vector3d own_out(const DesignElementT& element) {
   if (!element.facade || !(element.facade->out.norm() > 0.5)) return Eigen::Vector3d::Constant(std::nan(""));
@@ -66,6 +51,25 @@ int across_panel(const DesignElementT& element, const Eigen::Matrix3d& turn, con
 }
 
 }  // namespace
+
+std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values) {
+  if (values.size() % 3 != 0)
+    throw std::runtime_error("'seen_from' has " + std::to_string(values.size()) +
+                             " values, expected x, y and z of each station");
+  std::vector<Eigen::Vector3d> stations;
+  for (size_t i = 0; i < values.size(); i += 3) stations.emplace_back(values[i], values[i + 1], values[i + 2]);
+  return stations;
+}
+
+Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
+                  const std::vector<Eigen::Vector3d>& seen_from) {
+  Lookers count;
+  for (const Eigen::Vector3d& place : seen_from) {
+    const double cosine = (place - origin).normalized().dot(out);
+    if (std::abs(cosine) > 0.26) ++(cosine > 0 ? count.before : count.behind);
+  }
+  return count;
+}
 
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from) {
   Faces result;

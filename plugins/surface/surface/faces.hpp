@@ -16,6 +16,16 @@ struct Faces {
   std::vector<std::string> left_out;  ///< panels without a face, with the reason
 };
 
+/// Of x, y, z one after the other [m]. Throws std::runtime_error for another number of values.
+std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values);
+
+/// Places that look at a plane from before it and from behind it, at no flatter an angle than 15°.
+struct Lookers {
+  int before = 0, behind = 0;
+};
+Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
+                  const std::vector<Eigen::Vector3d>& seen_from);
+
 /// Outer faces of the design's panels, each by itself: of the box of its shape the side that faces out of the facade
 /// (DesignElement.facade), where that is confirmed; else the side of the two larger extents that `seen_from`
 /// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block

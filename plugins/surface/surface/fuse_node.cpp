@@ -45,6 +45,19 @@ std::vector<MeasuredTile> tiles_near(const Source& source, const PanelFace& face
   return tiles;
 }
 
+/// A source without systematic errors among others that have them would be believed to lie where it says, and what
+/// comes after could not tell: of a surface on which none has any, surface.panels says so.
+void refuse_one_without_place(const std::vector<int>& ranks) {
+  if (std::all_of(ranks.begin(), ranks.end(), [](int rank) { return rank == 0; })) return;
+  for (size_t s = 0; s < ranks.size(); ++s)
+    if (ranks[s] == 0)
+      throw std::runtime_error(
+          "source " + std::to_string(s + 1) + " of " + std::to_string(ranks.size()) +
+          " states no systematic errors, the others do: wherever it has points a panel's place would be stated too "
+          "sure; "
+          "say how well it is placed (a scan: 'registration', or 'place_sigma' and 'turn_sigma' of dense.import)");
+}
+
 }  // namespace
 
 void Fuse::run(Context& context) {
@@ -68,12 +81,8 @@ void Fuse::run(Context& context) {
     if (std::isfinite(source.points.search))
       result.search =
           std::isfinite(result.search) ? std::min(result.search, source.points.search) : source.points.search;
-    if (source.points.rank == 0)
-      context.warn(
-          "source " + std::to_string(s + 1) +
-          " states no systematic errors: wherever it has points, a panel's place is stated too sure, the more so the "
-          "smaller its random errors are beside the others'");
   }
+  refuse_one_without_place(ranks);
   if (sources.size() == 1) context.warn("there is one source only: nothing is compared");
   FuseOptions options;
   options.cell = *cell, options.agreement = *agreement, options.least_points = static_cast<int>(*least_points);
@@ -83,13 +92,15 @@ void Fuse::run(Context& context) {
   listing.uri = folder.uri;
   FuseCounts all;
   const std::vector<const SurfaceFaceT*> faces = faces_of_all(sources);
+  std::vector<PanelFace> places;
+  for (const SurfaceFaceT* face : faces) places.push_back(face_of(*face));
   for (size_t f = 0; f < faces.size(); ++f) {
     context.progress(static_cast<double>(f) / static_cast<double>(faces.size()), faces[f]->id);
     if (context.cancelled()) throw Stopped();
-    const PanelFace face = face_of(*faces[f]);
+    const PanelFace& face = places[f];
     std::vector<std::vector<MeasuredTile>> tiles;
     for (const Source& source : sources) tiles.push_back(tiles_near(source, face, *reach));
-    const FusedFace fused = fuse_face(face, tiles, ranks, *reach, options);
+    const FusedFace fused = fuse_face(places, f, tiles, ranks, *reach, options);
     const FuseCounts& counts = fused.counts;
     all.agreed += counts.agreed, all.alone += counts.alone, all.contradicted += counts.contradicted;
     all.empty += counts.empty;

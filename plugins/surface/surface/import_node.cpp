@@ -9,48 +9,14 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "plumbline/stop.hpp"
+#include "scan_unit.hpp"
 #include "surface/cloud/cloud_file.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
 namespace {
 
-struct Unit {
-  const char* name;
-  double metres;
-};
-constexpr Unit kUnits[] = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"ft", 0.3048}, {"us_ft", 1200.0 / 3937}};
-
-std::string name_of_unit(double metres) {
-  for (const Unit& unit : kUnits)
-    if (std::abs(unit.metres / metres - 1) < 1e-9) return unit.name;
-  return std::to_string(metres) + " m";
-}
-
 constexpr double kFeetApart = 0.3048006096012192 - 0.3048;  // in one foot, of US surveys and international [m]
-
-struct UnitOfFile {
-  double metres = 1;
-  bool stated = true;  ///< by the file or by the user
-};
-
-/// Throws if what is asked for and what the file says differ.
-UnitOfFile unit_of(const cloud::CloudSummary& file, const std::string& wanted, const Context& context) {
-  if (wanted == "from_file") {
-    if (std::isfinite(file.unit)) return {file.unit, true};
-    context.warn("the file does not say its unit" +
-                 (file.without_unit_of.empty() ? "" : " (of " + file.without_unit_of + " the unit is not known here)") +
-                 "; its coordinates are taken for metres ('unit' says another)");
-    return {1, false};
-  }
-  const double asked =
-      std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& u) { return wanted == u.name; })->metres;
-  const double alike = file.either_foot ? 1e-5 : 1e-9;
-  if (std::isfinite(file.unit) && std::abs(file.unit / asked - 1) > alike)
-    throw std::runtime_error("'unit' is " + wanted + ", but the file says that its coordinates are in " +
-                             name_of_unit(file.unit) + "; leave 'unit' out, or mend the file");
-  return {asked, true};
-}
 
 std::string in_millimetres(double metres) {
   char text[40];
@@ -186,15 +152,6 @@ std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, 
   if (place_sigma > 0 || turn_sigma > 0 || steps_alone) places.push_back(stated_place(place_sigma, turn_sigma, middle));
   if (!places.empty()) places.front().covariance.block<3, 3>(3, 3) += of_steps;
   return places;
-}
-
-std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values) {
-  if (values.size() % 3 != 0)
-    throw std::runtime_error("'seen_from' has " + std::to_string(values.size()) +
-                             " values, expected x, y and z of each station");
-  std::vector<Eigen::Vector3d> stations;
-  for (size_t i = 0; i < values.size(); i += 3) stations.emplace_back(values[i], values[i + 1], values[i + 2]);
-  return stations;
 }
 
 Eigen::Vector3d middle_of(const std::vector<PanelFace>& faces) {

@@ -26,7 +26,7 @@ CellGrid grid_of(const PanelFace& face, double pitch, double own) {
 }  // namespace
 
 void SemiGlobal::measure_face(Context& context, const Photographs& photographs, const std::vector<FacetView>& views,
-                              const PanelFace& face, std::vector<FacetTile>& tiles) const {
+                              const PanelFace& face, std::vector<FacetTile>& tiles, PartialTiles& kept) const {
   std::vector<View> oriented;
   for (const FacetView& view : views) oriented.push_back(*view.view);
   const std::vector<RectifiedPair> found =
@@ -60,6 +60,7 @@ void SemiGlobal::measure_face(Context& context, const Photographs& photographs, 
       facets.emplace_back(at, agreed_facet(grid, cell, found, said, views, options.pair));
     }
     tiles.push_back(tile_of(face.plane, part, facets, views, photographs.orientations()));
+    kept.save(tiles.size() - 1, tiles.back());
   }
 }
 

@@ -21,7 +21,7 @@ struct SemiGlobal : DepthNode {
 
  protected:
   void measure_face(Context& context, const Photographs& photographs, const std::vector<FacetView>& views,
-                    const PanelFace& face, std::vector<FacetTile>& tiles) const override;
+                    const PanelFace& face, std::vector<FacetTile>& tiles, PartialTiles& kept) const override;
 };
 
 }  // namespace plumbline::surface

@@ -9,6 +9,7 @@
 
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
+#include "network_memory.hpp"
 #include "survey/start/merge_surveys.hpp"
 #include "tables.hpp"
 
@@ -109,7 +110,7 @@ AdjustOptions AdjustNode::options() const {
   o.instrument_height_sigma = *instrument_height_sigma;
   o.known_sigma = *known_sigma;
   o.map = *map;
-  o.geoid_height = *geoid_height;
+  o.geoid = geoid();
   o.centring_per_set_up = *centring == "set_up";
   if (*covariance == "full") o.largest_whole = std::numeric_limits<int>::max();
   return o;
@@ -132,6 +133,7 @@ void AdjustNode::run(Context& context) {
     if (!o.instruments.contains(name))
       context.warn("the files name the instrument " + name + ": the profile " + o.profile.name +
                    " is used for it; give its own under `instruments` in a profile_file");
+  announce_network(context, survey, o.largest_whole);
   NetworkResult result = adjust_network(survey, o, known);
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());

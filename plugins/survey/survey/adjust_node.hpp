@@ -4,12 +4,12 @@
 #include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "profiled_node.hpp"
+#include "map_parameters.hpp"
 #include "survey/adjust/adjust_network.hpp"
 
 namespace plumbline::survey {
 
-struct AdjustNode : ProfiledNode {
+struct AdjustNode : MappedNode {
   static constexpr Info info{"survey.adjust", "survey_adjuster", 2,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
@@ -65,11 +65,6 @@ struct AdjustNode : ProfiledNode {
   Param<std::string> centring{"centring", "set_up", one_of("set_up", "reading"),
                               "the instrument's centring over a mark is one amount for all readings of a set-up, or "
                               "another for each reading, as STAR*NET has it in direction sets"};
-  Param<std::string> map{"map", "",
-                         "map that E and N are on: 'EPSG:25832', 'utm:32' or its name; empty: a plane in which lengths "
-                         "are true; plane: likewise, and coordinates that look like a map's are none"};
-  Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200),
-                             "of the geoid above the map's ellipsoid, for the reduction of lengths from the heights"};
   Param<std::string> covariance{
       "covariance", "automatic", one_of("automatic", "full", "neighbours"),
       "of `points`: joint of all of them; of networks with more than 4000 unknowns (automatic) that of each and of "

@@ -10,6 +10,7 @@
 #include "ellipsoid_artifact.hpp"
 #include "geometry/statistics.hpp"
 #include "network_artifact.hpp"
+#include "network_memory.hpp"
 #include "survey/epochs/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
 #include "survey/epochs/epoch_scale.hpp"
@@ -196,9 +197,10 @@ void CheckControlNode::run(Context& context) {
   adjustment.profile = chosen_profile(survey.info.instrument, remark);
   adjustment.instruments = further_instruments(survey.instruments);
   adjustment.map = *map;
-  adjustment.geoid_height = *geoid_height;
+  adjustment.geoid = geoid();
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
+  announce_network(context, survey, adjustment.largest_whole);
   const ControlCheck result = check_control(survey, known, adjustment, options);
   if (!result.cause.empty()) context.warn("the control points do not fit the observations: " + result.cause);
   if (result.problem.empty()) {

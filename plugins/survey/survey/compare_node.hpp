@@ -6,7 +6,7 @@
 #include "artifacts/survey_comparison.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "profiled_node.hpp"
+#include "map_parameters.hpp"
 
 namespace plumbline::survey {
 
@@ -32,7 +32,7 @@ struct CompareEpochsNode : Node {
   void run(Context& context) override;
 };
 
-struct CheckControlNode : ProfiledNode {
+struct CheckControlNode : MappedNode {
   static constexpr Info info{"survey.check_control", "", 2,
                              "Tests known points against a free network of the observations, before they bend it"};
   List<plumbline::SurveyObservations> observations{
@@ -41,8 +41,6 @@ struct CheckControlNode : ProfiledNode {
   Param<std::vector<std::string>> same_stations{"same_stations", std::vector<std::string>{},
                                                 "as in survey.adjust: stations of several files that are one mark"};
   Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
-  Param<std::string> map{"map", "", "as in survey.adjust: map that E and N are on"};
-  Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200), "as in survey.adjust"};
   Param<double> alpha{"alpha", 0.01, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
   Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that the detectable difference refers to"};

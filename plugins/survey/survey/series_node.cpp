@@ -7,6 +7,7 @@
 #include <set>
 
 #include "artifacts/survey_artifact.hpp"
+#include "network_memory.hpp"
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/epochs/check_control.hpp"
@@ -54,9 +55,10 @@ void EpochSeriesNode::run(Context& context) {
     options.profile = chosen_profile(survey.info.instrument, remark);
     options.instruments = further_instruments(survey.instruments);
     options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
-    options.map = *map, options.geoid_height = *geoid_height;
+    options.map = *map, options.geoid = geoid();
     options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
     if (!remark.empty()) context.warn(name + ": " + remark);
+    if (i == 0) announce_network(context, survey, options.largest_whole);
     const NetworkResult r = adjust_network(survey, options);
     if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);
     if (r.validity != Validity::sound) context.warn(name + ": " + r.verdict);

@@ -3,11 +3,11 @@
 
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
-#include "profiled_node.hpp"
+#include "map_parameters.hpp"
 
 namespace plumbline::survey {
 
-struct EpochSeriesNode : ProfiledNode {
+struct EpochSeriesNode : MappedNode {
   static constexpr Info info{"survey.epoch_series", "", 1,
                              "Adjusts the epochs of a network one by one and finds what stays, what moves, how fast, "
                              "and what reaches a level"};
@@ -23,8 +23,6 @@ struct EpochSeriesNode : ProfiledNode {
   Param<double> alarm_level{"alarm_level", 0.0, "m", between(0, 100), "length of a movement; 0: none"};
   Param<double> alpha{"alpha", 0.05, "1", between(1e-6, 0.5), "error of the first kind of tests of the whole"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
-  Param<std::string> map{"map", "", "as in survey.adjust: map that E and N are on"};
-  Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200), "as in survey.adjust"};
   Out<File> series{"series", "epochs, stable points and every point with its movements, velocity and levels, as JSON"};
   Out<File> table{"table", "one row a point and epoch, as CSV"};
   Out<File> page{"page", "what moves, and a chart of each point over time, as HTML"};

@@ -1,5 +1,6 @@
 // make_as_built OUT FILE.ifc … : enriches design files with known deviations, and says in OUT/NAME.json what an
-// independent reader must find. OUT/NAME.two_epochs.ifc holds a second campaign with every verdict in it.
+// independent reader must find, and in OUT/NAME.ids what the second campaign's file has to hold.
+// OUT/NAME.two_epochs.ifc holds a second campaign with every verdict in it.
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include "../../unit/bim/measured.hpp"
 #include "../../unit/bim/small_building.hpp"
 #include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/ids.hpp"
 #include "building/ifc/installation_ifc.hpp"
 
 namespace {
@@ -74,6 +76,7 @@ void make(const std::filesystem::path& out, const std::string& name, const step:
   const AccuracyT residuals = test::residuals(later, 0.00005);
   const std::string twice = ifc::enriched(once, ifc::write_as_built(once, design, later, residuals, options));
   const step::File two(twice, name + ".two_epochs.ifc");
+  std::ofstream(out / (name + ".ids")) << ifc::write_ids(design, later, {options.epoch, "2026-05-12", false});
   const auto [plan, state] = test::loop_of(design);
   std::ofstream(out / (name + ".two_epochs.ifc"), std::ios::binary)
       << ifc::enriched(two, ifc::write_installation(two, design, plan, state, {}));

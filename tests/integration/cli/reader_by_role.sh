@@ -93,6 +93,11 @@ run run survey_network file=a.trk --out one
 says "5 points, 1 set-up, $readings readings"
 run run read_survey file=a.trk --out read
 says '"kind": "zenith_angle"' read/observations.json
+# The reader exchanged while another plugin's is there: what it does not take is named with how to leave it out, and nothing is left unread in silence.
+fails run survey_network file=made/site/survey/total_station.gsi survey.use=read.gsi --out forced
+says "survey.in.readings=[] leaves it out"
+run run survey_network file=made/site/survey/total_station.gsi survey.use=read.gsi 'survey.in.readings=[]' survey.with.angle_unit=~ --out forced
+fails run survey_network file=a.trk 'survey.in.readings=[]' --out forced
 mkdir epochs && cp a.trk b.trk epochs && cp tracker.txt epochs/c.trk
 printf 'plumbline_campaign: 1\nsurvey: "*.trk"\n' > epochs/campaign.yaml
 plumbline plan epoch_series folder=epochs > said
@@ -102,4 +107,8 @@ says "added_readers_read_tracker"
 reader rival "*.trk"
 fails run survey_network file=a.trk --out rivals
 says "a.trk is read by read.rival and by read.tracker"
+# Two readers beside rounds: their lists are joined there, too.
+printf 'plumbline: 1\ninclude: %s\nrounds: {carry: {x: {first: known.points, next: fit.points}}, until: fit.left_out = 0, most: 3}\nnodes:\n  site: {use: read.folder, with: {folder: site}}\n  campaign: {use: read.survey_campaign, in: {folder: site.folder, readings: added_readings.readings}}\n  known: {use: read.points, with: {file: made/site/control.csv}}\n  same: {use: register.rigid, in: {source: known.points, target: rounds.x}}\n  fit: {use: register.without_worst, in: {points: rounds.x, transform: same.transform}}\noutputs: {readings.json: campaign.survey}\n' \
+  "$(plumbline describe survey_campaign --json | /usr/bin/python3 -c 'import json, os, sys; print(os.path.dirname(json.load(sys.stdin)["file"]))')/parts/readers.yaml" > rounds.yaml
+run run rounds.yaml --out in_rounds
 run run survey_network file=a.trk --out told 'added_files_read_rival.with.files=[*.rival]'

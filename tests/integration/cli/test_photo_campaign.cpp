@@ -239,7 +239,8 @@ TEST_F(PhotoCampaign, ExchangedPointsAreNamed) {
                     tail = "5,5.004,0.001,2.818\n6,2.002,0,1.824\n7,3.998,-0.001,1.819\n8,4.997,-0.006,1.822\n";
   write("control.csv", head + "4,1.006,-0.001,2.817\n3,3.002,-0.006,2.817\n" + tail);
   const Answer answer = process();
-  EXPECT_TRUE(contains(answer.err, "points 3 and 4 seem to be exchanged: the photographs show the tag of each 1.99"))
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "points 3 and 4 are exchanged: the photographs show the tag of each 1.99"))
       << answer.err;
 }
 

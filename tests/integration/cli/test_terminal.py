@@ -65,9 +65,14 @@ expect("\x1b[" in judged, "a terminal has no colour")
 expect("Took part:" in plain(judged), "the run does not say what took part")
 expect(not re.search(r"about \d+\.\d+ s", plain(judged)), "time left to hundredths of a second")
 
-# Tables; a word that is longer than its column stands alone.
+# Tables and help; a word that is longer than its column stands alone.
+commands = re.findall(r"^  (\w+) ", on_terminal(["--help"], 200).split("Subcommands:")[1], re.M)
+expect(len(commands) > 15 and "describe" in commands, f"commands that --help names: {commands}")
+shown = [["--help"], *([command, "--help"] for command in commands), ["bench", "verify", "--help"], ["campaign", "init", "--help"],
+         ["list"], ["list", "pipelines"], ["list", "artifacts"], ["describe", "site_campaign"], ["describe", "adjust.schur"],
+         ["describe", "colmap.sfm"], ["describe", "pose.opengv"], ["describe", "plumbline.ImageBlock/1"], ["doctor"]]
 for columns in (80, 200):
-    for words in (["list"], ["list", "pipelines"], ["list", "artifacts"], ["describe", "site_campaign"], ["doctor"]):
+    for words in shown:
         text = plain(on_terminal(words, columns))
         long = [line for line in text.splitlines() if len(line) > columns and len(line.split()) > 1]
         expect(not long, f"{' '.join(words)} at {columns} columns: {long[:1]}")

@@ -140,6 +140,20 @@ for page in PAGES:
     if page.name != "CHANGELOG.md":
         for line in command_lines(text):
             check_command(page.relative_to(ROOT), line)
+guide = (ROOT / "docs/writing_a_plugin.md").read_text(encoding="utf-8")
+adjuster = (ROOT / "templates/adjuster/@name@.cpp").read_text(encoding="utf-8").replace("@name@", "mine")
+if f"```cpp\n{adjuster}```" not in guide:
+    faults.append("the adjuster of docs/writing_a_plugin.md is not that of templates/adjuster")
+if adjuster.count("\n") > 60:
+    faults.append(f"the adjuster of the guide has {adjuster.count(chr(10))} lines")
+told = re.search(r"^## (\d+\.\d+\.\d+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)
+versions = {"CHANGELOG.md": told.group(1) if told else "", "plumbline --version": ask("--version").split()[1],
+            "python/pyproject.toml": re.search(r'^version = "(.*)"', (ROOT / "python/pyproject.toml").read_text(), re.M).group(1),
+            "python/plumbline/__init__.py": re.search(r'^__version__ = "(.*)"', (ROOT / "python/plumbline/__init__.py").read_text(), re.M).group(1)}
+if len(set(versions.values())) != 1:
+    faults.append(f"the versions differ: {versions}")
+if not re.search(r"\(commit (unknown|[0-9a-f]{7,}(-dirty)?)\)", ask("--version")):
+    faults.append(f"plumbline --version says no commit: {ask('--version')}")
 print(f"{len(PAGES)} pages")
 for fault in faults:
     print(fault)

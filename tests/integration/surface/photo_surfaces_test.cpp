@@ -2,6 +2,7 @@
 // photographs.
 
 #include <memory>
+#include <vector>
 
 #include "program.hpp"
 #include "test_paths.hpp"
@@ -66,6 +67,66 @@ TEST_F(PhotoSurfaces, WithoutJointCovarianceItSaysWhatToSet) {
   const Answer answer = run("site_surfaces.yaml", "without", {"block.with.joint_orientations=false"});
   EXPECT_EQ(answer.code, 1);
   EXPECT_TRUE(has(answer.err, "joint_orientations: true")) << answer.err;
+}
+
+/// Photographs of two panels, made once; then only what measures them runs.
+class StoppedSurfaces : public testing::Test {
+ protected:
+  void SetUp() override {
+    program.write(
+        "site.yaml",
+        "plumbline: 1\nvars: {kind: dense.plane_sweep}\nnodes:\n"
+        "  site: {use: simulate.facade, with: {columns: 2, rows: 1, photographs: 4, width: 1200, height: 800}}\n"
+        "outputs: {truth.csv: site.truth}\n");
+    program.write(
+        "depth.yaml",
+        "plumbline: 1\ninclude: site.yaml\nnodes:\n"
+        "  depth: {use: \"${kind}\", in: {images: site.images, poses: site.poses, camera: site.camera, design: "
+        "site.design}}\n  panels: {use: surface.panels, in: {surface: depth.surface}}\n"
+        "outputs: {panels.csv: panels.table}\n");
+    ASSERT_EQ(program({"run", "site.yaml", "--out", "site"}).code, 0);
+  }
+  std::vector<std::string> run(const std::string& kind) const {
+    return {"run", "depth.yaml", "kind=" + kind, "--out", kind};
+  }
+  std::vector<fs::path> kept() const {
+    std::vector<fs::path> tiles;
+    std::error_code none;
+    for (fs::recursive_directory_iterator entry(program.folder.path() / "store" / "partial", none), end;
+         !none && entry != end; entry.increment(none))
+      if (entry->path().extension() == ".tile") tiles.push_back(entry->path());
+    return tiles;
+  }
+  Program program{PLUMBLINE_PLUGIN_FOLDER};
+};
+
+TEST_F(StoppedSurfaces, AKilledRunGoesOnWithThePartsThatAreMissing) {
+  const pid_t first = program.start(run("dense.plane_sweep"));
+  while (kept().empty() && waitpid(first, nullptr, WNOHANG) == 0) usleep(1000);
+  kill(first, SIGKILL);
+  program.finish(first);
+  const std::vector<fs::path> tiles = kept();
+  ASSERT_FALSE(tiles.empty());
+  // One that is not whole, as after a power cut, is measured again.
+  fs::resize_file(tiles.front(), fs::file_size(tiles.front()) / 2);
+  const Answer second = program(run("dense.plane_sweep"));
+  EXPECT_LE(second.code, 3) << second.err;
+  const std::string record = read_file(program.work() / "dense.plane_sweep/run.jsonl");
+  EXPECT_EQ(has(record, "parts were there from a run that was stopped"), tiles.size() > 1) << tiles.size();
+  EXPECT_TRUE(kept().empty()) << "what is done is not kept twice";
+  const std::string resumed = read_file(program.work() / "dense.plane_sweep/panels.csv");
+  fs::remove_all(program.folder.path() / "store");
+  program(run("dense.plane_sweep"));
+  EXPECT_EQ(read_file(program.work() / "dense.plane_sweep/panels.csv"), resumed) << "the same bits as of one run";
+}
+
+TEST_F(StoppedSurfaces, AnInterruptEndsItAndKeepsWhatIsDone) {
+  const pid_t first = program.start(run("dense.plane_sweep"));
+  while (kept().empty() && waitpid(first, nullptr, WNOHANG) == 0) usleep(1000);
+  kill(first, SIGINT);
+  EXPECT_EQ(program.finish(first).code, 130);
+  EXPECT_FALSE(kept().empty());
+  EXPECT_FALSE(fs::exists(program.work() / "dense.plane_sweep/panels.csv"));
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ struct SyntheticOptions {
   bool noise = true;
   uint64_t seed = 1;
   bool two_cameras = false;  ///< every second image is another camera's
+  bool fisheye = false;      ///< of about 85 degrees to the corners of the image, in place of the 38 mm
 };
 
 struct SyntheticBlock {
@@ -187,6 +188,10 @@ inline SyntheticBlock make_block(const SyntheticOptions& options) {
   SyntheticBlock synthetic;
   synthetic.camera = {11656, 8742, 38e-3 / 3.76e-6, 38e-3 / 3.76e-6, 5827.5 + 12, 4370.5 - 9, -0.03, 0.01, 0,
                       2e-4,  -1e-4};
+  if (options.fisheye) {
+    synthetic.camera = {11656, 8742, 4900, 4900, 5827.5 + 12, 4370.5 - 9, 0.03, -0.012, 0.004, 0, 0};
+    synthetic.camera.lens = LensModel::fisheye, synthetic.camera.k4 = -0.0015;
+  }
   synthetic.block.cameras.resize(options.two_cameras ? 2 : 1);
   synthetic.block.cameras[0].interior = synthetic.camera;
   // What a calibration some months ago would say.

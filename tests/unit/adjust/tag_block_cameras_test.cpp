@@ -178,6 +178,23 @@ TEST(SeveralCameras, InsetsAreTheCameras) {
   EXPECT_LT(largest_error(synthetic, result), 1e-5);
 }
 
+/// What a detector states of its photographs is the prior of their camera's inset, of no other camera's: two witnesses
+/// of the same weight.
+TEST(SeveralCameras, InsetsHaveThePriorThatTheDetectorStates) {
+  auto synthetic = test::make_block({.floors = 1, .corner_sigma = 0.05, .two_cameras = true});
+  auto options = plain_options();
+  options.corner_inset_sigma = 10;
+  const auto alone = block::adjust_tag_block(synthetic.block, options);
+  bool first = true;  // which states none
+  for (auto& image : synthetic.block.images)
+    if (image.camera == 1 && !std::exchange(first, false)) image.inset_sigma = alone.batches[1].inset_sigma;
+  const auto stated = block::adjust_tag_block(synthetic.block, options);
+  EXPECT_NEAR(stated.batches[1].inset_sigma, alone.batches[1].inset_sigma / std::sqrt(2.0),
+              0.05 * alone.batches[1].inset_sigma);
+  EXPECT_NEAR(stated.batches[0].inset_sigma, alone.batches[0].inset_sigma, 0.02 * alone.batches[0].inset_sigma);
+  EXPECT_NEAR(stated.batches[1].inset, 0.5 * alone.batches[1].inset, 0.15 * std::abs(alone.batches[1].inset) + 1e-4);
+}
+
 TEST(SeveralCameras, OneWithoutImagesStaysAsItIsGiven) {
   auto synthetic = test::make_block({.floors = 1});
   synthetic.block.cameras.push_back(synthetic.block.cameras[0]);

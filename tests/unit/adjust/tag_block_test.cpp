@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "geometry/statistics.hpp"
@@ -34,6 +35,35 @@ TEST(TagBlock, RecoversTruthWithoutNoise) {
   }
   EXPECT_TRUE(result.left_out.empty());
   EXPECT_TRUE(result.weak_datum.empty());
+}
+
+/// With a calibration that is a little off, through a lens that no polynomial of the tangent follows.
+TEST(TagBlock, RecoversTruthThroughAFisheye) {
+  const auto synthetic = test::make_block({.noise = false, .fisheye = true});
+  double widest = 0;
+  for (const auto& seen : synthetic.block.observations)
+    for (const auto& corner : seen.corners) widest = std::max(widest, unproject(synthetic.camera, corner)->norm());
+  ASSERT_GT(widest, std::tan(60 * M_PI / 180)) << "so far off the axis";
+  const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
+  EXPECT_LT(largest_error(synthetic, result), 1e-8);
+  EXPECT_EQ(result.cameras[0].interior.lens, LensModel::fisheye);
+  EXPECT_NEAR(result.cameras[0].interior.fx, synthetic.camera.fx, 1e-4);
+  EXPECT_NEAR(result.cameras[0].interior.k1, synthetic.camera.k1, 1e-8);
+  EXPECT_EQ(result.cameras[0].interior.k4, synthetic.camera.k4) << "held: nobody named it";
+  EXPECT_EQ(result.cameras[0].distance_terms.norm(), 0);
+  for (const auto& test : result.models) EXPECT_THAT(test.group, testing::Not(testing::HasSubstr("distances")));
+  auto all = test::bound_options();
+  all.free_interior = {"fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", "p1"};
+  auto off = synthetic.block;
+  off.cameras[0].interior.k3 += 1e-3, off.cameras[0].interior.k4 -= 5e-4;
+  const auto freed = block::adjust_tag_block(off, all);
+  EXPECT_NEAR(freed.cameras[0].interior.k3, synthetic.camera.k3, 1e-7);
+  EXPECT_NEAR(freed.cameras[0].interior.k4, synthetic.camera.k4, 1e-7);
+  EXPECT_GT(freed.cameras[0].covariance(7, 7), 0);
+  EXPECT_EQ(freed.cameras[0].covariance(8, 8), 0) << "a fisheye has eight";
+  all.free_interior = {"k5"};
+  EXPECT_THAT([&] { block::adjust_tag_block(off, all); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("and k4 of a fisheye")));
 }
 
 TEST(TagBlock, CountsAndRedundancyAddUp) {

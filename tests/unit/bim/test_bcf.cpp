@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "artifacts/as_built_changes.hpp"
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "building/ifc/bcf.hpp"
@@ -22,7 +23,7 @@ namespace {
 
 using test::unzipped;
 
-std::map<std::string, std::string> example(bool version_3 = false) {
+std::map<std::string, std::string> example(bool version_3 = false, const AsBuiltChangesT* changes = nullptr) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
   for (const Element& element : design.elements)
@@ -32,7 +33,7 @@ std::map<std::string, std::string> example(bool version_3 = false) {
   deviation.anchors[0]->id = "A & <B>";
   BcfOptions options;
   options.project_guid = design.project_guid, options.date = "2026-05-12T10:00:00", options.epoch = "2026-05";
-  options.version_3 = version_3;
+  options.version_3 = version_3, options.changes = changes;
   const std::string bytes =
       write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options);
   EXPECT_EQ(write_bcf(deviation, judgement::worst_first(deviation), judgement::worst_panels_first(deviation), options),
@@ -218,6 +219,62 @@ TEST(Bcf, AJointOfPanelsThatShareANameSelectsItsOwn) {
   EXPECT_EQ(views.find("<Selection><Component IfcGuid=\"0000000000000000000002\"/>"), std::string::npos);
 }
 
+/// Of the anchors of small_building: F1-C1 was mended, F2-C1 fails again, F1-C2 was open and nobody measured it, F2-C2
+/// is in order as it was.
+AsBuiltChangesT changes_of_example() {
+  AsBuiltChangesT changes;
+  changes.compared = true, changes.before = "2026-04", changes.after = "2026-05";
+  const auto add = [&](const char* guid, ToleranceVerdict before, ToleranceVerdict after, ChangeKind kind) {
+    auto change = std::make_unique<AsBuiltChangeT>();
+    change->kind = "anchor", change->id = change->guid = guid;
+    change->before = before, change->after = after, change->change = kind;
+    changes.changes.push_back(std::move(change));
+  };
+  using enum ToleranceVerdict;
+  add("11vctVUKr0kugbFTf53O9L", fail, pass, ChangeKind::mended);
+  add("21vctVUKr0kugbFTf53O9L", pass, fail, ChangeKind::opened_again);
+  add("12vctVUKr0kugbFTf53O9L", fail, not_measured, ChangeKind::unseen);
+  add("22vctVUKr0kugbFTf53O9L", pass, pass, ChangeKind::in_order);
+  add("00vctVUKr0kugbFTf53O9L", undecided, not_measured, ChangeKind::left_out);
+  return changes;
+}
+
+TEST(Bcf, WhatWasMendedIsClosedAndWhatNobodyMeasuredAgainStaysOpen) {
+  // The topics of the campaign before, by element.
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const Element& element : design.elements)
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.02, 0, 0);
+  const DeviationT before = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
+  BcfOptions options;
+  options.project_guid = design.project_guid, options.epoch = "2026-04";
+  std::map<std::string, std::string> topic_of;  // by GlobalId
+  for (const auto& [name, content] : unzipped(write_bcf(before, judgement::worst_first(before), {}, options)))
+    if (name.ends_with("viewpoint.bcfv")) {
+      const std::size_t at = content.find("<Selection><Component IfcGuid=\"") + 31;
+      topic_of[content.substr(at, 22)] = name.substr(0, name.find('/'));
+    }
+  const AsBuiltChangesT changes = changes_of_example();
+  const auto files = example(false, &changes);
+  const auto markup = [&](const std::string& guid) {
+    const auto file = files.find(topic_of.at(guid) + "/markup.bcf");
+    return file == files.end() ? std::string("no topic") : file->second;
+  };
+  const std::string mended = markup("11vctVUKr0kugbFTf53O9L"), again = markup("21vctVUKr0kugbFTf53O9L"),
+                    unseen = markup("12vctVUKr0kugbFTf53O9L");
+  EXPECT_NE(mended.find("TopicStatus=\"Closed\""), std::string::npos) << mended;
+  EXPECT_NE(mended.find("<Comment>2026-04: fail; 2026-05: pass.</Comment>"), std::string::npos) << mended;
+  EXPECT_NE(mended.find("viewpoint.bcfv"), std::string::npos) << "it is still seen where it is";
+  EXPECT_NE(again.find("TopicStatus=\"Open\""), std::string::npos) << again;
+  EXPECT_NE(again.find("<Comment>2026-04: pass; 2026-05: fail.</Comment>"), std::string::npos) << again;
+  EXPECT_NE(unseen.find("TopicStatus=\"Open\""), std::string::npos) << unseen;
+  EXPECT_NE(unseen.find("was open, and was not measured again"), std::string::npos) << unseen;
+  EXPECT_EQ(markup("22vctVUKr0kugbFTf53O9L"), "no topic");
+  std::string all;
+  for (const auto& [name, content] : files) all += name.ends_with("markup.bcf") ? content : "";
+  EXPECT_NE(all.find("no longer in the design or the plate table"), std::string::npos) << "and never silently dropped";
+}
+
 TEST(Bcf, ADoubtHasATopicAndItsAnchorsSayWhy) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
@@ -249,7 +306,8 @@ TEST(Bcf, IsValidAgainstItsSchemas) {
       std::filesystem::temp_directory_path() / ("plumbline_bcf_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   int number = 0;
-  for (const auto& [name, content] : example()) {
+  const AsBuiltChangesT changes = changes_of_example();
+  for (const auto& [name, content] : example(false, &changes)) {
     const std::string schema = name == "bcf.version"     ? "version"
                                : name.ends_with(".bcf")  ? "markup"
                                : name.ends_with(".bcfv") ? "visinfo"

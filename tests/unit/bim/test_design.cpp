@@ -191,6 +191,43 @@ TEST(Placement, GridIntersectionsWithOffsets) {
   expect_point(named(design, "K").position, 10 - 2.1, 24, 0.15);
 }
 
+/// A site that is turned by 90°: lengthwise axes of the grid run along y of the project.
+TEST(Grid, AxesAreReadWhereTheyLieAndNameAPlace) {
+  const auto line = [](int id, const std::string& tag, const std::string& from, const std::string& to) {
+    const std::string a = "#" + std::to_string(id);
+    return a + "0=IFCCARTESIANPOINT((" + from + "));" + a + "1=IFCCARTESIANPOINT((" + to + "));" + a +
+           "2=IFCPOLYLINE((" + a + "0," + a + "1));" + a + "3=IFCGRIDAXIS(" + tag + "," + a + "2,.T.);";
+  };
+  const std::string axes = line(50, "'A'", "0.,0.", "9000.,0.") + line(51, "'B'", "0.,4000.", "9000.,4000.") +
+                           line(52, "'1'", "2000.,-1000.", "2000.,9000.") +
+                           line(53, "'2'", "4000.,-1000.", "4000.,9000.") + line(54, "$", "0.,0.", "1.,1.");
+  const auto grid = [](int id, const std::string& guid, const std::string& placement, const std::string& v) {
+    return "#" + std::to_string(id) + "=IFCGRID('" + guid + "',#5,$,$,$," + placement + ",$,(#503,#513),(" + v +
+           "),$,$);";
+  };
+  const Design design =
+      read(small_building("IFC4", axes + grid(590, "0gvctVUKr0kugbFTf53O9L", "#35", "#523,#533,#543") +
+                                      grid(591, "0hvctVUKr0kugbFTf53O9L", "#34", "#523,#533")));  // the same above
+  std::string tags;
+  for (const GridAxis& axis : design.grid) tags += axis.family + axis.tag + " ";
+  EXPECT_EQ(tags, "uA uB v1 v2 ");
+  const Element& anchor = named(design, "F1-C2");  // (4000, 0, 500) in the storey
+  EXPECT_NEAR(distance_to(design.grid[0], anchor.position), 0, 1e-9);
+  EXPECT_NEAR(distance_to(design.grid[1], anchor.position), 4, 1e-9);
+  EXPECT_NEAR(distance_to(design.grid[3], anchor.position), 0, 1e-9);
+  EXPECT_EQ(grid_place(design.grid, anchor.position), "A/2");
+  // A facade along A looks along −y of the site, which is x of the project: 1 and 2 cross it.
+  const Eigen::Vector3d out = design.grid[2].direction;
+  ASSERT_TRUE(axis_across(design.grid, anchor.position, out));
+  EXPECT_EQ(axis_across(design.grid, anchor.position, out)->tag, "2");
+  EXPECT_EQ(axis_across(design.grid, anchor.position, design.grid[0].direction)->tag, "A");
+  EXPECT_EQ(axis_across(design.grid, anchor.position, Eigen::Vector3d::UnitZ()), nullptr) << "a soffit";
+  bool told = false;
+  for (const std::string& warning : design.warnings)
+    told = told || warning.find("1 axes or grids (IfcGrid) were left out") != std::string::npos;
+  EXPECT_TRUE(told) << "the one without a tag";
+}
+
 TEST(Units, FollowTheAssignment) {
   const Design foot = read(small_building(
       "IFC4", "#500=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);",

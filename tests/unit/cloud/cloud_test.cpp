@@ -6,6 +6,7 @@
 
 #include "cloud_bytes.hpp"
 #include "surface/cloud/cloud_file.hpp"
+#include "surface/cloud/cloud_writer.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::cloud {
@@ -252,6 +253,36 @@ TEST(Cloud, ManyPointsComeInPieces) {
   Points points;
   for (int i = 0; i < 150000; ++i) points.push_back({500000.0 + 0.001 * i, 200000, 100});
   expect_near(read_bytes("a.las", las_file({}, points)).points, points, 1e-8);
+}
+
+TEST(CloudWriter, WhatIsWrittenComesBackInMetres) {
+  const plumbline::test::TemporaryFolder folder;
+  const Points points = {{352118.25, 5810443.5, 34.0001}, {352118.3333, 5810440.25, 33.5}, {352000.5, 5810443, -2}};
+  for (const auto& [format, name, step] :
+       {std::tuple(CloudFormat::las, "a.las", 5.1e-5), {CloudFormat::ply, "a.ply", 0.0}}) {
+    const std::string path = (folder.path() / name).string();
+    CloudWriter writer(path, format, points.size(), points[1]);
+    for (const Eigen::Vector3d& point : points) writer.add(point, 0.0003f);
+    writer.finish();
+    Points found;
+    const CloudSummary read =
+        read_cloud(path, [&](const Points& some, double, int) { found.insert(found.end(), some.begin(), some.end()); });
+    expect_near(found, points, step);
+    EXPECT_EQ(read.unit, 1) << name;
+    EXPECT_EQ(read.scans, 1) << name;
+  }
+}
+
+TEST(CloudWriter, WhatDoesNotFitIsRefused) {
+  const plumbline::test::TemporaryFolder folder;
+  const std::string path = (folder.path() / "a.las").string();
+  CloudWriter writer(path, CloudFormat::las, 2, {0, 0, 0});
+  EXPECT_THROW(writer.add({3e5, 0, 0}, 0), CloudError) << "beyond 32 bits of steps";
+  EXPECT_THROW(writer.add({std::nan(""), 0, 0}, 0), CloudError);
+  CloudWriter shorter(path, CloudFormat::las, 2, {0, 0, 0});
+  shorter.add({1, 2, 3}, 0);
+  EXPECT_THROW(shorter.finish(), CloudError) << "two were announced";
+  EXPECT_THROW(CloudWriter("/nowhere/a.las", CloudFormat::las, 1, {0, 0, 0}), CloudError);
 }
 
 }  // namespace

@@ -131,6 +131,34 @@ TEST(PhotographsDrawnApart, HaveCornersWhereTheyAreIfTheyAreSrgb) {
   }
 }
 
+/// White on black instead: every second tag, with its square.
+void negate_every_second(int columns, int rows, cv::Mat& light) {
+  constexpr float kWhiteAndBlack = 0.64f;
+  for (int k = 1; k < columns * rows; k += 2) {
+    cv::Mat field = light(cv::Rect(kField * (k % columns), kField * (k / columns), kField, kField));
+    field = kWhiteAndBlack - field;
+  }
+}
+
+/// A wrong curve draws the edges of white tags outwards where it draws those of black ones inwards. The doubt about it
+/// is the same for both, and since one inset cannot be both, each corner carries it.
+TEST(PhotographsDrawnApart, OfBothPolaritiesHaveTheSameDoubt) {
+  constexpr int kColumns = 3, kRows = 2;
+  Taken photograph = taken(kColumns, kRows, 1);
+  for (const CameraChain& camera : {CameraChain{.name = "JPEG 80", .quality = 80},
+                                    CameraChain{.name = "linear JPEG 70", .srgb = false, .quality = 70},
+                                    CameraChain{.name = "linear JPEG 50", .srgb = false, .quality = 50}}) {
+    const Agreement black = agreement(test::photograph_of(photograph.light, camera, 1), photograph.tags);
+    cv::Mat mixed = photograph.light.clone();
+    negate_every_second(kColumns, kRows, mixed);
+    const Agreement both = agreement(test::photograph_of(mixed, camera, 1), photograph.tags);
+    EXPECT_EQ(both.corners, black.corners) << camera.name;
+    EXPECT_GT(both.inset_sigma, 0.5 * black.inset_sigma)
+        << in_words(camera, both) << "; black: " << in_words(camera, black);
+    EXPECT_LT(both.alone, 4) << in_words(camera, both);  // 30 and more where the doubt is left out
+  }
+}
+
 TEST(PhotographsDrawnApart, InLinearLightAreNotMistaken) {
   for (const auto& [columns, rows] : {std::pair(3, 2), std::pair(1, 1)}) {
     const Taken photograph = taken(columns, rows, 4);

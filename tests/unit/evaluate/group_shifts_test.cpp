@@ -9,6 +9,7 @@
 #include "building/judgement/common_shift.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/moderated_variance.hpp"
+#include "building/judgement/place_statistics.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -95,7 +96,7 @@ TEST(GroupShifts, UnequalScatterIsNoShift) {
       for (const AnchorCase& a : inputs.anchors) {
         const Eigen::Vector3d rough = outward ? a.facade.out : Eigen::Vector3d(0, 0, 1);
         deviations.push_back(Eigen::Vector3d(normal(), normal(), normal()) * mm + 8 * mm * normal() * rough);
-        members.push_back({deviations.back(), a.floor, a.column, a.facade.facade, a.element.batch, a.facade});
+        members.push_back({deviations.back(), a.floor, a.column, a.facade.facade, a.element.batch, a.axis, a.facade});
       }
       common += common_shift(inputs.model.positions, deviations, inputs.model.covariance, 5 * mm, {})->significant;
       for (const auto& group : group_shifts(members, inputs.model.covariance, 5 * mm, {})) groups += group->significant;
@@ -151,6 +152,43 @@ TEST(GroupShifts, EachKindIsToldByItsName) {
       "Floor 3 of facade D");
   EXPECT_EQ(told([&](const AnchorCase& a) { return where(a.floor == 1 || a.floor == 5, a.floor == 1 ? low : -low); }),
             "Floor 1, Floor 5");
+}
+
+/// People on site know axes: the same anchors are told by the axis and not by the marker column.
+TEST(GroupShifts, WhatStandsAtAnAxisIsToldByIt) {
+  DeviationInputs inputs = grid(5, 6);
+  Normal normal(3);
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
+    inputs.anchors[i].axis = "1" + std::to_string(inputs.anchors[i].column);
+    inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * mm;
+    if (inputs.anchors[i].column == 4) inputs.model.positions[i] += 9 * mm * inputs.anchors[i].facade.right;
+  }
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_TRUE(result.group_shifts.at(0)->significant);
+  EXPECT_EQ(result.group_shifts[0]->kind + ": " + result.group_shifts[0]->name, "axis: Axis 14");
+  for (const auto& group : result.group_shifts) EXPECT_NE(group->kind, "column");
+}
+
+TEST(PlaceStatistics, FloorsFromBelowThenAxesFromTheLeftInTheFrameOfTheFacade) {
+  DeviationInputs inputs = block(2, 3, 2);
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
+    const auto& frame = inputs.anchors[i].facade;
+    const double away = inputs.anchors[i].column == 2 ? 3 * mm : 1 * mm;
+    inputs.model.positions[i] += away * frame.right + 2.0 * inputs.anchors[i].floor * mm * frame.out;
+  }
+  const DeviationT judged = judge_deviations(inputs, {});
+  const auto rows = place_statistics(judged, [](const AnchorDeviationT& anchor) {
+    return std::string(1, static_cast<char>('Z' - (anchor.column - 1) % 3));  // tags run against the places
+  });
+  std::string names;
+  for (const PlaceStatistics& row : rows) names += row.facade + row.kind[0] + row.name + " ";
+  EXPECT_EQ(names, "Af1 Af2 AaZ AaY AaX Bf1 Bf2 BaZ BaY BaX ");
+  EXPECT_NEAR(rows[0].mean.x(), 5 * mm / 3, 1e-12);
+  EXPECT_NEAR(rows[1].mean.z(), 4 * mm, 1e-12);
+  EXPECT_NEAR(rows[0].spread.x(), std::sqrt(4.0 / 3) * mm, 1e-12) << "1, 3 and 1 mm";
+  EXPECT_NEAR(rows[3].mean.x(), 3 * mm, 1e-12);
+  EXPECT_NEAR(rows[8].mean.x(), 1 * mm, 1e-12);
+  EXPECT_EQ(rows[3].measured, 2);
 }
 
 /// Against what the method promises: variances that are equal give all of their freedom, others give little.

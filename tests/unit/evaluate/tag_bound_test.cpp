@@ -169,6 +169,20 @@ TEST(TagBound, EveryLensParameterActsAsInTheProjection) {
   }
 }
 
+TEST(TagBound, EveryParameterOfAFisheyeActsAsInTheProjection) {
+  BoundProblem problem = small_problem();
+  problem.camera.lens = LensModel::fisheye, problem.camera.fx = 5000, problem.camera.fy = 4900;
+  problem.camera.k1 = 0.05, problem.camera.k2 = 0.04, problem.camera.k3 = -0.07, problem.camera.k4 = 0.03;
+  const std::vector<double> prior = {3, 3, 5, 5, 0.02, 0.3, 3, 3};
+  for (int alone = 0; alone < 8; ++alone) {
+    problem.free_parameters = {alone};
+    problem.camera_prior = Eigen::MatrixXd::Constant(1, 1, std::pow(prior[static_cast<std::size_t>(alone)], 2));
+    const Eigen::MatrixXd bound = tag_bound(problem), other = bound_by_differences(problem);
+    for (Eigen::Index i = 0; i < bound.rows(); ++i)
+      EXPECT_NEAR(bound(i, i) / other(i, i), 1, 2e-5) << "parameter " << alone << ", coordinate " << i;
+  }
+}
+
 TEST(TagBound, ControlOnOneLineLeavesTheDatumOpen) {
   BoundProblem problem = small_problem();
   problem.control = {0};

@@ -116,6 +116,28 @@ TEST_F(GraphTest, TellsOfVariablesThatAreUnknownOrEmpty) {
       HasSubstr("no variable 'tolerance'; it has floors; a parameter of a node is set by NODE.with.PARAMETER=VALUE"));
 }
 
+TEST_F(GraphTest, AVariableSaysWhatIsIncluded) {
+  write("data.txt", "x");
+  write("with_on.yaml", "plumbline: 1\nnodes: {a: {use: read.file, with: {file: data.txt}}}\n");
+  write("with_off.yaml", "plumbline: 1\n");
+  const std::string base = "plumbline: 1\ninclude: \"with_${more}.yaml\"\nvars: {more: off}\n";
+  const auto nodes = [&](const std::string& text, const std::vector<std::string>& overrides) {
+    std::vector<Problem> found;
+    const PipelineSpec spec = read_pipeline(write("p.yaml", text), overrides, {}, found, nullptr);
+    EXPECT_TRUE(found.empty()) << found.front().message;
+    return spec.nodes.size();
+  };
+  EXPECT_EQ(nodes(base, {}), 0U);
+  EXPECT_EQ(nodes(base, {"more=on"}), 1U) << "the command line goes first";
+  write("base.yaml", base);
+  EXPECT_EQ(nodes("plumbline: 1\ninclude: base\nvars: {more: on}\n", {}), 1U)
+      << "an including file before an included one";
+  EXPECT_EQ(nodes("plumbline: 1\ninclude: base\nvars: {more: on}\n", {"more=off"}), 0U);
+  EXPECT_THAT(problems(base, {"more=yes"}), HasSubstr("with_yes.yaml; ${more} may be off, on"));
+  EXPECT_THAT(problems("plumbline: 1\ninclude: \"with_${more}.yaml\"\n"),
+              HasSubstr("a variable 'more' that has no value"));
+}
+
 /// A name with a slip of the pen would change nothing, and nobody would know.
 TEST_F(GraphTest, RefusesVariablesThatNothingUses) {
   write("data.txt", "x");

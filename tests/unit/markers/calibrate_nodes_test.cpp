@@ -115,6 +115,42 @@ TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
   EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo9.jpg"), HasSubstr("blurred"))));
 }
 
+/// The board close before a fisheye, to 60 degrees off its axis.
+BoardPointsT fisheye_photograph(int index) {
+  BoardPointsT result = photograph(index, "");
+  const Eigen::Vector3d centre(0.1 + 0.04 * (index % 3 - 1), 0.075 + 0.05 * (index % 4 - 1.5), 0.1 + 0.01 * (index % 5));
+  const RigidTransform pose = look(centre, {0.1 + 0.02 * (index % 2), 0.075, 0}, 0.4 * index);
+  std::mt19937_64 random(static_cast<unsigned>(index));
+  std::normal_distribution<double> noise(0, 0.05);
+  for (auto& point : result.points)
+    point->pixel = *project(true_fisheye(), pose * point->board) + Eigen::Vector2d(noise(random), noise(random));
+  return result;
+}
+
+TEST(CalibrateBoard, AFisheyeIsCalibratedAsOneAndSaysSo) {
+  const auto run = [](const std::string& lens, test::NodeHarness& node) {
+    for (int k = 0; k < 12; ++k) node.input<BoardPoints>("points", fisheye_photograph(k));
+    if (!lens.empty()) node.set("lens", lens);
+    node.run();
+    return node.output<Camera>("cameras");
+  };
+  test::NodeHarness found("calibrate.board"), brown("calibrate.board");
+  const CameraT camera = run("", found);
+  EXPECT_EQ(camera.lens, "fisheye");
+  ASSERT_EQ(camera.parameters.size(), 8u);
+  EXPECT_EQ(camera.covariance.size(), 45u);
+  EXPECT_NEAR(camera.parameters[0], 560, 4 * std::sqrt(camera.covariance[0]));
+  EXPECT_NEAR(camera.parameters[7], true_fisheye().k4, 4 * std::sqrt(camera.covariance[35]));
+  EXPECT_THAT(found.warnings(), Contains(testing::AllOf(HasSubstr("The lens is a fisheye"),
+                                                        HasSubstr("photographs that the lens was not fitted to"))));
+  const FileT yaml = found.output<File>("yaml");
+  const CameraFile read = parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
+  EXPECT_EQ(read.camera.lens, LensModel::fisheye);
+  EXPECT_EQ(read.camera.k4, camera.parameters[7]);
+  EXPECT_EQ(run("brown", brown).lens, "") << "as it was asked for";
+  EXPECT_THAT(brown.warnings(), Contains(HasSubstr("wrong towards the corners by more than its standard deviations")));
+}
+
 /// What camera.yaml has of the covariance is what calibration.json and the artifact have.
 TEST(CalibrateBoard, WritesOneCovarianceEverywhere) {
   test::NodeHarness node("calibrate.board");

@@ -15,6 +15,13 @@ inline BrownCamera true_camera() {
   return c;
 }
 
+/// A fisheye whose image reaches 85 degrees off its axis.
+inline InteriorOrientation true_fisheye() {
+  InteriorOrientation c = true_camera();
+  c.lens = LensModel::fisheye, c.fx = c.fy = 560, c.k1 = 0.03, c.k2 = -0.012, c.k3 = 0.005, c.k4 = -0.0015, c.p1 = 0;
+  return c;
+}
+
 /// A camera at `centre` that looks at `target`, turned about its own axis.
 inline RigidTransform look(const Eigen::Vector3d& centre, const Eigen::Vector3d& target, double roll) {
   const Eigen::Vector3d z = (target - centre).normalized(), x = Eigen::Vector3d(0, 1, 0.1).cross(z).normalized();
@@ -36,12 +43,14 @@ struct Scene {
 };
 
 /// Twelve tags on two walls of a corner, ten photographs or more; noise of `sigma` px, stated as such.
-inline Scene scene(double sigma, unsigned seed, int photographs = 10) {
+inline Scene scene(double sigma, unsigned seed, int photographs = 10,
+                   const InteriorOrientation& taken_with = true_camera()) {
   Scene s;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
   MarkerCamera camera;
-  camera.camera.width = true_camera().width, camera.camera.height = true_camera().height;
+  camera.camera.width = taken_with.width, camera.camera.height = taken_with.height;
+  camera.camera.lens = taken_with.lens;
   s.block.cameras = {camera};
   for (int i = 0; i < 12; ++i) {
     const bool side = i >= 6;
@@ -62,7 +71,7 @@ inline Scene scene(double sigma, unsigned seed, int photographs = 10) {
       view.image = k, view.marker = static_cast<int>(m);
       bool inside = true;
       for (size_t q = 0; q < 4; ++q) {
-        const auto pixel = project(true_camera(), s.images.back() * (s.tags[m] * corner(0.12, q)));
+        const auto pixel = project(taken_with, s.images.back() * (s.tags[m] * corner(0.12, q)));
         inside = inside && pixel && pixel->minCoeff() > 0 && pixel->x() < 1599 && pixel->y() < 1199;
         if (!inside) break;
         view.corners[q] = *pixel + (sigma > 0 ? Eigen::Vector2d(noise(random), noise(random)) : Eigen::Vector2d(0, 0));

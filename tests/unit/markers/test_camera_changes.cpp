@@ -100,7 +100,7 @@ TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
     for (size_t k = 0; k < 9; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       EXPECT_NEAR(predicted(i), after[k] - before[k], 0.08 * std::sqrt(all.formal_covariance(i, i)))
-          << BrownCamera::parameter_names[k];
+          << BrownCamera::names_of(LensModel::brown)[k];
     }
   }
 }
@@ -176,10 +176,63 @@ TEST(EmpiricalCovariance, CoversWhatPhotographsHaveInCommon) {
   }
 }
 
-TEST(EmpiricalCovariance, OfTooFewPhotographsIsNotJudged) {
-  const Calibration c = calibrate(photographs(5, 4), 1600, 1200, {});
-  EXPECT_FALSE(c.truth.empirical.judged);
-  EXPECT_LT((c.covariance - c.formal_covariance).norm(), 1e-15);
+/// Nor is that of the corners alone believed: one factor for all, between what so few show and what is usual.
+TEST(EmpiricalCovariance, OfFewPhotographsIsWhatIsUsual) {
+  const auto factor = [](double rows) {
+    const Calibration c = calibrate(photographs(5, 4,
+                                                [&](int, const Eigen::Vector2d& drawn) {
+                                                  return Own{1, {0, 0}, rows * drawn};
+                                                }),
+                                    1600, 1200, {});
+    const EmpiricalCovariance& empirical = c.truth.empirical;
+    EXPECT_FALSE(empirical.judged);
+    EXPECT_LT((c.covariance - std::pow(empirical.factor, 2) * c.formal_covariance).norm(), 1e-12 * c.covariance.norm());
+    return empirical.factor;
+  };
+  EXPECT_GT(factor(0), 1) << "sound ones";
+  EXPECT_LT(factor(0), 2.4);
+  EXPECT_GT(factor(5), 2.4) << "five times what these scatter by is seen in so few, too";
+}
+
+/// Photographs that follow one another have the same error, so they are worth fewer than they are.
+TEST(EmpiricalCovariance, KnowsThatNeighboursErrAlike) {
+  constexpr int trials = 16;
+  for (const int alike : {1, 4}) {
+    double written = 0, by_order = 0;
+    for (int trial = 0; trial < trials; ++trial) {
+      std::mt19937_64 random(static_cast<unsigned>(trial));
+      std::normal_distribution<double> unit(0, 1);
+      std::vector<Eigen::Vector2d> shifts(24);
+      for (size_t k = 0; k < shifts.size(); ++k)
+        shifts[k] = k % static_cast<size_t>(alike) ? shifts[k - 1] : Eigen::Vector2d(unit(random), unit(random));
+      const auto views = photographs(24, 300 + static_cast<unsigned>(trial), [&](int k, const Eigen::Vector2d&) {
+        return Own{1, {0, 0}, 1.5 * shifts[static_cast<size_t>(k)]};
+      });
+      const Calibration c = calibrate(views, 1600, 1200, {});
+      written += normalised_square(c, c.covariance) / trials;
+      by_order += c.truth.empirical.by_order / trials;
+    }
+    RecordProperty("alike_" + std::to_string(alike), std::to_string(written) + " " + std::to_string(by_order));
+    EXPECT_GT(written, 0.4) << alike;
+    EXPECT_LT(written, 1.6) << alike;
+    if (alike > 1)
+      EXPECT_GT(by_order, 1.2);
+    else
+      EXPECT_LT(by_order, 1.25);
+  }
+}
+
+/// Parts that contradict each other say by how much the whole is too sure; what chance makes of nine is nothing.
+TEST(CalibrationParts, ShowByHowMuchStandardDeviationsAreTooSmall) {
+  const std::vector<CalibrationParts> sound = {{"a", 0, 0, 9, 9}, {"b", 0, 0, 30, 9}};
+  EXPECT_EQ(contradiction_of(sound), nullptr);
+  EXPECT_EQ(shown_too_small_by(sound), 1);
+  // That of few parameters is worse, though its sum is smaller.
+  const std::vector<CalibrationParts> apart = {{"a", 0, 0, 72, 9}, {"b", 0, 0, 50, 2}, {"c", 0, 0, 9, 9}};
+  ASSERT_NE(contradiction_of(apart), nullptr);
+  EXPECT_EQ(contradiction_of(apart)->split, "b");
+  EXPECT_DOUBLE_EQ(shown_too_small_by(apart), 5);
+  EXPECT_EQ(shown_too_small_by({}), 1);
 }
 
 TEST(CameraChange, OfSoundPhotographsIsNotFound) {

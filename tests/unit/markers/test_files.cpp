@@ -217,10 +217,49 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
               HasSubstr("bad.yml"));
   EXPECT_THAT(message_of([] {
                 markers::parse_camera_file(
-                    "intrinsics: [500, 500, 300, 200]\ndistortion_model: equidistant\nresolution: [640, 480]\n",
-                    "f.yaml");
+                    "intrinsics: [500, 500, 300, 200]\ndistortion_model: ds\nresolution: [640, 480]\n", "f.yaml");
               }),
-              HasSubstr("equidistant"));
+              HasSubstr("'ds'; known are Brown's (plumb_bob, radtan) and the fisheye"));
+}
+
+TEST(CameraFiles, OfFisheyes) {
+  // TUM VI's 512 x 512 camera, as Kalibr writes it.
+  const std::string kalibr =
+      "cam0:\n  camera_model: pinhole\n  intrinsics: [190.97847715128717, 190.9733070521226, 254.93170605935475, "
+      "256.8974428996504]\n  distortion_model: equidistant\n  distortion_coeffs: [0.0034823894022493434, "
+      "0.0007150348452162257, -0.0020532361418706202, 0.00020293673591811182]\n  resolution: [512, 512]\n";
+  const auto read = markers::parse_camera_file(kalibr, "camchain.yaml");
+  EXPECT_EQ(read.camera.lens, LensModel::fisheye);
+  EXPECT_EQ(read.camera.k1, 0.0034823894022493434);
+  EXPECT_EQ(read.camera.k4, 0.00020293673591811182);
+  EXPECT_EQ(read.camera.p1, 0);
+  const auto opencv = markers::parse_camera_file(
+      "<?xml version=\"1.0\"?><opencv_storage><fisheye_model>1</fisheye_model><camera_matrix "
+      "type_id=\"opencv-matrix\"><data>318 0 499.5 0 319 374.5 0 0 1</data></camera_matrix>"
+      "<distortion_coefficients><data>0.1 0.2 0.3 0.4</data></distortion_coefficients></opencv_storage>",
+      "o.xml");
+  EXPECT_EQ(opencv.camera.parameters(), (std::array<double, 9>{318, 319, 499.5, 374.5, 0.1, 0.2, 0.3, 0.4, 0}));
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(9, 9);
+  covariance.diagonal().head<8>().setConstant(4);
+  covariance(7, 2) = covariance(2, 7) = 1;
+  const std::string text = markers::camera_yaml({"x", read.camera, covariance, ""});
+  EXPECT_THAT(text, HasSubstr("lens: fisheye"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("p1")));
+  const auto ours = markers::parse_camera_file(text, "camera.yaml");
+  EXPECT_EQ(ours.camera.lens, LensModel::fisheye);
+  EXPECT_EQ(ours.camera.parameters(), read.camera.parameters());
+  EXPECT_LT((ours.covariance - covariance).norm(), 1e-12);
+  const auto changed = [&](const std::string& from, const std::string& to) {
+    std::string wrong = text;
+    wrong.replace(wrong.find(from), from.size(), to);
+    return message_of([&] { markers::parse_camera_file(wrong, "camera.yaml"); });
+  };
+  EXPECT_THAT(changed("lens: fisheye", "lens: fish"), HasSubstr("'fish', expected the lens: brown or fisheye"));
+  EXPECT_THAT(changed("  k4:", "  p1:"), HasSubstr("'parameters' has no 'p1', only fx, fy, cx, cy, k1, k2, k3, k4"));
+  std::string five = kalibr;
+  five.replace(five.find("0.00020293673591811182]"), 1, "1, 0");
+  EXPECT_THAT(message_of([&] { markers::parse_camera_file(five, "camchain.yaml"); }),
+              HasSubstr("has 5 coefficients of distortion, a fisheye (equidistant, Kannala-Brandt) has 4"));
 }
 
 /// Correlations of 0.99 are the difference between a ray at the corner known to 2.6 px and to 6.5.
@@ -480,6 +519,27 @@ TEST(SurveyFrame, CarriesPlateOffsetsThroughAnUnknownScale) {
   EXPECT_THAT(message_of([&] { markers::fit_to_survey(network, surveyed); }), HasSubstr("at least 3 are needed"));
 }
 
+/// Neighbours 42 mm apart were within what a start may be off by, and the block "did not converge".
+TEST(SurveyFrame, NeighboursThatAreExchangedDoNotAgree) {
+  markers::MarkerResult network;
+  std::vector<markers::SurveyedTag> surveyed;
+  for (int k = 0; k < 12; ++k) {
+    markers::AdjustedMarker marker;
+    marker.marker = k;
+    marker.world_from_tag.translation = {0.042 * (k % 4), 0.042 * (k / 4), 0.001 * (k % 3)};
+    network.markers.push_back(marker);
+    surveyed.push_back({k, "P" + std::to_string(k), marker.world_from_tag.translation, Eigen::Vector3d::Zero()});
+  }
+  std::swap(surveyed[5].position, surveyed[6].position);
+  surveyed[6].check = true;  // a check point has no part in the motion, but its place is known
+  const auto frame = markers::fit_to_survey(network, surveyed);
+  for (size_t k = 0; k < 12; ++k) {
+    EXPECT_EQ(frame.agrees[k], k != 5 && k != 6) << k;
+    EXPECT_NEAR(frame.distance[k], k == 5 || k == 6 ? 0.042 : 0, 2e-3) << k;
+  }
+  EXPECT_LT((frame.found[5] - surveyed[6].position).norm(), 1e-3);
+}
+
 TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
   markers::ColmapModel model;
   markers::ColmapCamera camera;
@@ -500,11 +560,23 @@ TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
   EXPECT_EQ(back.images.at(4).name, "a b.jpg");
   EXPECT_EQ(back.images.at(4).features.at(0).pixel, image.features[0].pixel);
   EXPECT_EQ(back.points.at(9).track, point.track);
+  for (const auto& [line, parameters] : {std::pair("1 OPENCV_FISHEYE 640 480 300 301 320 240 5 6 7 8\n",
+                                                   std::array<double, 9>{300, 301, 319.5, 239.5, 5, 6, 7, 8, 0}),
+                                         std::pair("1 RADIAL_FISHEYE 640 480 300 320 240 5 6\n",
+                                                   std::array<double, 9>{300, 300, 319.5, 239.5, 5, 6, 0, 0, 0}),
+                                         std::pair("1 SIMPLE_RADIAL_FISHEYE 640 480 300 320 240 5\n",
+                                                   std::array<double, 9>{300, 300, 319.5, 239.5, 5, 0, 0, 0, 0})}) {
+    std::ofstream(folder.path() / "cameras.txt") << line;
+    const auto fisheye = markers::read_colmap(folder.path().string());
+    EXPECT_EQ(fisheye.cameras.at(1).camera.lens, LensModel::fisheye);
+    EXPECT_EQ(fisheye.cameras.at(1).camera.parameters(), parameters);
+    EXPECT_THAT(markers::colmap_text(fisheye).at("cameras.txt"), HasSubstr("1 OPENCV_FISHEYE 640 480 300 30"));
+  }
   std::ofstream(folder.path() / "points3D.txt") << "9 1 2 3 0 0 0 0.5 7 0\n";
   EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }),
               HasSubstr("image 7, which is not there"));
-  std::ofstream(folder.path() / "cameras.txt") << "1 OPENCV_FISHEYE 640 480 1 2 3 4 5 6 7 8\n";
-  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }), HasSubstr("OPENCV_FISHEYE"));
+  std::ofstream(folder.path() / "cameras.txt") << "1 FOV 640 480 1 2 3 4 5\n";
+  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }), HasSubstr("is FOV; known are"));
   EXPECT_THAT(message_of([] { markers::read_colmap("/nowhere"); }), HasSubstr("no COLMAP model"));
 }
 

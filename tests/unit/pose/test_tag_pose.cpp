@@ -40,6 +40,13 @@ struct Field {
   std::uint64_t seed = 1;
 };
 
+InteriorOrientation make_fisheye() {
+  InteriorOrientation camera = make_camera();
+  camera.lens = LensModel::fisheye, camera.fx = 2300, camera.fy = 2310;
+  camera.k1 = 0.04, camera.k2 = -0.015, camera.k3 = 0.005, camera.k4 = -0.001;
+  return camera;
+}
+
 struct Scene {
   BrownCamera camera = make_camera();
   RigidTransform cam_from_world;
@@ -47,8 +54,9 @@ struct Scene {
 };
 
 /// Plates on a 2 m grid in the plane y = 0 that face -y, seen from 8 m, obliquely and rolled.
-Scene make_scene(const Field& field) {
+Scene make_scene(const Field& field, const InteriorOrientation& camera = make_camera()) {
   Scene scene;
+  scene.camera = camera;
   Random random(field.seed);
   scene.cam_from_world = test::detail::look_at({2.0 + random.normal(), -8, 1.0}, {3, 0, 2}, 0.3 * random.normal());
   Eigen::Matrix3d facing;
@@ -124,6 +132,17 @@ TEST_P(TagPoseSolvers, RecoverTheTruthWithoutNoise) {
   }
 }
 
+TEST_P(TagPoseSolvers, RecoverTheTruthThroughAFisheye) {
+  const Field field{.depth = 0.02, .columns = 8, .rows = 5};
+  const Scene scene = make_scene(field, make_fisheye());
+  double widest = 0;
+  for (const TagView& view : scene.views) widest = std::max(widest, std::acos(view.bearings[0].z()));
+  ASSERT_GT(widest, 50 * M_PI / 180);
+  const TagPose found = estimate_tag_pose(scene.camera, scene.views, solver(), options_for(field));
+  EXPECT_LT(centre_error(found, scene), 1e-7);
+  EXPECT_EQ(found.inlier_count, static_cast<int>(scene.views.size()));
+}
+
 TEST_P(TagPoseSolvers, FindTheWrongTagsOfAThird) {
   const Field field{.point_sigma = 0.02, .rotation_sigma = 0.03, .pixel_sigma = 0.2, .seed = 5};
   Scene scene = make_scene(field);
@@ -185,6 +204,48 @@ TEST(TagPose, HasACovarianceThatCoversItsError) {
     EXPECT_GT(sum, chi_squared_quantile(0.0005, 6 * trials)) << rotation_sigma << ", " << shape_sigma;
     EXPECT_LT(sum, chi_squared_quantile(0.9995, 6 * trials)) << rotation_sigma << ", " << shape_sigma;
   }
+}
+
+/// Edges that a photograph draws inwards, all by the same: each corner slides by it along both of its edges.
+TEST(TagPose, HasWhatAllEdgesAreDrawnInwardsByInItsCovariance) {
+  constexpr double inset_sigma = 0.3;
+  double with = 0, without = 0;
+  const int trials = 60;
+  Random random(7);
+  for (int k = 0; k < trials; ++k) {
+    const Field field{.point_sigma = 0.0005,
+                      .rotation_sigma = 0.001,
+                      .pixel_sigma = 0.03,
+                      .seed = static_cast<std::uint64_t>(k + 10)};
+    Scene scene = make_scene(field);
+    const double inset = inset_sigma * random.normal();
+    for (TagView& view : scene.views) {
+      const auto corners = view.pixels;
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Eigen::Vector2d next = (corners[(i + 1) % 4] - corners[i]).normalized(),
+                              last = (corners[(i + 3) % 4] - corners[i]).normalized();
+        Eigen::Matrix2d distances;  // of a point from the line towards `next` and from that towards `last`
+        distances << -next.y(), next.x(), last.y(), -last.x();
+        if (distances.row(0).dot(last) < 0) distances = -distances;
+        view.pixels[i] += distances.inverse() * Eigen::Vector2d(inset, inset);
+        view.bearings[i] = unproject(scene.camera, view.pixels[i])->homogeneous().normalized();
+      }
+    }
+    TagPoseOptions options = options_for(field);
+    options.max_samples = 30, options.inlier_probability = 0.999999;
+    for (const bool told : {false, true}) {
+      options.inset_sigma = told ? inset_sigma : 0;
+      const TagPose found =
+          estimate_tag_pose(scene.camera, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
+      const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
+      Eigen::Matrix<double, 6, 1> e;
+      e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
+      (told ? with : without) += e.dot(found.covariance.ldlt().solve(e)) / (6 * trials);
+    }
+  }
+  EXPECT_GT(without, 2) << "the case shows nothing";
+  EXPECT_GT(with, 0.7);
+  EXPECT_LT(with, 1.4);
 }
 
 /// The approximate anchors allow for millimetres that all corners of a tag have in common, not for a bent one.
@@ -283,6 +344,56 @@ TEST(Camera, UndistortsToTheLastDigitsOverAStronglyDistortedImage) {
       const auto again = project(camera, ray->homogeneous());
       ASSERT_TRUE(again);
       EXPECT_LT((*again - Eigen::Vector2d(u, v)).norm(), 1e-11) << u << " " << v;
+    }
+}
+
+TEST(Camera, UnprojectsAFisheyeAlmostToASquareAngle) {
+  const InteriorOrientation camera = make_fisheye();
+  for (double angle = 0; angle < 89; angle += 4)
+    for (double turn = 0; turn < 6.2; turn += 0.7) {
+      const double r = std::sin(angle * M_PI / 180);
+      const Eigen::Vector3d direction(r * std::cos(turn), r * std::sin(turn), std::cos(angle * M_PI / 180));
+      const auto pixel = project(camera, 3.0 * direction);
+      ASSERT_TRUE(pixel);
+      const auto ray = unproject(camera, *pixel);
+      ASSERT_TRUE(ray) << angle;
+      EXPECT_LT((ray->homogeneous().normalized() - direction).norm(), 1e-13) << angle;
+    }
+  EXPECT_FALSE(unproject(camera, {camera.cx + 2 * camera.fx, camera.cy})) << "more than 90 degrees off the axis";
+  InteriorOrientation turns_back = camera;
+  turns_back.k1 = -0.5, turns_back.k2 = turns_back.k3 = turns_back.k4 = 0;
+  EXPECT_TRUE(unproject(turns_back, {camera.cx + 0.4 * camera.fx, camera.cy}));
+  EXPECT_FALSE(unproject(turns_back, {camera.cx + 0.6 * camera.fx, camera.cy})) << "no angle is drawn there";
+}
+
+/// By the point and by every parameter, none of which is zero.
+TEST(Camera, DerivativesAreThoseOfTheProjection) {
+  InteriorOrientation brown = make_camera();
+  brown.k1 = -0.22, brown.k2 = 0.05, brown.k3 = -0.004, brown.p1 = 1e-3, brown.p2 = -8e-4, brown.fy = 4900;
+  for (const InteriorOrientation& camera : {brown, make_fisheye()})
+    for (const Eigen::Vector3d& point :
+         {Eigen::Vector3d(0.3, -0.2, 1), Eigen::Vector3d(-1.1, 0.7, 1.4), Eigen::Vector3d(1e-9, 2e-9, 2)}) {
+      const auto at = project_with_slope(camera, point);
+      ASSERT_TRUE(at);
+      EXPECT_LT((at->pixel - *project(camera, point)).norm(), 1e-9);
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Vector3d step = 1e-6 * Eigen::Vector3d::Unit(k);
+        const Eigen::Vector2d slope = (*project(camera, point + step) - *project(camera, point - step)) / 2e-6;
+        EXPECT_LT((at->by_point.col(k) - slope).norm(), 1e-6 * camera.fx) << k;
+      }
+      const auto by_parameters = pixel_by_parameters(camera, point.x() / point.z(), point.y() / point.z());
+      const auto values = camera.parameters();
+      for (int k = 0; k < InteriorOrientation::parameter_count; ++k) {
+        InteriorOrientation moved[2] = {camera, camera};
+        const double step = k < 4 ? 1e-2 : 1e-5;
+        for (int side = 0; side < 2; ++side) {
+          auto changed = values;
+          changed[static_cast<std::size_t>(k)] += side ? step : -step;
+          moved[side].set_parameters(changed);
+        }
+        const Eigen::Vector2d slope = (*project(moved[1], point) - *project(moved[0], point)) / (2 * step);
+        EXPECT_LT((by_parameters.col(k) - slope).norm(), 1e-7 * camera.fx) << k;
+      }
     }
 }
 

@@ -134,6 +134,33 @@ TEST(Rounds, CarryLists) {
   EXPECT_EQ(story.value("t", "sum"), 1 + 2 * 16 + 3 * 81);
 }
 
+/// Several connections of one list, such as readers of several plugins, in the order in which they are written.
+TEST(Rounds, ListsMayHaveSeveralConnections) {
+  const std::string nodes =
+      "a: {use: story.series, with: {values: [1, 2]}}\nb: {use: story.constant, with: {value: 5}}\n"
+      "before: {use: story.sum, in: {numbers: [b.number, a.numbers]}}\n"
+      "up: {use: story.add, in: {a: rounds.x, b: before.sum}}\ndown: {use: story.add, in: {a: rounds.x}}\n"
+      "within: {use: story.sum, in: {numbers: [up.sum, down.sum]}}\nmore: {use: story.add, in: {a: within.sum}}\n"
+      "again: {use: story.add, in: {a: within.sum}, with: {offset: 1}}\n"
+      "after: {use: story.sum, in: {numbers: [more.sum, again.sum]}}\nlast: {use: story.sum, in: {numbers: [b.number, "
+      "a.numbers]}}";
+  const std::string twice = "rounds: {carry: {x: {first: b.number, next: within.sum}}, most: 2}\n";
+  Story story(nodes, twice);
+  story.run();
+  EXPECT_TRUE(story.result.ok());
+  const double before = 5 + 2 * 1 + 3 * 2, first = (5 + before) + 2 * 5, second = (first + before) + 2 * first;
+  EXPECT_EQ(story.value("before", "sum"), before);
+  EXPECT_EQ(story.value("within", "sum"), second);
+  EXPECT_EQ(story.value("after", "sum"), second + 2 * (second + 1));
+  EXPECT_EQ(story.value("last", "sum"), before);
+  EXPECT_EQ(statuses(story, "before"), "executed");
+  Story mixed(nodes + "\nmix: {use: story.sum, in: {numbers: [b.number, up.sum]}}", twice);
+  EXPECT_THAT(problems(mixed),
+              HasSubstr("takes 'b' and 'up', of which one belongs to the rounds and the other does not"));
+  Story beside(nodes + "\nmix: {use: story.sum, in: {numbers: [b.number, rounds.x]}}", twice);
+  EXPECT_THAT(problems(beside), HasSubstr("takes one connection where one of them comes from the rounds"));
+}
+
 TEST(Rounds, AFailureInOneNamesItAndWhatDependsOnItIsSkipped) {
   Story story(
       "s: {use: story.series, with: {values: [1, -2]}}\nminus: {use: story.add, in: {a: rounds.x}, with: {offset: "

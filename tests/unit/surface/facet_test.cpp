@@ -162,5 +162,67 @@ TEST(Facet, HolesAreHoles) {
   EXPECT_LE(glass.measured.points.size(), 3U);
 }
 
+TEST(Facet, WhatIsTooLittleOrElsewhereGivesHolesAndNoSurface) {
+  const Site site = make_site(FacadeScene());
+  const auto outcomes = [&](const FacadePlane& plane, const std::vector<FacetView>& views) {
+    return measure_tile(plane, kArea, views, site.orientations, {}).outcomes;
+  };
+  const std::vector<FacetView> all = site.facet_views();
+  const auto few = static_cast<size_t>(FacetOutcome::too_few_views);
+  const auto one = outcomes(site.scene.plane, {all[0]});
+  EXPECT_GT(one[few], 100) << "one photograph";
+  EXPECT_EQ(one[0], 0);
+  FacadePlane elsewhere = site.scene.plane;  // where no two photographs overlap, nor any is
+  elsewhere.origin += 20 * elsewhere.axes.col(0);
+  EXPECT_EQ(outcomes(elsewhere, all)[0], 0);
+  FacadePlane before = site.scene.plane;  // the design is 3 m off, behind the wall and before it
+  for (const double out : {-3.0, 1.5}) {
+    before.origin = site.scene.plane.origin + out * before.axes.col(2);
+    const auto off = outcomes(before, all);
+    int sum = 0;
+    for (const int count : off) sum += count;
+    EXPECT_LE(off[0], 0.01 * sum) << out;
+  }
+}
+
+/// Two photographs have nobody who would outvote one of them: what they agree by is all there is.
+TEST(Facet, TwoPhotographsOfDifferentThingsAgreeOnNothing) {
+  FacadeScene scene;
+  Site mirror = make_site(scene);
+  mirror.views.resize(2), mirror.light.resize(2);
+  for (size_t k = 0; k < 2; ++k) {
+    scene.plane = mirror.scene.plane;
+    scene.reflectance = [k](double u, double v) { return plumbline::testing::plaster(u, v, 0.002, 1000 * (k + 1)); };
+    mirror.light[k] = plumbline::testing::photograph(scene, mirror.views[k].camera, mirror.views[k].cam_from_world);
+  }
+  mirror.expose(1.5, 3);
+  TileOptions two;
+  two.facet.min_views = 2;
+  const FacetTile tile = measure_tile(mirror.scene.plane, kArea, mirror.facet_views(), mirror.orientations, two);
+  // Of 192; some heights agree by chance, and there is no third photograph to contradict.
+  EXPECT_LE(tile.measured.points.size(), 10U) << "a patch agrees with the mean of both whatever the other shows";
+}
+
+/// Relief that is finer than a facet: the height is that of its mean, and neighbouring places are off alike.
+TEST(Facet, WhereAFacetIsNoPlaneItsSigmaSaysSo) {
+  FacadeScene rough;
+  rough.height = [](double u, double v) {
+    return 0.0006 * std::sin(2 * M_PI * u / 0.0061) * std::sin(2 * M_PI * v / 0.0053);
+  };
+  const Site site = make_site(rough);
+  const FacetTile tile = measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {});
+  std::vector<double> ratios;
+  for (const MeasuredPoint& point : tile.measured.points) {
+    const Eigen::Vector3d local = site.scene.plane.local(tile.measured.at(point));
+    ratios.push_back(std::abs(local.z()) / point.sigma);
+  }
+  ASSERT_GT(ratios.size(), 100U);
+  const auto within = std::count_if(ratios.begin(), ratios.end(), [](double ratio) { return ratio < 3; });
+  std::nth_element(ratios.begin(), ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2), ratios.end());
+  std::printf("relief: %zu points, median error over sigma %.2f, within 3 sigma %.3f\n", ratios.size(),
+              ratios[ratios.size() / 2], static_cast<double>(within) / static_cast<double>(ratios.size()));
+  EXPECT_GT(static_cast<double>(within), 0.8 * static_cast<double>(ratios.size()));
+}
+
 }  // namespace
 }  // namespace plumbline::surface

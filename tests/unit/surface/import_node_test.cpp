@@ -413,4 +413,77 @@ TEST(ImportNode, TheOnlyScanOnTheFacesErrsByItselfToo) {
   }
 }
 
+TEST(FuseNode, ASourceWithoutPlaceAmongOthersIsRefused) {
+  Import placed("a.xyz", xyz(scan(), 1)), alone("b.xyz", xyz(scan(), 1));
+  placed.node.set("place_sigma", "0.0015");
+  placed.node.run(), alone.node.run();
+  const auto fuse = [](const std::vector<SurfacePointsT>& sources) {
+    NodeHarness node("surface.fuse");
+    node.set("least_points", "1");
+    for (const SurfacePointsT& source : sources) node.input<SurfacePoints>("surfaces", source);
+    try {
+      node.run();
+    } catch (const NodeFailed& error) {
+      return std::string(error.what());
+    }
+    return std::to_string(node.output<SurfacePoints>("surface").measured) + " points";
+  };
+  const auto with = placed.node.output<SurfacePoints>("surface"), without = alone.node.output<SurfacePoints>("surface");
+  EXPECT_NE(fuse({with, without}).find("source 2 of 2 states no systematic errors"), std::string::npos)
+      << "its points would be believed to lie where they say";
+  EXPECT_EQ(fuse({with, with}), "7200 points");
+  EXPECT_EQ(fuse({without, without}), "7200 points") << "nobody's place is known: surface.panels says it";
+}
+
+TEST(WriteCloud, PointsOfSurfacesComeBackFromTheFile) {
+  Import import("scan.xyz", xyz(scan(), 1));
+  import.node.run();
+  for (const char* format : {"las", "ply"}) {
+    NodeHarness write("write.cloud");
+    write.input<SurfacePoints>("surface", import.node.output<SurfacePoints>("surface"));
+    write.set("format", format);
+    write.run();
+    NodeHarness again("dense.import");
+    again.set("file", write.output<Folder>("folder").uri + "/points." + format);
+    again.input<Design>("design", two_panels());
+    again.run();
+    const auto points = stated_points(again.output<SurfacePoints>("surface"), again.output<Folder>("files").uri);
+    ASSERT_EQ(points.size(), 3600U) << format;
+    for (const StatedPoint& point : points) EXPECT_NEAR(point.place.y(), 79.996, 1e-4);
+  }
+}
+
+TEST(FindPlanesNode, APlaneIsMeasuredAsAPanelIs) {
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "scan.xyz").string();
+  Places points;
+  for (int i = 0; i < 150; ++i)
+    for (int j = 0; j < 150; ++j)
+      points.push_back({119.3 + 0.02 * i, 79.996 + 1e-4 * ((7 * i + 3 * j) % 11), 8.55 + 0.02 * j});
+  std::ofstream(path) << xyz(points, 1);
+  NodeHarness planes("surface.planes");
+  planes.set("file", path);
+  EXPECT_THROW(planes.run(), NodeFailed) << "nobody says which side is outside";
+  planes.set("seen_from",
+             "120\x1f"
+             "70\x1f"
+             "9");
+  planes.run();
+  const DesignT design = planes.output<Design>("design");
+  ASSERT_EQ(design.elements.size(), 1U);
+  EXPECT_NEAR(design.elements[0]->facade->out.y(), -1, 1e-5) << "towards the scanner";
+  NodeHarness import("dense.import");
+  import.set("file", path), import.set("place_sigma", "0.0015");
+  import.input<Design>("design", design);
+  import.run();
+  NodeHarness panels("surface.panels");
+  panels.input<SurfacePoints>("surface", import.output<SurfacePoints>("surface"));
+  panels.run();
+  const auto surfaces = panels.output<Surfaces>("surfaces");
+  ASSERT_EQ(surfaces.panels.size(), 1U);
+  EXPECT_EQ(surfaces.panels[0]->not_measured, "");
+  EXPECT_NEAR(surfaces.panels[0]->offset, 0, 1e-4);
+  EXPECT_NEAR(std::sqrt(surfaces.panels[0]->covariance[0]), 0.0015, 5e-5) << "with the scan's place in it";
+}
+
 }  // namespace

@@ -52,5 +52,17 @@ TEST(Panel, ADentIsStillOne) {
   EXPECT_GT(panel.flatness[1].with_outlying, 0.005);
 }
 
+/// A design's box says nothing of a panel's form: what is folded, corrugated or a step is no bow.
+TEST(Panel, WhatIsNoPlaneIsNotMeasuredAsOne) {
+  const std::function<double(double, double)> forms[] = {
+      [](double u, double) { return 0.03 - 0.17 * std::abs(u); },                   // folded by 20°
+      [](double u, double) { return std::fmod(u + 6, 0.2) < 0.1 ? 0.0 : -0.035; },  // trapezoidal sheet
+      [](double u, double) { return -0.06 * std::sin(3 * M_PI * u / 1.2); }};       // a wave
+  for (const auto& form : forms) {
+    const PanelSurface panel = measure_panel(kFace, {points_at(form)}, {});
+    EXPECT_NE(panel.not_measured, "") << panel.plane.transpose() << " rms " << panel.rms;
+  }
+}
+
 }  // namespace
 }  // namespace plumbline::surface

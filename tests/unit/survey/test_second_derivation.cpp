@@ -76,9 +76,20 @@ TEST(SecondDerivation, PointingTestIsWhatTheSightingTakesOffTheSum) {
   const ResultPointing& pointing = r.pointings[5];  // readings 15, 16, 17
   ASSERT_EQ(pointing.to, n.survey.observations[15].to);
   EXPECT_EQ(pointing.test.rank, 3);
+  EXPECT_NEAR(pointing.critical, 16.266, 0.001) << "chi-squared of three degrees of freedom at 0.1 %, from a table";
+  EXPECT_FALSE(pointing.flagged);
   n.survey.observations.erase(n.survey.observations.begin() + 15, n.survey.observations.begin() + 18);
   const NetworkResult without = adjust_network(n.survey, free_network());
   EXPECT_NEAR((r.sum_of_squares - without.sum_of_squares) / pointing.test.statistic, 1, 0.01);
+  auto knocked = test::simulate({}, 53);
+  knocked.survey.observations[17].value += 0.05;
+  const NetworkResult seen = adjust_network(knocked.survey, free_network());
+  for (size_t k = 0; k < seen.pointings.size(); ++k) {
+    const ResultPointing& p = seen.pointings[k];
+    EXPECT_EQ(p.flagged, p.test.statistic > 16.266 && p.test.rank == 3) << k;
+    EXPECT_LE(p.test.statistic, seen.pointings[5].test.statistic) << k;
+  }
+  EXPECT_TRUE(seen.pointings[5].flagged);
 }
 
 TEST(SecondDerivation, ARemovedReadingKeepsTheTestItHad) {

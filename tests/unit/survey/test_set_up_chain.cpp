@@ -284,6 +284,72 @@ TEST(SetUpChain, ASetUpInFeetIsSeenByItsScale) {
   expect_truth(n, *start_from_chain(chain, 4, known_points(n, 4)), 1e-3);
 }
 
+/// Set-ups in the plane: what each of them sees, in its own frame.
+SurveyObservations planar(const std::vector<std::map<std::string, Vector2d>>& seen) {
+  SurveyObservations s;
+  for (size_t f = 0; f < seen.size(); ++f) {
+    const std::string station = "S" + std::to_string(f);
+    s.set_ups.push_back({station, station, 0, {}});
+    for (const auto& [point, place] : seen[f])
+      for (const K kind : {K::direction, K::horizontal_distance}) {
+        Observation o;
+        o.kind = kind, o.set_up = static_cast<int>(f), o.from = station, o.to = point;
+        o.value = kind == K::direction ? wrap_angle(std::atan2(place.x(), place.y())) : place.norm();
+        s.observations.push_back(o);
+      }
+  }
+  return s;
+}
+
+/// Each of four set-ups shares four points with the first, which has two of them where they are and two metres away:
+/// two that agree by chance. Two of the four share three points that are sound, and it is these that are a beginning:
+/// from the first nothing else could be placed.
+TEST(SetUpChain, DoesNotBeginWhereTwoAgreeByChance) {
+  std::vector<std::map<std::string, Vector2d>> seen(5);
+  for (size_t f = 1; f < 5; ++f)
+    for (int k = 0; k < 4; ++k) {
+      const std::string point = std::string(1, static_cast<char>('A' + f)) + std::to_string(k);
+      const Vector2d place(10 + 7 * k, 12 + 3 * (k * k % 5) + static_cast<double>(f));
+      seen[f][point] = place;
+      seen[0][point] =
+          place + Vector2d(20.0 * static_cast<double>(f), 0) + (k < 2 ? Vector2d(0, 0) : Vector2d(3, 2 + k));
+    }
+  for (int k = 0; k < 3; ++k)
+    for (const size_t f : {1u, 2u})
+      seen[f]["Q" + std::to_string(k)] =
+          Vector2d(-10 + 4 * k, 8 + 5 * (k % 2)) + Vector2d(0, 2.0 * static_cast<double>(f));
+  const SetUpChain chain = chain_of(planar(seen));
+  ASSERT_EQ(chain.figures().size(), 5u);
+  EXPECT_TRUE(chain.placed(1));
+  EXPECT_TRUE(chain.placed(2));
+  EXPECT_FALSE(chain.placed(0)) << "nobody knows where";
+}
+
+/// Two shared points that agree are all there can be: they count, and who has them with most others is the beginning.
+TEST(SetUpChain, BeginsAtTheSetUpThatMostAgreeWith) {
+  std::vector<std::map<std::string, Vector2d>> seen(
+      7);  // the first shares two points with each, the second and third three
+  FigureFit turn;
+  turn.rotation = 0.8;
+  const auto share = [&](size_t a, size_t b, const std::string& point, const Vector2d& place) {
+    seen[a][point] = place;
+    LocalSight sight;
+    sight.ray = {place.x(), place.y(), 0};
+    seen[b][point] = turn(sight).head<2>() + Vector2d(1.0, 2.0 * static_cast<double>(b));
+  };
+  for (size_t f = 1; f < 7; ++f)
+    for (int k = 0; k < 2; ++k)
+      if (f != 2)
+        share(0, f, std::string(1, static_cast<char>('A' + f)) + std::to_string(k),
+              {9.0 + 8 * k, 10.0 + static_cast<double>(f) + 3 * k});
+  for (int k = 0; k < 3; ++k) share(1, 2, "Q" + std::to_string(k), {-12.0 + 5 * k, 15.0 - 4 * (k % 2)});
+  const SetUpChain chain = chain_of(planar(seen));
+  for (size_t f = 0; f < 7; ++f) ASSERT_TRUE(chain.placed(f)) << f;
+  EXPECT_NEAR(chain.fit(0).rotation, 0, 1e-9);
+  EXPECT_NEAR(chain.fit(0).shift.head<2>().norm(), 0, 1e-6);
+  EXPECT_GT(std::abs(wrap_angle(chain.fit(1).rotation)), 0.5);
+}
+
 /// The mean of views is weighted by what each of them is known to.
 TEST(SetUpChain, TheBetterViewCountsMore) {
   auto n = without_coordinates(35);

@@ -94,9 +94,53 @@ TEST(DynaMl, WhatCannotBeAdjustedIsNamed) {
     EXPECT_EQ(read_dynaml(replaced(whole, from, to), "d.xml").skipped.size(), 1u) << from;
   EXPECT_NE(error_of([&] { read_dynaml(replaced(whole, "GDA2020", "AGD66"), "d.xml"); }).find("on GRS80"),
             std::string::npos);
-  const std::string far = error_of([&] { read_dynaml(replaced(whole, "-37.480288", "-38.480288"), "d.xml"); });
-  EXPECT_NE(far.find("a plane can stand for"), std::string::npos) << far;
+  const std::string far = error_of([&] { read_dynaml(replaced(whole, "-37.480288", "-47.480288"), "d.xml"); });
+  EXPECT_NE(far.find("a network within 500 km"), std::string::npos) << far;
   EXPECT_NE(error_of([] { read_dynaml("<DnaXmlFormat/>", "d.xml"); }).find("DnaStation"), std::string::npos);
+}
+
+/// A cluster of two baselines: their covariance with each other stands in a block of the first.
+TEST(DynaMl, BaselinesOfAClusterKeepTheirCovariance) {
+  const auto baseline = [](const std::string& to, double x, const std::string& block) {
+    return "<First>A</First><Second>" + to + "</Second><GPSBaseline><X>" + std::to_string(x) +
+           "</X><Y>-20.5</Y><Z>30.25</Z><SigmaXX>4e-6</SigmaXX><SigmaXY>1e-6</SigmaXY><SigmaXZ>0</SigmaXZ>"
+           "<SigmaYY>9e-6</SigmaYY><SigmaYZ>-1e-6</SigmaYZ><SigmaZZ>5e-6</SigmaZZ>" +
+           block + "</GPSBaseline>";
+  };
+  const std::string block =
+      "<GPSCovariance><m11>1e-6</m11><m12>2e-7</m12><m13>0</m13><m21>3e-7</m21><m22>2e-6</m22><m23>0</m23>"
+      "<m31>0</m31><m32>0</m32><m33>1e-6</m33></GPSCovariance>";
+  const auto file = [&](const std::string& type, const std::string& content) {
+    return "<DnaXmlFormat referenceframe=\"GDA2020\"><DnaMeasurement><Type>" + type +
+           "</Type><Ignore/><Vscale>2.0</Vscale><Pscale>4</Pscale><Lscale>4</Lscale><Hscale>9</Hscale>" + content +
+           "</DnaMeasurement></DnaXmlFormat>";
+  };
+  const auto s = read_dynaml(file("X", baseline("B", 10.125, block) + baseline("C", 11, "")), "d.xml");
+  ASSERT_TRUE(s.skipped.empty()) << s.skipped.front().found;
+  ASSERT_EQ(s.vectors.size(), 1u);
+  const VectorGroup& g = s.vectors[0];
+  EXPECT_TRUE(g.is_geocentric);
+  EXPECT_EQ(g.horizontal_factor, 2) << "of standard deviations";
+  EXPECT_EQ(g.vertical_factor, 3);
+  ASSERT_EQ(g.vectors.size(), 2u);
+  EXPECT_EQ(g.vectors[1].to, "C");
+  EXPECT_EQ(g.values[0], 10.125);
+  EXPECT_NEAR(g.covariance(0, 0), 8e-6, 1e-18);
+  EXPECT_NEAR(g.covariance(1, 2), -2e-6, 1e-18);
+  EXPECT_NEAR(g.covariance(0, 4), 4e-7, 1e-18) << "m12: X of the first, Y of the second";
+  EXPECT_NEAR(g.covariance(4, 0), 4e-7, 1e-18);
+  EXPECT_NEAR(g.covariance(1, 3), 6e-7, 1e-18);
+  const auto single = read_dynaml(file("G", baseline("B", 10, "")), "d.xml");
+  EXPECT_EQ(single.vectors.size(), 1u);
+  for (const std::string& wrong :
+       {file("X", baseline("B", 10, "") + baseline("C", 11, "")), file("G", baseline("A", 10, "")),
+        file("G", baseline("B", 10, "") + "<First>C</First>"),
+        replaced(file("G", baseline("B", 10, "")), "<Lscale>4", "<Lscale>5"),
+        replaced(file("G", baseline("B", 10, "")), "4e-6", "-4e-6"),
+        replaced(file("G", baseline("B", 10, "")), "<Y>-20.5", "<Y>west")}) {
+    const std::string said = error_of([&] { read_dynaml(wrong, "d.xml"); });
+    EXPECT_NE(said.find("d.xml:1:"), std::string::npos) << said;
+  }
 }
 
 TEST(DynaMl, EveryTruncationIsReadOrRefused) {

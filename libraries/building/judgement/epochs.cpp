@@ -1,0 +1,258 @@
+#include "building/judgement/epochs.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+
+#include "geometry/statistics.hpp"
+#include "plumbline/failure.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+/// Error of the first kind of all movements together.
+constexpr double kAlpha = 0.05;
+/// A design position that differs by more is another design [m].
+constexpr double kSameDesign = 1e-4;
+/// Judged by another tolerance where it differs by more [m].
+constexpr double kSameTolerance = 1e-7;
+
+bool is_open(ToleranceVerdict verdict) {
+  return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided;
+}
+
+EpochItem item_of(const AnchorDeviationT& anchor) {
+  EpochItem item{"anchor",     anchor.id,     anchor.guid, anchor.facade ? anchor.facade->facade : "",
+                 anchor.floor, anchor.verdict};
+  item.design = anchor.design, item.position = anchor.as_built;
+  for (std::size_t k = 0; k < 9 && anchor.covariance.size() == 9; ++k)
+    item.covariance(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)) = anchor.covariance[k];
+  return item;
+}
+
+EpochItem item_of(const PanelDeviationT& panel) {
+  return {"panel",     panel.name.empty() ? panel.guid : panel.name,
+          panel.guid,  panel.facade ? panel.facade->facade : "",
+          panel.floor, panel.verdict};
+}
+
+std::vector<EpochItem> items_of(const DeviationT& deviation) {
+  std::vector<EpochItem> items;
+  for (const auto& anchor : deviation.anchors) items.push_back(item_of(*anchor));
+  for (const auto& panel : deviation.panels) items.push_back(item_of(*panel));
+  return items;
+}
+
+/// The items of a record by what names them.
+class Known {
+ public:
+  explicit Known(const std::vector<EpochItem>& items) {
+    for (const EpochItem& item : items) {
+      if (!item.guid.empty()) by_guid_.try_emplace({item.kind, item.guid}, &item);
+      by_id_.try_emplace({item.kind, item.id}, &item);
+    }
+  }
+  const EpochItem* find(const EpochItem& item) const {
+    if (!item.guid.empty())
+      if (const auto found = by_guid_.find({item.kind, item.guid}); found != by_guid_.end()) return found->second;
+    const auto found = by_id_.find({item.kind, item.id});
+    // One name on two elements is two things.
+    if (found == by_id_.end() || (!item.guid.empty() && !found->second->guid.empty())) return nullptr;
+    return found->second;
+  }
+
+ private:
+  std::map<std::pair<std::string, std::string>, const EpochItem*> by_guid_, by_id_;
+};
+
+ChangeKind change_of(const EpochItem& before, ToleranceVerdict after) {
+  if (after == ToleranceVerdict::not_measured) return ChangeKind::unseen;
+  if (is_open(after))
+    return before.open()                                      ? ChangeKind::still_open
+           : before.verdict == ToleranceVerdict::not_measured ? ChangeKind::opened
+           : before.was_open                                  ? ChangeKind::opened_again
+                                                              : ChangeKind::opened;
+  return before.verdict == ToleranceVerdict::fail   ? ChangeKind::mended
+         : before.verdict == ToleranceVerdict::pass ? ChangeKind::in_order
+                                                    : ChangeKind::settled;
+}
+
+std::unique_ptr<AsBuiltChangeT> change_between(const EpochItem* before, const EpochItem& after, ChangeKind change) {
+  auto out = std::make_unique<AsBuiltChangeT>();
+  out->kind = after.kind, out->id = after.id, out->guid = after.guid;
+  out->floor = after.floor, out->facade = after.facade;
+  out->before = before ? before->verdict : ToleranceVerdict::not_measured;
+  out->after = after.verdict, out->change = change;
+  out->movement = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+/// An anchor that was measured in both campaigns.
+struct Pair {
+  AsBuiltChangeT* change;
+  Eigen::Vector3d d;
+  Eigen::Matrix3d covariance;
+};
+
+double statistic_of(const Eigen::Vector3d& d, const Eigen::Matrix3d& covariance) {
+  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
+  if (!covariance.allFinite() || llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
+  return d.dot(llt.solve(d));
+}
+
+Eigen::Vector3d median_of(const std::vector<Pair>& pairs) {
+  Eigen::Vector3d median;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> values;
+    for (const Pair& pair : pairs) values.push_back(pair.d[axis]);
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+    median[axis] = values[values.size() / 2];
+  }
+  return median;
+}
+
+std::ptrdiff_t moving(const std::vector<Pair>& pairs, const Eigen::Vector3d& together, double critical) {
+  return std::count_if(pairs.begin(), pairs.end(),
+                       [&](const Pair& pair) { return statistic_of(pair.d - together, pair.covariance) > critical; });
+}
+
+std::string shift_in_words(const Eigen::Vector3d& d) {
+  char text[120];
+  std::snprintf(text, sizeof text, "%+.1f, %+.1f, %+.1f mm (x, y, z)", 1e3 * d.x(), 1e3 * d.y(), 1e3 * d.z());
+  return text;
+}
+
+void test_movements(const std::vector<Pair>& pairs, AsBuiltChangesT& out) {
+  out.measured_twice = static_cast<int>(pairs.size());
+  out.together = Eigen::Vector3d::Zero();
+  if (pairs.empty()) return;
+  const auto n = static_cast<double>(pairs.size());
+  out.critical = chi_squared_quantile(1 - kAlpha / n, 3);
+  const Eigen::Vector3d median = median_of(pairs);
+  const auto alone = moving(pairs, Eigen::Vector3d::Zero(), out.critical);
+  // A shift common to nearly all says something of the frame and nothing of the anchors.
+  if (pairs.size() >= 4 && 2 * static_cast<double>(alone) > n &&
+      10 * static_cast<double>(moving(pairs, median, out.critical)) <= n) {
+    out.together = median;
+    out.warnings.push_back(
+        std::to_string(alone) + " of " + std::to_string(pairs.size()) + " anchors seem to have moved by the same, " +
+        shift_in_words(median) +
+        ": rather the control or the frame differs between the campaigns than the building; movements "
+        "are given without it");
+  }
+  std::size_t unknown = 0;
+  for (const Pair& pair : pairs) {
+    const Eigen::Vector3d d = pair.d - out.together;
+    pair.change->movement = d, pair.change->statistic = statistic_of(d, pair.covariance);
+    pair.change->moved = pair.change->statistic > out.critical;
+    unknown += std::isnan(pair.change->statistic);
+    if (d.norm() > 0) pair.change->u = std::sqrt(d.dot(pair.covariance * d)) / d.norm();
+  }
+  if (unknown > 0)
+    out.warnings.push_back("whether " + std::to_string(unknown) +
+                           " anchors have moved is not tested: their covariance is not known in both campaigns");
+}
+
+void compare_judgements(const EpochRecord& before, const DeviationT& after, std::size_t other_design,
+                        AsBuiltChangesT& out) {
+  if (!after.doubts.empty())
+    out.warnings.push_back(
+        "this campaign's measurement is not to be trusted: what was in order is open for that alone, and nothing "
+        "counts "
+        "as mended");
+  char text[240];
+  if (std::abs(before.tau - after.tau) > kSameTolerance || std::abs(before.risk - after.risk) > 1e-9) {
+    std::snprintf(
+        text, sizeof text,
+        "the campaign before was judged by %.4g mm and a risk of %.3g, this one by %.4g mm and %.3g: a verdict "
+        "may have changed for that alone",
+        1e3 * before.tau, before.risk, 1e3 * after.tau, after.risk);
+    out.warnings.push_back(text);
+  }
+  if (other_design > 0)
+    out.warnings.push_back(std::to_string(other_design) +
+                           " anchors have another place in the design than in the campaign before: their verdicts may "
+                           "have changed for that alone");
+}
+
+}  // namespace
+
+EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before) {
+  EpochRecord record{epoch, deviation.design_file, deviation.tau, deviation.risk, items_of(deviation)};
+  static const std::vector<EpochItem> none;
+  const Known known(before ? before->items : none);
+  std::set<const EpochItem*> met;
+  for (EpochItem& item : record.items) {
+    const EpochItem* earlier = known.find(item);
+    if (earlier) met.insert(earlier);
+    item.was_open = item.open() || (earlier && earlier->was_open);
+    if (!earlier || item.verdict != ToleranceVerdict::not_measured) continue;
+    item.verdict = earlier->verdict, item.position = earlier->position, item.covariance = earlier->covariance;
+  }
+  // A panel without a measured anchor is not judged, and not forgotten either.
+  if (before)
+    for (const EpochItem& item : before->items)
+      if (!met.contains(&item)) record.items.push_back(item);
+  return record;
+}
+
+AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch) {
+  AsBuiltChangesT out;
+  out.before = before.epoch, out.after = epoch, out.compared = true;
+  const Known known(before.items);
+  std::set<const EpochItem*> met;
+  std::vector<Pair> pairs;
+  std::size_t other_design = 0;
+  for (const EpochItem& now : items_of(after)) {
+    const EpochItem* earlier = known.find(now);
+    if (earlier) met.insert(earlier);
+    const ChangeKind change = earlier ? change_of(*earlier, now.verdict) : ChangeKind::added;
+    out.changes.push_back(change_between(earlier, now, change));
+    if (!earlier || now.kind != "anchor") continue;
+    if ((earlier->design - now.design).norm() > kSameDesign) ++other_design;
+    if (earlier->position.allFinite() && now.position.allFinite())
+      pairs.push_back({out.changes.back().get(), now.position - earlier->position,
+                       Eigen::Matrix3d(earlier->covariance + now.covariance)});
+  }
+  if (met.empty())
+    throw BadInput("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) + " of " +
+                   before.design_file + ") is in this one; 'before' is as_built.json of another building");
+  for (const EpochItem& item : before.items) {
+    if (met.contains(&item)) continue;
+    EpochItem gone = item;
+    gone.verdict = ToleranceVerdict::not_measured;
+    // Panels are judged only where an anchor was measured.
+    out.changes.push_back(
+        change_between(&item, gone, item.kind == "panel" ? ChangeKind::unseen : ChangeKind::left_out));
+  }
+  test_movements(pairs, out);
+  compare_judgements(before, after, other_design, out);
+  return out;
+}
+
+const char* words_of(ChangeKind change) {
+  static constexpr std::array<const char*, 9> words = {
+      "in order", "mended", "settled", "still open", "opened", "opened again", "not measured again", "new", "left out"};
+  return words[static_cast<std::size_t>(change)];
+}
+
+std::string words_of_changes(const AsBuiltChangesT& changes) {
+  std::map<ChangeKind, int> counts;
+  int moved = 0;
+  for (const auto& change : changes.changes) ++counts[change->change], moved += change->moved;
+  std::string text;
+  const auto add = [&](int n, const std::string& what) {
+    if (n > 0) text += (text.empty() ? "" : ", ") + std::to_string(n) + " " + what;
+  };
+  for (const ChangeKind kind : {ChangeKind::mended, ChangeKind::settled, ChangeKind::opened_again, ChangeKind::opened,
+                                ChangeKind::still_open, ChangeKind::unseen, ChangeKind::added, ChangeKind::left_out})
+    add(counts[kind], words_of(kind));
+  add(moved, moved == 1 ? "anchor has moved" : "anchors have moved");
+  return text.empty() ? "nothing has changed" : text;
+}
+
+}  // namespace plumbline::judgement

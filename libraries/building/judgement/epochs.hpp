@@ -1,0 +1,48 @@
+// Campaigns of one building compared: what was mended, opened again, moved, and what nobody has measured again.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "artifacts/as_built_changes.hpp"
+#include "artifacts/deviation.hpp"
+
+namespace plumbline::judgement {
+
+/// An anchor or panel as a campaign left it. Lengths in m, in the frame of the design.
+struct EpochItem {
+  std::string kind, id, guid, facade;  ///< kind: "anchor" or "panel"
+  int floor = 0;
+  ToleranceVerdict verdict = ToleranceVerdict::not_measured;
+  bool was_open = false;  ///< some campaign up to this one found it failing or undecided
+  Eigen::Vector3d design = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  Eigen::Vector3d position = design;                                   ///< nan: not measured, or a panel
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(design.x());  ///< nan: unknown
+  bool open() const { return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided; }
+};
+
+/// What a later campaign needs to know of this one.
+struct EpochRecord {
+  std::string epoch, design_file;
+  double tau = std::numeric_limits<double>::quiet_NaN(), risk = tau;
+  std::vector<EpochItem> items;
+};
+
+/// What the campaign leaves behind. What it did not measure keeps the verdict that `before` knew (null: no campaign
+/// before), so that nothing open is lost in a campaign that looked at one floor only.
+EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr);
+
+/// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
+/// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
+/// of all by the same, that is taken away and told: it is the control or the frame. Throws BadInput if no
+/// anchor is in both: it is a record of another building.
+AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch);
+
+/// "3 mended, 1 opened again, 2 still open, 1 not measured again"; what does not occur is left out; "nothing has
+/// changed".
+std::string words_of_changes(const AsBuiltChangesT& changes);
+/// "mended", "opened again", ...
+const char* words_of(ChangeKind change);
+
+}  // namespace plumbline::judgement

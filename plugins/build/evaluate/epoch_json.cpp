@@ -1,0 +1,134 @@
+#include "build/evaluate/epoch_json.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/text/whole_file.hpp"
+#include "build/evaluate/long_lists.hpp"
+#include "plumbline/failure.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr const char* kFormat = "plumbline-as-built/1";
+
+Json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// xx, xy, xz, yy, yz, zz; empty where unknown.
+Json list(const Eigen::Matrix3d& c) {
+  if (!c.allFinite()) return Json::array();
+  return {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
+}
+
+Json to_json(const EpochItem& item) {
+  Json out = {{"kind", item.kind},        {"id", item.id},         {"guid", item.guid},
+              {"floor", item.floor},      {"facade", item.facade}, {"verdict", EnumNameToleranceVerdict(item.verdict)},
+              {"was_open", item.was_open}};
+  if (item.kind != "anchor") return out;
+  out["design"] = list(item.design), out["position"] = list(item.position), out["covariance"] = list(item.covariance);
+  return out;
+}
+
+Json to_json(const AsBuiltChangeT& change) {
+  return {{"kind", change.kind},
+          {"id", change.id},
+          {"guid", change.guid},
+          {"floor", change.floor},
+          {"before", EnumNameToleranceVerdict(change.before)},
+          {"after", EnumNameToleranceVerdict(change.after)},
+          {"change", EnumNameChangeKind(change.change)},
+          {"moved", change.moved},
+          {"movement", list(change.movement)},
+          {"u", change.u}};
+}
+
+double number(const nlohmann::json& value) {
+  return value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+}
+
+Eigen::Vector3d vector(const nlohmann::json& value) {
+  Eigen::Vector3d v = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (value.is_array() && value.size() == 3)
+    for (int k = 0; k < 3; ++k) v[k] = number(value[static_cast<std::size_t>(k)]);
+  return v;
+}
+
+Eigen::Matrix3d matrix(const nlohmann::json& value) {
+  Eigen::Matrix3d c = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  if (!value.is_array() || value.size() != 6) return c;
+  std::size_t k = 0;
+  for (int row = 0; row < 3; ++row)
+    for (int column = row; column < 3; ++column) c(row, column) = c(column, row) = number(value[k++]);
+  return c;
+}
+
+EpochItem item_of(const nlohmann::json& from) {
+  EpochItem item;
+  item.kind = from.at("kind").get<std::string>(), item.id = from.at("id").get<std::string>();
+  item.guid = from.value("guid", ""), item.facade = from.value("facade", ""), item.floor = from.value("floor", 0);
+  const auto word = from.at("verdict").get<std::string>();
+  bool known = false;
+  for (const ToleranceVerdict verdict :
+       {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
+    if (word == EnumNameToleranceVerdict(verdict)) item.verdict = verdict, known = true;
+  if (!known) throw std::runtime_error("the verdict of '" + item.id + "' is '" + word + "'");
+  item.was_open = from.value("was_open", item.open());
+  item.design = vector(from.value("design", nlohmann::json())),
+  item.position = vector(from.value("position", nlohmann::json())),
+  item.covariance = matrix(from.value("covariance", nlohmann::json()));
+  return item;
+}
+
+}  // namespace
+
+std::string epoch_json(const EpochRecord& record, const AsBuiltChangesT& changes) {
+  Json since = nullptr;
+  if (changes.compared) {
+    Json all = Json::array();
+    for (const auto& change : changes.changes)
+      if (change->change != ChangeKind::in_order || change->moved) all.push_back(to_json(*change));
+    since = {{"before", changes.before},
+             {"in_words", words_of_changes(changes)},
+             {"moved_together", list(changes.together)},
+             {"warnings", changes.warnings},
+             {"changes", all}};
+  }
+  const Json document = {{"format", kFormat},
+                         {"epoch", record.epoch},
+                         {"design_file", record.design_file},
+                         {"tolerance", record.tau},
+                         {"risk", record.risk},
+                         {"units", {{"length", "m"}, {"covariance", "m2"}}},
+                         {"items", place_of_list("items")},
+                         {"since", since}};
+  std::string text = document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  put_list(text, "items", record.items, [](const EpochItem& item) { return to_json(item); });
+  return text;
+}
+
+EpochRecord read_epoch(const std::string& path) {
+  const auto document = nlohmann::json::parse(text::read_whole(path), nullptr, false);
+  const auto format = document.is_object() ? document.find("format") : document.end();
+  if (!document.is_object() || format == document.end() || *format != kFormat)
+    throw BadInput("parameter 'before': " + path + " is " +
+                   (document.is_discarded() ? "no JSON"
+                    : !document.is_object() || format == document.end() || !format->is_string()
+                        ? "JSON of another kind"
+                        : format->get<std::string>()) +
+                   ", expected as_built.json of the campaign before (" + kFormat + ")");
+  try {
+    EpochRecord record{document.value("epoch", ""),
+                       document.value("design_file", ""),
+                       number(document.value("tolerance", nlohmann::json())),
+                       number(document.value("risk", nlohmann::json())),
+                       {}};
+    for (const auto& item : document.at("items")) record.items.push_back(item_of(item));
+    return record;
+  } catch (const std::exception& error) {
+    throw BadInput("parameter 'before': " + path + " is damaged: " + error.what());
+  }
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,28 @@
+#include "build/evaluate/epochs_node.hpp"
+
+#include <optional>
+
+#include "build/evaluate/epoch_json.hpp"
+
+namespace plumbline::judgement {
+
+void EvaluateEpochs::run(Context& context) {
+  const DeviationT judged = deviation.unpack();
+  std::optional<EpochRecord> earlier;
+  if (!before->path.empty()) earlier = read_epoch(before->path);
+  AsBuiltChangesT result;
+  result.together = Eigen::Vector3d::Zero();
+  if (earlier) result = compare_epochs(*earlier, judged, *epoch);
+  for (const std::string& warning : result.warnings) context.warn(warning);
+  if (earlier)
+    context.info("since " + (earlier->epoch.empty() ? "the campaign before" : earlier->epoch) + ": " +
+                 words_of_changes(result));
+  changes.commit(result);
+  FileT file;
+  file.name = "as_built.json", file.media_type = "application/json";
+  const std::string text = epoch_json(record_of(judged, *epoch, earlier ? &*earlier : nullptr), result);
+  file.content.assign(text.begin(), text.end());
+  record.commit(file);
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,209 @@
+// Two campaigns of one building: what was mended, opened again, moved, and what nobody measured again.
+#include "building/judgement/epochs.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "build/evaluate/epoch_json.hpp"
+#include "small_building.hpp"
+
+namespace plumbline::judgement {
+namespace {
+
+using test::mm;
+
+std::unique_ptr<AnchorDeviationT> anchor(const std::string& id, ToleranceVerdict verdict, const Eigen::Vector3d& at,
+                                         double sigma = 0.3 * mm) {
+  auto out = std::make_unique<AnchorDeviationT>();
+  out->id = id, out->guid = "guid-" + id, out->floor = 1, out->verdict = verdict;
+  out->design = Eigen::Vector3d(1, 2, 3);
+  out->as_built = out->design + at;
+  if (verdict == ToleranceVerdict::not_measured) out->as_built.setConstant(NAN);
+  if (verdict != ToleranceVerdict::not_measured) {
+    out->covariance.assign(9, 0);
+    for (const std::size_t k : {0, 4, 8}) out->covariance[k] = sigma * sigma;
+  }
+  return out;
+}
+
+std::unique_ptr<PanelDeviationT> panel(const std::string& name, ToleranceVerdict verdict) {
+  auto out = std::make_unique<PanelDeviationT>();
+  out->guid = "guid-" + name, out->name = name, out->verdict = verdict;
+  return out;
+}
+
+DeviationT campaign(std::vector<std::unique_ptr<AnchorDeviationT>> anchors) {
+  DeviationT deviation;
+  deviation.tau = 5 * mm, deviation.risk = 0.05, deviation.design_file = "tower.ifc";
+  deviation.anchors = std::move(anchors);
+  return deviation;
+}
+
+const AsBuiltChangeT& of(const AsBuiltChangesT& changes, const std::string& id) {
+  for (const auto& change : changes.changes)
+    if (change->id == id) return *change;
+  throw std::runtime_error("no change of " + id);
+}
+
+constexpr auto kPass = ToleranceVerdict::pass, kFail = ToleranceVerdict::fail, kOpen = ToleranceVerdict::undecided,
+               kNone = ToleranceVerdict::not_measured;
+const Eigen::Vector3d kThere(0.001, 0, 0);
+
+TEST(AsBuiltEpochs, EveryWayFromOneVerdictToAnotherHasItsName) {
+  struct Case {
+    ToleranceVerdict before, after;
+    ChangeKind change;
+  };
+  const std::vector<Case> cases = {
+      {kFail, kPass, ChangeKind::mended},     {kOpen, kPass, ChangeKind::settled},
+      {kNone, kPass, ChangeKind::settled},    {kPass, kPass, ChangeKind::in_order},
+      {kPass, kFail, ChangeKind::opened},     {kPass, kOpen, ChangeKind::opened},
+      {kNone, kFail, ChangeKind::opened},     {kFail, kFail, ChangeKind::still_open},
+      {kFail, kOpen, ChangeKind::still_open}, {kFail, kNone, ChangeKind::unseen},
+      {kPass, kNone, ChangeKind::unseen},     {kNone, kNone, ChangeKind::unseen},
+  };
+  std::vector<std::unique_ptr<AnchorDeviationT>> may, june;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    may.push_back(anchor("A" + std::to_string(i), cases[i].before, kThere));
+    june.push_back(anchor("A" + std::to_string(i), cases[i].after, kThere));
+  }
+  may.push_back(anchor("gone", kFail, kThere)), june.push_back(anchor("added", kPass, kThere));
+  const DeviationT first = campaign(std::move(may)), second = campaign(std::move(june));
+  const AsBuiltChangesT changes = compare_epochs(record_of(first, "2026-05"), second, "2026-06");
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    EXPECT_EQ(of(changes, "A" + std::to_string(i)).change, cases[i].change) << i;
+  EXPECT_EQ(of(changes, "gone").change, ChangeKind::left_out);
+  EXPECT_EQ(of(changes, "added").change, ChangeKind::added);
+  EXPECT_EQ(words_of_changes(changes),
+            "1 mended, 2 settled, 3 opened, 2 still open, 3 not measured again, 1 new, 1 left out");
+}
+
+/// Three campaigns: mended in June, failing in July. What June did not look at is still known in July.
+TEST(AsBuiltEpochs, WhatWasMendedAndFailsIsOpenedAgainAndNothingOpenIsForgotten) {
+  const auto one = [](ToleranceVerdict a, ToleranceVerdict b) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", a, kThere)), anchors.push_back(anchor("B", b, kThere));
+    return campaign(std::move(anchors));
+  };
+  DeviationT may = one(kFail, kFail);
+  may.panels.push_back(panel("P", kFail));
+  const EpochRecord first = record_of(may, "May");
+  const DeviationT june = one(kPass, kNone);
+  EXPECT_EQ(of(compare_epochs(first, june, "June"), "A").change, ChangeKind::mended);
+  EXPECT_EQ(of(compare_epochs(first, june, "June"), "P").change, ChangeKind::unseen) << "no anchor of it was measured";
+  const EpochRecord second = record_of(june, "June", &first);
+  const DeviationT july = one(kFail, kPass);
+  const AsBuiltChangesT changes = compare_epochs(second, july, "July");
+  EXPECT_EQ(of(changes, "A").change, ChangeKind::opened_again);
+  EXPECT_EQ(of(changes, "B").change, ChangeKind::mended) << "its failure is that of May";
+  EXPECT_EQ(of(changes, "P").before, kFail) << "a panel that June could not judge is not forgotten";
+  EXPECT_EQ(of(compare_epochs(record_of(one(kPass, kPass), "x"), july, "y"), "A").change, ChangeKind::opened)
+      << "it had never been open";
+}
+
+TEST(AsBuiltEpochs, MovementsAreTestedAllTogether) {
+  // Of 1000 sound anchors none is told in nineteen of twenty campaigns; one that moved by 4 mm is.
+  test::Normal normal(7);
+  int wrong = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> may, june;
+    for (int i = 0; i < 250; ++i) {
+      const auto noise = [&] { return Eigen::Vector3d(0.3 * mm * Eigen::Vector3d(normal(), normal(), normal())); };
+      may.push_back(anchor("A" + std::to_string(i), kPass, noise()));
+      const Eigen::Vector3d moved = i == 17 ? Eigen::Vector3d(0, 4 * mm, 0) : Eigen::Vector3d::Zero();
+      june.push_back(anchor("A" + std::to_string(i), kPass, moved + noise()));
+    }
+    const DeviationT second = campaign(std::move(june));
+    const AsBuiltChangesT changes = compare_epochs(record_of(campaign(std::move(may)), ""), second, "");
+    EXPECT_TRUE(of(changes, "A17").moved);
+    EXPECT_NEAR(of(changes, "A17").movement.y(), 4 * mm, 2 * mm);
+    EXPECT_NEAR(of(changes, "A17").u, std::sqrt(2) * 0.3 * mm, 1e-9);
+    int told = -1;
+    for (const auto& change : changes.changes) told += change->moved;
+    wrong += told > 0;
+  }
+  EXPECT_LE(wrong, 6) << "5 % of 40 campaigns, and some";
+}
+
+TEST(AsBuiltEpochs, WhatAllHaveMovedByIsTheFrame) {
+  std::vector<std::unique_ptr<AnchorDeviationT>> may, june, half;
+  for (int i = 0; i < 20; ++i) {
+    const std::string id = "A" + std::to_string(i);
+    may.push_back(anchor(id, kPass, kThere));
+    const Eigen::Vector3d own = i == 3 ? Eigen::Vector3d(0, 0, 6 * mm) : Eigen::Vector3d::Zero();
+    june.push_back(anchor(id, kPass, kThere + Eigen::Vector3d(8 * mm, 0, 0) + own));
+    half.push_back(anchor(id, kPass, kThere + Eigen::Vector3d(i < 10 ? 8 * mm : 0, 0, 0)));
+  }
+  const EpochRecord before = record_of(campaign(std::move(may)), "");
+  const DeviationT all = campaign(std::move(june)), some = campaign(std::move(half));
+  const AsBuiltChangesT together = compare_epochs(before, all, "");
+  EXPECT_NEAR(together.together.x(), 8 * mm, 1e-9);
+  ASSERT_EQ(together.warnings.size(), 1u);
+  EXPECT_NE(together.warnings[0].find("20 of 20 anchors seem to have moved by the same, +8.0, +0.0, +0.0 mm"),
+            std::string::npos)
+      << together.warnings[0];
+  EXPECT_TRUE(of(together, "A3").moved);
+  EXPECT_FALSE(of(together, "A4").moved);
+  const AsBuiltChangesT apart = compare_epochs(before, some, "");
+  EXPECT_TRUE(of(apart, "A4").moved && !of(apart, "A14").moved);
+  EXPECT_EQ(apart.together, Eigen::Vector3d::Zero());
+}
+
+TEST(AsBuiltEpochs, OtherTolerancesDesignsAndBuildingsAreTold) {
+  std::vector<std::unique_ptr<AnchorDeviationT>> may, june, other;
+  may.push_back(anchor("A", kPass, kThere)), june.push_back(anchor("A", kFail, kThere));
+  other.push_back(anchor("Z", kPass, kThere));
+  const EpochRecord before = record_of(campaign(std::move(may)), "May");
+  DeviationT after = campaign(std::move(june));
+  after.tau = 3 * mm, after.anchors[0]->design.x() += 0.02, after.doubts = {"the block contradicts itself"};
+  const AsBuiltChangesT changes = compare_epochs(before, after, "");
+  ASSERT_EQ(changes.warnings.size(), 3u);
+  EXPECT_NE(changes.warnings[1].find("judged by 5 mm and a risk of 0.05, this one by 3 mm"), std::string::npos);
+  EXPECT_NE(changes.warnings[2].find("1 anchors have another place in the design"), std::string::npos);
+  const DeviationT elsewhere = campaign(std::move(other));
+  EXPECT_THROW(compare_epochs(before, elsewhere, ""), std::runtime_error);
+}
+
+TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
+  std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+  anchors.push_back(anchor("A", kFail, {1.0 / 3, -2e-7, 5})), anchors.push_back(anchor("B \xff", kNone, kThere));
+  DeviationT may = campaign(std::move(anchors));
+  may.panels.push_back(panel("P", kOpen));
+  const EpochRecord written = record_of(may, "2026-05");
+  const auto folder = std::filesystem::temp_directory_path() / ("epochs-" + std::to_string(::getpid()));
+  std::filesystem::create_directories(folder);
+  const auto file = [&](const std::string& text) {
+    std::ofstream(folder / "as_built.json") << text;
+    return (folder / "as_built.json").string();
+  };
+  const EpochRecord read = read_epoch(file(epoch_json(written, {})));
+  ASSERT_EQ(read.items.size(), 3u);
+  EXPECT_EQ(read.epoch + read.design_file, "2026-05tower.ifc");
+  EXPECT_EQ(read.items[0].position, written.items[0].position);
+  EXPECT_EQ(read.items[0].covariance, written.items[0].covariance);
+  EXPECT_TRUE(read.items[0].was_open && read.items[0].verdict == kFail && read.items[2].kind == "panel");
+  EXPECT_FALSE(read.items[1].position.allFinite());
+  const auto refused = [&](const std::string& text) {
+    try {
+      read_epoch(file(text));
+    } catch (const std::exception& error) {
+      return std::string(error.what());
+    }
+    return std::string("read");
+  };
+  EXPECT_NE(refused("IFC").find("is no JSON, expected as_built.json of the campaign before"), std::string::npos);
+  EXPECT_NE(refused("{\"format\": \"plumbline-metrics/2\"}").find("is plumbline-metrics/2"), std::string::npos);
+  EXPECT_NE(refused("[]").find("JSON of another kind"), std::string::npos);
+  EXPECT_NE(refused("{\"format\": \"plumbline-as-built/1\", \"items\": [{\"kind\": \"anchor\", \"id\": \"A\", "
+                    "\"verdict\": \"good\"}]}")
+                .find("damaged: the verdict of 'A' is 'good'"),
+            std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace plumbline::judgement

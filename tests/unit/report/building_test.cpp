@@ -1,0 +1,139 @@
+// What of a building the page and the sheets show beside verdicts: changes since the campaign before, floors and axes,
+// what stands around the anchors, one sheet for each facade and floor.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "example.hpp"
+#include "geometry/statistics.hpp"
+#include "show/report/report.hpp"
+#include "show/report/sheets_page.hpp"
+#include "show/report/summary.hpp"
+
+namespace plumbline::report {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+int count_of(const std::string& text, const std::string& part) {
+  int n = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size()) ++n;
+  return n;
+}
+
+/// Anchors stand at x = 2, 4, 6, 8; A runs along the facade, 1 to 4 across it.
+std::vector<ifc::GridAxis> grid_of_example() {
+  std::vector<ifc::GridAxis> grid = {{"A", "u", {0, 0, 0}, {1, 0, 0}}, {"B", "u", {0, 9, 0}, {1, 0, 0}}};
+  for (int i = 1; i <= 4; ++i) grid.push_back({std::to_string(i), "v", {2.0 * i, -5, 0}, {0, 1, 0}});
+  return grid;
+}
+
+std::unique_ptr<AsBuiltChangeT> change(const AnchorDeviationT& anchor, ToleranceVerdict before, ChangeKind kind) {
+  auto out = std::make_unique<AsBuiltChangeT>();
+  out->kind = "anchor", out->id = anchor.id, out->floor = anchor.floor, out->before = before;
+  out->after = anchor.verdict, out->change = kind;
+  out->movement.setConstant(NAN);
+  return out;
+}
+
+TEST(Building, ThePageSaysFirstWhatIsToBeLookedAtSinceTheCampaignBefore) {
+  ReportInput input = test::example();
+  const auto& anchors = input.deviation->anchors;
+  AsBuiltChangesT changes;
+  changes.compared = true, changes.before = "May <2026>", changes.measured_twice = 3;
+  changes.changes.push_back(change(*anchors[0], ToleranceVerdict::fail, ChangeKind::mended));
+  changes.changes.push_back(change(*anchors[1], ToleranceVerdict::pass, ChangeKind::opened_again));
+  changes.changes.push_back(change(*anchors[2], ToleranceVerdict::pass, ChangeKind::in_order));
+  changes.changes.push_back(change(*anchors[3], ToleranceVerdict::pass, ChangeKind::in_order));
+  changes.changes[3]->moved = true, changes.changes[3]->movement = {0.004, 0, 0}, changes.changes[3]->u = 0.0005;
+  input.changes = changes;
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "Since May &lt;2026&gt;: 1 mended, 1 opened again, 1 anchor has moved."));
+  const std::string part = html.substr(html.find("<section id=\"changes\""));
+  const std::string rows = part.substr(0, part.find("</section>"));
+  const auto at = [&](std::size_t i) { return rows.find("Anchor " + anchors[i]->id + "<"); };
+  EXPECT_LT(at(1), at(3));
+  EXPECT_LT(at(3), at(0));
+  EXPECT_EQ(at(2), std::string::npos) << "in order, where it was";
+  EXPECT_TRUE(contains(rows, "moved 4.0 ± 0.5"));
+  const std::string summary = summary_text(input.accuracy, &*input.deviation, &*input.changes);
+  EXPECT_TRUE(contains(summary, "Since May <2026>: 1 mended, 1 opened again, 1 anchor has moved.\n")) << summary;
+  input.changes->compared = false;
+  EXPECT_FALSE(contains(render_report(input), "id=\"changes\"")) << "no campaign before";
+}
+
+TEST(Building, FloorsAndAxesHaveTheirMeansAndPlacesTheirNames) {
+  ReportInput input = test::example();
+  input.grid = grid_of_example();
+  const std::string html = render_report(input);
+  const std::string places = html.substr(html.find("<section id=\"places\""));
+  const std::string table = places.substr(0, places.find("</section>"));
+  for (const char* name : {">Floor 1<", ">Axis 1<", ">Axis 4<"}) EXPECT_TRUE(contains(table, name)) << name;
+  EXPECT_FALSE(contains(table, ">Axis A<")) << "it runs along the facade";
+  EXPECT_LT(table.find(">Axis 1<"), table.find(">Axis 4<"));
+  EXPECT_TRUE(contains(html, " at A/")) << "the list of what to do says where";
+  EXPECT_TRUE(contains(html, ">Grid</th>"));
+  const std::string plain = render_report(test::example());
+  EXPECT_FALSE(contains(plain, ">Grid</th>"));
+  EXPECT_TRUE(contains(plain, ">Floor 1<"));
+}
+
+TEST(Building, TheViewInSpaceHasTheBuildingItsGridAndNorth) {
+  DesignT design;
+  const auto add = [&](double size, bool anchor) {
+    auto element = std::make_unique<DesignElementT>();
+    element->is_anchor = anchor;
+    element->placement = {Eigen::Quaterniond::Identity(), {10, 0, 0}};
+    element->box_low.setZero(), element->box_high = Eigen::Vector3d(size, 2, 3);
+    design.elements.push_back(std::move(element));
+  };
+  add(5, true), add(4, false), add(8, false);
+  design.elements.push_back(std::make_unique<DesignElementT>());
+  design.elements.back()->box_low.setConstant(NAN);
+  design.true_north = 0.5;
+  const BuildingLines lines = building_lines(design, 1);
+  ASSERT_EQ(lines.edges.size(), 12u) << "the largest alone; neither anchors nor what has no shape";
+  double length = 0, farthest = 0;
+  std::set<std::vector<double>> different;
+  for (const auto& [from, to] : lines.edges) {
+    length += (to - from).norm(), farthest = std::max(farthest, to.x());
+    different.insert({from.x(), from.y(), from.z(), to.x(), to.y(), to.z()});
+  }
+  EXPECT_NEAR(length, 4 * (8 + 2 + 3), 1e-12);
+  EXPECT_NEAR(farthest, 18, 1e-12);
+  EXPECT_EQ(different.size(), 12u);
+  ReportInput input = test::example();
+  EXPECT_FALSE(contains(render_report(input), "id=\"around-input\""));
+  input.grid = grid_of_example(), input.building = lines;
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "\"north\":0.500000"));
+  EXPECT_TRUE(contains(html, "\"grid\":[[\"A\",["));
+  EXPECT_TRUE(contains(html, "id=\"around-input\""));
+}
+
+/// Every anchor and every panel on one sheet and no other, also those of no known floor or facade.
+TEST(Building, SheetsHoldEverythingOnce) {
+  ReportInput input = test::example();
+  input.title = "Tower \"A\"; </style>", input.grid = grid_of_example();
+  input.deviation->anchors[0]->floor = 0;
+  input.deviation->anchors[1]->facade = nullptr;
+  const std::string html = render_sheets(input);
+  std::set<std::pair<std::string, int>> wanted;
+  for (const auto& anchor : input.deviation->anchors) {
+    EXPECT_EQ(count_of(html, "<th scope=\"row\">Anchor " + anchor->id + "</th>"), 1) << anchor->id;
+    wanted.insert({anchor->facade ? anchor->facade->facade : "", anchor->floor});
+  }
+  for (const auto& panel : input.deviation->panels)
+    EXPECT_EQ(count_of(html, "<th scope=\"row\">Panel " + panel->name + "</th>"), 1) << panel->name;
+  EXPECT_GE(count_of(html, "<section class=\"sheet\">"), static_cast<int>(wanted.size()));
+  const int sheets = count_of(html, "<section class=\"sheet\">");
+  EXPECT_TRUE(contains(html, "; sheet " + std::to_string(sheets) + " of " + std::to_string(sheets) + "<"));
+  EXPECT_TRUE(contains(html, "unknown floor"));
+  EXPECT_TRUE(contains(html, "No facade that is known"));
+  EXPECT_TRUE(contains(html, "@top-left{content:\"Tower \\22 A\\22 \\3b  \\3c \\2f style\\3e "))
+      << "nothing of the title ends the style";
+}
+
+}  // namespace
+}  // namespace plumbline::report

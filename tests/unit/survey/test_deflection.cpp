@@ -1,0 +1,144 @@
+// Networks on a map over a geoid that is not level with the ellipsoid. The readings are made in X, Y, Z of the earth,
+// each instrument standing along the plumb line of its own place: nothing of the adjustment's formulas is used.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "survey/adjust/adjust_network.hpp"
+
+namespace plumbline::survey {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using geodesy::Geoid;
+using geodesy::MapProjection;
+using geodesy::Place;
+
+constexpr double kSecond = std::numbers::pi / 180 / 3600;
+constexpr const char* kMap = "EPSG:25832";
+
+/// A valley: two stations below, targets up to 300 m above them.
+const std::map<std::string, Vector3d> kPoints = {{"A", {691000, 5335000, 600}}, {"B", {691480, 5335060, 610}},
+                                                 {"C", {691200, 5335420, 905}}, {"D", {690870, 5335380, 700}},
+                                                 {"P", {691330, 5335290, 890}}, {"Q", {690980, 5335150, 760}}};
+
+SurveyObservations measured(const Geoid& geoid) {
+  const MapProjection map(kMap);
+  SurveyObservations s;
+  for (const auto& [id, at] : kPoints) {
+    Point p;
+    p.id = id;
+    p.coordinates = at;
+    if (id <= "B") p.roles.fill(CoordinateRole::fixed);
+    s.points.push_back(p);
+  }
+  const auto earth = [&](const Vector3d& p) {
+    const Place place = map.inverse(p.head<2>());
+    return map.geocentric(place, p.z() + geoid.height(place));
+  };
+  for (const std::string station : {"A", "B"}) {
+    const auto set_up = static_cast<int>(s.set_ups.size());
+    s.set_ups.push_back({station, station, 0, {}});
+    const Place place = map.inverse(kPoints.at(station).head<2>());
+    const Vector2d deflection = geoid.deflection(place);
+    const Eigen::Matrix3d plumb = MapProjection::horizon(
+        {place.latitude + deflection.x(), place.longitude + deflection.y() / std::cos(place.latitude)});
+    for (const auto& [id, at] : kPoints) {
+      if (id == station) continue;
+      const Vector3d d = plumb * (earth(at) - earth(kPoints.at(station)));
+      const std::pair<ObservationKind, double> readings[] = {
+          {ObservationKind::direction, std::atan2(d.x(), d.y()) + 1.0},
+          {ObservationKind::zenith_angle, std::atan2(d.head<2>().norm(), d.z())},
+          {ObservationKind::slope_distance, d.norm()}};
+      for (const auto& [kind, value] : readings) {
+        Observation o;
+        o.kind = kind, o.value = value, o.set_up = set_up, o.from = station, o.to = id;
+        o.sigma = kind == ObservationKind::slope_distance ? 1e-3 : kSecond;
+        s.observations.push_back(o);
+      }
+    }
+  }
+  return s;
+}
+
+/// Of the points that were measured [m].
+double largest_error(const SurveyObservations& survey, const GeoidChoice& geoid) {
+  AdjustOptions options;
+  options.datum = DatumMode::file;
+  options.map = kMap;
+  options.geoid = geoid;
+  options.curvature = Switch::on;
+  options.refraction_coefficient = 0;
+  const NetworkResult r = adjust_network(survey, options);
+  double largest = 0;
+  for (const auto& [id, at] : kPoints) largest = std::max(largest, (r.point(id).position - at).norm());
+  return largest;
+}
+
+Vector2d middle() {
+  Vector2d sum = Vector2d::Zero();
+  for (const auto& [id, at] : kPoints) sum += at.head<2>();
+  return sum / static_cast<double>(kPoints.size());
+}
+
+TEST(Deflection, ConstantsAreTheSlopeOfTheGeoid) {
+  GeoidChoice geoid;
+  geoid.height = 46.2;
+  geoid.deflection = kSecond * Vector2d(14, -22);
+  const MapProjection map(kMap);
+  const SurveyObservations survey = measured(Geoid(geoid.height, geoid.deflection, map.inverse(middle())));
+  EXPECT_LT(largest_error(survey, geoid), 2e-4);
+  GeoidChoice level = geoid;
+  level.deflection.setZero();
+  EXPECT_GT(largest_error(survey, level), 0.01) << "26\" at 35 gon of elevation";
+  GeoidChoice turned = geoid;
+  turned.deflection = -geoid.deflection;
+  EXPECT_GT(largest_error(survey, turned), 0.02);
+}
+
+TEST(Deflection, WithoutAMapOrBesideAGridIsRefused) {
+  const SurveyObservations survey = measured(Geoid());
+  AdjustOptions options;
+  options.datum = DatumMode::file;
+  options.geoid.deflection = kSecond * Vector2d(1, 0);
+  EXPECT_THROW(adjust_network(survey, options), NetworkError);
+  options.map = kMap;
+  options.geoid.grid = "/nowhere/geoid.gtx";
+  EXPECT_THROW(adjust_network(survey, options), NetworkError);
+  options.geoid.deflection.setZero();
+  try {
+    adjust_network(survey, options);
+    ADD_FAILURE() << "a grid that is not there";
+  } catch (const NetworkError& error) {
+    EXPECT_NE(std::string(error.what()).find("/nowhere/geoid.gtx cannot be read"), std::string::npos) << error.what();
+  }
+}
+
+/// EGM96 in the Alps.
+TEST(Deflection, OfAGridIsItsSlopeAtEachStation) {
+  const Place reference = MapProjection(kMap).inverse(middle());
+  EXPECT_TRUE(std::isfinite(reference.latitude));
+  const std::string egm96 = "/usr/share/proj/egm96_15.gtx";
+  std::shared_ptr<const geodesy::GeoidGrid> grid;
+  try {
+    grid = std::make_shared<const geodesy::GeoidGrid>(egm96);
+  } catch (const std::runtime_error&) {
+    GTEST_SKIP() << egm96 << " is not there";
+  }
+  const Geoid geoid(grid);
+  ASSERT_GT(geoid.deflection(reference).norm(), 2 * kSecond);
+  const SurveyObservations survey = measured(geoid);
+  GeoidChoice choice;
+  choice.grid = egm96;
+  EXPECT_LT(largest_error(survey, choice), 2e-4);
+  GeoidChoice level;
+  level.height = geoid.height(reference);
+  EXPECT_GT(largest_error(survey, level), 1e-3);
+}
+
+}  // namespace
+}  // namespace plumbline::survey
