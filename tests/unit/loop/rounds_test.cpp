@@ -95,7 +95,6 @@ TEST(Rounds, MeasuringOnceMoreHasAnEnd) {
   }
   EXPECT_EQ(item(state, "p0").why.rfind("waited for 10 campaigns more, and none decided it", 0), 0u)
       << item(state, "p0").why;
-  EXPECT_TRUE(state.done);
   EXPECT_EQ(item(state, "b0").status, ItemStatus::verified);
   ASSERT_TRUE(accept_item(state, "p0"));
   next_plan(state, plan_after_setting(0, "more precise"));
