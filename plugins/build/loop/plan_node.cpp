@@ -57,7 +57,7 @@ RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopS
   RoundsEstimate rounds = combine_rounds(input.facade, before, {*drift_per_storey}, 500, repeated.targets);
   if (control && input.facade.own.size() == 0 && rounds.words.empty())
     said.push_back("none of the " + std::to_string(control->points()->size()) +
-                    " points of 'control' is in the model: what campaigns share is not known, and each counts alone");
+                   " points of 'control' is in the model: what campaigns share is not known, and each counts alone");
   // The same campaign planned once more is no other one that repeats it.
   const bool once_more = repeated.count == repeated.all && !alone && rounds.estimate && before &&
                          rounds.estimate->campaigns == before->estimate->campaigns;
