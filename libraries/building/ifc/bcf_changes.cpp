@@ -68,7 +68,8 @@ void add_changes(const DeviationT& deviation, const BcfOptions& options, std::ve
   for (const auto& panel : deviation.panels) places.try_emplace(panel->guid, placed_issue(*panel));
   for (const auto& change : options.changes->changes) {
     if (change->guid.size() != 22) continue;  // it never had a topic
-    const BcfComment comment{options.date, options.author, history(*change, *options.changes)};
+    BcfComment comment{options.date, options.author, history(*change, *options.changes)};
+    comment.key = comment.date + "/" + comment.text;  // every campaign says something of its own of the same topic
     if (const auto known = open.find(change->guid); known != open.end()) {
       if (was_open(*change) || change->change == ChangeKind::opened_again)
         issues[known->second].comments.push_back(comment);

@@ -72,9 +72,10 @@ std::string comments(const BcfIssue& issue, const BcfOptions& options, const std
   std::string text;
   for (std::size_t i = 0; i < issue.comments.size(); ++i) {
     const BcfComment& comment = issue.comments[i];
-    text += "<Comment Guid=\"" + uuid_of(options.project_guid, "bcf comment/" + topic + "/" + std::to_string(i)) +
-            "\">" + element("Date", comment.date) + element("Author", comment.author) +
-            element("Comment", comment.text) + "</Comment>";
+    const std::string key = comment.key.empty() ? std::to_string(i) : comment.key;
+    text += "<Comment Guid=\"" + uuid_of(options.project_guid, "bcf comment/" + topic + "/" + key) + "\">" +
+            element("Date", comment.date) + element("Author", comment.author) + element("Comment", comment.text) +
+            "</Comment>";
   }
   return text;
 }

@@ -15,6 +15,7 @@ namespace plumbline::ifc {
 /// What somebody said about a topic.
 struct BcfComment {
   std::string date, author, text;  ///< date: xs:dateTime
+  std::string key = {};            ///< what its id comes from, beside the topic; empty: its number
 };
 
 /// One anchor or panel to be mended.

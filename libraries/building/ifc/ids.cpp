@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -89,7 +90,9 @@ void ask_of_anchors(const DeviationT& deviation, const IdsOptions& options, Writ
     all[anchor->class_].push_back(anchor->guid);
     if (!anchor->deviation.allFinite()) continue;
     measured[anchor->class_].push_back(anchor->guid);
-    if (anchor->covariance.size() == 9) with_u[anchor->class_].push_back(anchor->guid);
+    const auto is_known = [](double value) { return std::isfinite(value); };
+    if (anchor->covariance.size() == 9 && std::all_of(anchor->covariance.begin(), anchor->covariance.end(), is_known))
+      with_u[anchor->class_].push_back(anchor->guid);
   }
   const std::string set = "ASB_AnchorDeviation", length = "IFCLENGTHMEASURE";
   for (const auto& [ifc_class, guids] : all)

@@ -31,6 +31,8 @@ EpochItem item_of(const AnchorDeviationT& anchor) {
   item.design = anchor.design, item.position = anchor.as_built;
   for (std::size_t k = 0; k < 9 && anchor.covariance.size() == 9; ++k)
     item.covariance(static_cast<Eigen::Index>(k / 3), static_cast<Eigen::Index>(k % 3)) = anchor.covariance[k];
+  for (const auto& axis : anchor.axes)
+    if (std::isfinite(axis->above)) item.limits[axis->axis] = {axis->above, axis->below};
   return item;
 }
 
@@ -68,6 +70,20 @@ class Known {
  private:
   std::map<std::pair<std::string, std::string>, const EpochItem*> by_guid_, by_id_;
 };
+
+/// Whether the two were held against other limits, as far as both are known.
+bool is_judged_otherwise(const EpochItem& before, const EpochItem& after) {
+  if (before.limits.empty() || after.limits.empty()) return false;
+  const auto same = [](double a, double b) {
+    return std::abs(a - b) <= kSameTolerance || (!std::isfinite(a) && !std::isfinite(b));
+  };
+  for (const auto& [axis, limit] : after.limits) {
+    const auto found = before.limits.find(axis);
+    if (found == before.limits.end() || !same(found->second[0], limit[0]) || !same(found->second[1], limit[1]))
+      return true;
+  }
+  return before.limits.size() != after.limits.size();
+}
 
 ChangeKind change_of(const EpochItem& before, ToleranceVerdict after) {
   if (after == ToleranceVerdict::not_measured) return ChangeKind::unseen;
@@ -158,7 +174,7 @@ void test_movements(const std::vector<Pair>& pairs, AsBuiltChangesT& out) {
 }
 
 void compare_judgements(const EpochRecord& before, const DeviationT& after, std::size_t other_design,
-                        AsBuiltChangesT& out) {
+                        std::size_t other_limits, AsBuiltChangesT& out) {
   if (!after.doubts.empty())
     out.warnings.push_back(
         "this campaign's measurement is not to be trusted: what was in order is open for that alone, and nothing "
@@ -172,6 +188,10 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
         "may have changed for that alone",
         1e3 * before.tau, before.risk, 1e3 * after.tau, after.risk);
     out.warnings.push_back(text);
+  } else if (other_limits > 0) {
+    out.warnings.push_back(std::to_string(other_limits) +
+                           " anchors are held against other tolerances than in the campaign before: their verdicts may "
+                           "have changed for that alone");
   }
   if (other_design > 0)
     out.warnings.push_back(std::to_string(other_design) +
@@ -184,14 +204,18 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before) {
   EpochRecord record{epoch, deviation.design_file, deviation.tau, deviation.risk, items_of(deviation)};
   static const std::vector<EpochItem> none;
+  static const EpochItem nowhere{};
   const Known known(before ? before->items : none);
   std::set<const EpochItem*> met;
   for (EpochItem& item : record.items) {
     const EpochItem* earlier = known.find(item);
     if (earlier) met.insert(earlier);
     item.was_open = item.open() || (earlier && earlier->was_open);
-    if (!earlier || item.verdict != ToleranceVerdict::not_measured) continue;
-    item.verdict = earlier->verdict, item.position = earlier->position, item.covariance = earlier->covariance;
+    const bool is_measured = item.verdict != ToleranceVerdict::not_measured;
+    if (is_measured && deviation.doubts.empty()) continue;
+    item.position = earlier ? earlier->position : nowhere.position;
+    item.covariance = earlier ? earlier->covariance : nowhere.covariance;
+    if (!is_measured && earlier) item.verdict = earlier->verdict, item.limits = earlier->limits;
   }
   // A panel without a measured anchor is not judged, and not forgotten either.
   if (before)
@@ -206,7 +230,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   const Known known(before.items);
   std::set<const EpochItem*> met;
   std::vector<Pair> pairs;
-  std::size_t other_design = 0;
+  std::size_t other_design = 0, other_limits = 0;
   for (const EpochItem& now : items_of(after)) {
     const EpochItem* earlier = known.find(now);
     if (earlier) met.insert(earlier);
@@ -214,6 +238,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     out.changes.push_back(change_between(earlier, now, change));
     if (!earlier || now.kind != "anchor") continue;
     if ((earlier->design - now.design).norm() > kSameDesign) ++other_design;
+    other_limits += is_judged_otherwise(*earlier, now);
     if (earlier->position.allFinite() && now.position.allFinite())
       pairs.push_back({out.changes.back().get(), now.position - earlier->position,
                        Eigen::Matrix3d(earlier->covariance + now.covariance)});
@@ -230,7 +255,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
         change_between(&item, gone, item.kind == "panel" ? ChangeKind::unseen : ChangeKind::left_out));
   }
   test_movements(pairs, out);
-  compare_judgements(before, after, other_design, out);
+  compare_judgements(before, after, other_design, other_limits, out);
   return out;
 }
 

@@ -1,7 +1,9 @@
 // Campaigns of one building compared: what was mended, opened again, moved, and what nobody has measured again.
 #pragma once
 
+#include <array>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct EpochItem {
   Eigen::Vector3d design = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Vector3d position = design;                                   ///< nan: not measured, or a panel
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(design.x());  ///< nan: unknown
+  std::map<std::string, std::array<double, 2>> limits = {};            ///< by axis: above and below [m]; empty: unknown
   bool open() const { return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided; }
 };
 
@@ -30,7 +33,8 @@ struct EpochRecord {
 };
 
 /// What the campaign leaves behind. What it did not measure keeps the verdict that `before` knew (null: no campaign
-/// before), so that nothing open is lost in a campaign that looked at one floor only.
+/// before), so that nothing open is lost in a campaign that looked at one floor only; and places of a measurement that
+/// is not to be trusted are left to `before`: nothing is compared with them.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr);
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the

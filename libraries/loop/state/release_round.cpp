@@ -70,7 +70,8 @@ void Round::unset_what_does_not_do() {
     LoopItemT& hung = *item("panel", panel->id);
     if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
     if (another_campaign_may_do(*panel)) {
-      if (turn_of(*panel) && ++hung.waited > kMostWaits) {
+      // The same campaign once more is none that it waited for.
+      if (turn_of(*panel) && plan_.basis != state_.basis && ++hung.waited > kMostWaits) {
         reject_item(state_, hung,
                     {"waited for " + std::to_string(kMostWaits) +
                          " campaigns more, and none decided it: measure it more precisely, or have its brackets set "

@@ -28,6 +28,9 @@ Json to_json(const EpochItem& item) {
               {"was_open", item.was_open}};
   if (item.kind != "anchor") return out;
   out["design"] = list(item.design), out["position"] = list(item.position), out["covariance"] = list(item.covariance);
+  Json limits = Json::object();
+  for (const auto& [axis, limit] : item.limits) limits[axis] = Json::array({limit[0], limit[1]});
+  out["limits"] = limits;
   return out;
 }
 
@@ -78,6 +81,10 @@ EpochItem item_of(const nlohmann::json& from) {
   item.design = vector(from.value("design", nlohmann::json())),
   item.position = vector(from.value("position", nlohmann::json())),
   item.covariance = matrix(from.value("covariance", nlohmann::json()));
+  if (const auto limits = from.find("limits"); limits != from.end() && limits->is_object())
+    for (const auto& limit : limits->items())
+      if (limit.value().is_array() && limit.value().size() == 2)
+        item.limits[limit.key()] = {number(limit.value()[0]), number(limit.value()[1])};
   return item;
 }
 

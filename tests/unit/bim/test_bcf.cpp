@@ -273,6 +273,12 @@ TEST(Bcf, WhatWasMendedIsClosedAndWhatNobodyMeasuredAgainStaysOpen) {
   std::string all;
   for (const auto& [name, content] : files) all += name.ends_with("markup.bcf") ? content : "";
   EXPECT_NE(all.find("no longer in the design or the plate table"), std::string::npos) << "and never silently dropped";
+  // What the next campaign says of the same topic is another comment.
+  const auto comment = [](const std::string& text) { return text.substr(text.find("<Comment Guid=") + 15, 36); };
+  AsBuiltChangesT later = changes_of_example();
+  later.before = "2026-05", later.after = "2026-06";
+  const auto next = example(false, &later);
+  EXPECT_NE(comment(next.at(topic_of.at("11vctVUKr0kugbFTf53O9L") + "/markup.bcf")), comment(mended));
 }
 
 TEST(Bcf, ADoubtHasATopicAndItsAnchorsSayWhy) {

@@ -168,11 +168,41 @@ TEST(AsBuiltEpochs, OtherTolerancesDesignsAndBuildingsAreTold) {
   EXPECT_THROW(compare_epochs(before, elsewhere, ""), std::runtime_error);
 }
 
+/// A rule that was loosened closes nothing without a word.
+TEST(AsBuiltEpochs, OtherLimitsOfARuleAreTold) {
+  const auto with_limit = [](ToleranceVerdict verdict, double limit) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", verdict, kThere));
+    anchors[0]->axes.push_back(std::make_unique<JudgedAxisT>());
+    anchors[0]->axes[0]->axis = "vertical", anchors[0]->axes[0]->above = anchors[0]->axes[0]->below = limit;
+    return campaign(std::move(anchors));
+  };
+  const EpochRecord before = record_of(with_limit(kFail, 3 * mm), "May");
+  const DeviationT same = with_limit(kPass, 3 * mm), loosened = with_limit(kPass, 8 * mm);
+  EXPECT_TRUE(compare_epochs(before, same, "June").warnings.empty());
+  const AsBuiltChangesT changes = compare_epochs(before, loosened, "June");
+  ASSERT_EQ(changes.warnings.size(), 1u);
+  EXPECT_NE(changes.warnings[0].find("1 anchors are held against other tolerances"), std::string::npos);
+}
+
+TEST(AsBuiltEpochs, AMeasurementInDoubtLeavesNoPlaceToCompareWith) {
+  std::vector<std::unique_ptr<AnchorDeviationT>> may, june;
+  may.push_back(anchor("A", kFail, kThere)), june.push_back(anchor("A", kOpen, kThere + Eigen::Vector3d(0.1, 0, 0)));
+  DeviationT doubtful = campaign(std::move(june));
+  doubtful.doubts = {"the block contradicts itself"};
+  const EpochRecord first = record_of(campaign(std::move(may)), "May"), second = record_of(doubtful, "June", &first);
+  EXPECT_EQ(second.items[0].position, first.items[0].position);
+  EXPECT_FALSE(record_of(doubtful, "June").items[0].position.allFinite());
+}
+
 TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
   anchors.push_back(anchor("A", kFail, {1.0 / 3, -2e-7, 5})), anchors.push_back(anchor("B \xff", kNone, kThere));
   DeviationT may = campaign(std::move(anchors));
   may.panels.push_back(panel("P", kOpen));
+  may.anchors[0]->axes.push_back(std::make_unique<JudgedAxisT>());
+  may.anchors[0]->axes[0]->axis = "vertical", may.anchors[0]->axes[0]->above = 3 * mm;
+  may.anchors[0]->axes[0]->below = 1.0 / 3;
   const EpochRecord written = record_of(may, "2026-05");
   const auto folder = std::filesystem::temp_directory_path() / ("epochs-" + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
@@ -185,6 +215,7 @@ TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   EXPECT_EQ(read.epoch + read.design_file, "2026-05tower.ifc");
   EXPECT_EQ(read.items[0].position, written.items[0].position);
   EXPECT_EQ(read.items[0].covariance, written.items[0].covariance);
+  EXPECT_EQ(read.items[0].limits, written.items[0].limits);
   EXPECT_TRUE(read.items[0].was_open && read.items[0].verdict == kFail && read.items[2].kind == "panel");
   EXPECT_FALSE(read.items[1].position.allFinite());
   const auto refused = [&](const std::string& text) {
