@@ -275,10 +275,12 @@ int run(const Options& options) {
   if (unfinished)
     std::fprintf(stderr, "%s: warning: not finished after %zu of at most %zu rounds: %s\n", graph.file.c_str(),
                  result.rounds.rounds, graph.rounds.most, result.rounds.text.c_str());
-  bool delivered = true;
-  for (const auto& delivery : deliveries) {
+  bool delivered = true, lost = false;  // lost: what a node gave could not be written
+  for (size_t i = 0; i < deliveries.size(); ++i) {
+    const runtime::Delivery& delivery = deliveries[i];
     if (!delivery.note.empty()) std::fprintf(stderr, "warning: %s\n", delivery.note.c_str());
     delivered = delivered && delivery.problem.empty();
+    lost |= !delivery.problem.empty() && is_good(result.nodes[graph.outputs[i].from.node]);
   }
   if (options.json)
     print_json_end(out);
@@ -292,7 +294,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;
   }
-  if (!result.ok() || !delivered) return result.not_converged() ? 4 : 1;
+  if (!result.ok() || !delivered) return result.not_converged() && !lost ? 4 : 1;
   return is_invalid(result) || unfinished ? 3 : 0;
 }
 

@@ -72,8 +72,9 @@ Calibration calibrate(const std::vector<CalibrationView>& views, int width, int 
 /// only oriented, and the other way round; no point is left out. √(Σ(dx² + dy²)/n) [px].
 struct LensComparison {
   double brown = 0, fisheye = 0;
-  double widest = 0;      ///< angle of a point off the axis, by the calibration [rad]
-  bool held_out = false;  ///< false: of the photographs they were fitted to, which are too few to be divided
+  double widest = 0;          ///< angle of a point off the axis, by the calibration [rad]
+  bool held_out = false;      ///< false: of the photographs they were fitted to, which are too few to be divided
+  bool only_fisheye = false;  ///< Brown's model fits nothing, the fisheye's does
   /// The fisheye's model, which has a parameter fewer, leaves less than 0.85 of the residuals.
   bool is_fisheye() const { return fisheye > 0 && fisheye < 0.85 * brown; }
 };

@@ -75,6 +75,7 @@ LensComparison compare_lenses(const std::vector<CalibrationView>& views, const C
     lenses.brown = residuals(views, all, brown), lenses.fisheye = residuals(views, all, fisheye);
     if (std::isfinite(lenses.brown) && std::isfinite(lenses.fisheye)) return lenses;
     if (lenses.held_out) continue;
+    lenses.only_fisheye = std::isfinite(lenses.fisheye);
     lenses.brown = lenses.fisheye = 0;  // one of them fits nothing
     return lenses;
   }
@@ -91,6 +92,7 @@ CalibrationOfLens calibrate_lens_and_camera(const std::vector<CalibrationView>& 
     const auto as_fisheye = attempt(views, width, height, options);
     if (!as_fisheye || as_fisheye->rms > good) throw;
     result.calibration = *as_fisheye;
+    result.lenses.only_fisheye = true;
     return result;
   }
   result.lenses = compare_lenses(views, options, result.calibration);

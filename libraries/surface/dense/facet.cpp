@@ -52,11 +52,12 @@ Eigen::ArrayXf mean_patch(const std::vector<Share>& shares) {
 
 /// Of a photograph with the pattern, noise apart: the root of its mean correlation with the `count - 1` others, as two
 /// noisy patches agree by the product of what each agrees with the pattern by. With the mean of all, two photographs
-/// would agree by 0.7 whatever they show, since each is a part of it.
+/// would agree by 0.7 whatever they show, since each is a part of it. Of two nobody is a third who would contradict
+/// what agrees by chance at one of many heights: there the correlation itself counts.
 double correlation(const Share& share, const Eigen::ArrayXf& mean, size_t count) {
   const double all = static_cast<double>(count);
   const double others = (all * static_cast<double>((share.patch.values * mean).mean()) - 1) / (all - 1);
-  return std::sqrt(std::max(0.0, others));
+  return count == 2 ? others : std::sqrt(std::max(0.0, others));
 }
 
 /// Mean correlation of pairs of patches: (K² |T|² − K) / (K (K − 1)), since all have contrast 1.

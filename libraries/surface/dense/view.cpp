@@ -29,6 +29,9 @@ std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const
   const Eigen::Vector3d in_camera = turned + view.cam_from_world.translation;
   const auto seen = project_with_slope(view.camera, in_camera);
   if (!seen) return std::nullopt;
+  // Distortion polynomials turn back far outside of the image and would bring places from there into it.
+  const Eigen::Matrix2d across = seen->by_point.leftCols<2>();
+  if (!(across(0, 0) > 0 && across.determinant() > 0)) return std::nullopt;
   const auto inside = [&](double value, int size) { return value >= margin && value <= size - 1 - margin; };
   if (!inside(seen->pixel.x(), view.camera.width) || !inside(seen->pixel.y(), view.camera.height)) return std::nullopt;
   const Eigen::Matrix3d cam_from_plane = view.cam_from_world.rotation.toRotationMatrix() * plane.axes;

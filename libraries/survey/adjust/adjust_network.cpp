@@ -212,7 +212,7 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
     if (model.contradicted && f.severity != Finding::Severity::note) {
       std::vector<Finding> findings = {f};
       findings.insert(findings.end(), error.findings.begin(), error.findings.end());
-      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings, {}, error.kind());
+      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings);
     }
   throw error;
 }
@@ -302,7 +302,7 @@ static NetworkResult adjust_network(const SurveyObservations& survey, const Adju
     if (findings.empty()) throw;
     const std::string text = findings.front().text + ". " + error.what();
     findings.insert(findings.end(), error.findings.begin(), error.findings.end());
-    throw NetworkError(text, findings, error.undetermined, error.kind());
+    throw NetworkError(text, findings, error.undetermined);
   }
 }
 

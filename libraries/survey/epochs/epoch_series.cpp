@@ -155,6 +155,28 @@ void align(const Epoch& reference, const std::vector<std::string>& stable, int f
 
 }  // namespace
 
+std::vector<const SeriesPoint::At*> SeriesPoint::latest() const {
+  std::vector<const At*> found;
+  for (Index c = 0; c < 3; ++c) {
+    const auto last = std::find_if(at.rbegin(), at.rend(), [&](const At& a) { return std::isfinite(a.movement[c]); });
+    if (last != at.rend() && std::find(found.begin(), found.end(), &*last) == found.end()) found.push_back(&*last);
+  }
+  std::sort(found.begin(), found.end(), [](const At* a, const At* b) { return a->epoch > b->epoch; });
+  return found;
+}
+
+Level SeriesPoint::latest_alarm() const {
+  Level highest = Level::below;
+  for (const At* a : latest()) highest = std::max(highest, a->alarm);
+  return highest;
+}
+
+Level SeriesPoint::latest_warning() const {
+  Level highest = Level::below;
+  for (const At* a : latest()) highest = std::max(highest, a->warning);
+  return highest;
+}
+
 std::optional<double> day_of_date(const std::string& date) {
   int part[3] = {0, 0, 0};
   const char* at = date.data();

@@ -51,7 +51,12 @@ struct SeriesPoint {
     Level warning = Level::below, alarm = Level::below;
   };
   std::vector<At> at;  ///< epochs that measured any coordinate again
-  size_t first = 0;    ///< its first epoch
+  /// Of these the last one of each coordinate, the latest first: an epoch of heights alone says nothing of the plan.
+  std::vector<const At*> latest() const;
+  /// The highest level of any of them.
+  Level latest_alarm() const;
+  Level latest_warning() const;
+  size_t first = 0;  ///< its first epoch
   std::array<size_t, 3> reference = {0, 0,
                                      0};     ///< first epoch of each coordinate; of no meaning where none is compared
   Eigen::Vector3d velocity, velocity_sigma;  ///< [m per unit of time]; NaN with fewer than two epochs

@@ -71,9 +71,9 @@ class StarNetReader {
   std::string at_, backsight_;  // of the traverse
   Observation pending_like_;    // of the traverse line that waits for its foresight
   std::string pending_, line_text_;
-  char separator_ = '-';  // between the names of stations
+  char separator_ = '-';                 // between the names of stations
   std::size_t records_ = 0, freed_ = 0;  ///< lines; values that '*' frees
-  int off_since_ = 0;  // line of .DATA OFF; 0: on
+  int off_since_ = 0;                    // line of .DATA OFF; 0: on
   bool used_order_ = false, used_angles_ = false;
 };
 

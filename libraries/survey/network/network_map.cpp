@@ -8,13 +8,19 @@ namespace plumbline::survey {
 
 namespace {
 
-/// E and N of the points that have them, on the mean.
-Eigen::Vector2d middle_of_given(const SurveyObservations& survey) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  double count = 0;
-  for (const Point& p : survey.points)
-    if (p.coordinates.head<2>().allFinite()) sum += p.coordinates.head<2>(), ++count;
-  return count > 0 ? Eigen::Vector2d(sum / count) : sum;
+/// E and N of the points that have them, of the file or as control, on the mean; of observed coordinates where there
+/// are none.
+Eigen::Vector2d middle_of_given(const NetworkModel& m) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero(), count = Eigen::Vector2d::Zero();
+  for (size_t i = 0; i < m.initial.size(); ++i)
+    if (m.roles[i][0] != CoordinateRole::unused && m.initial[i].head<2>().allFinite())
+      sum += m.initial[i].head<2>(), count += Eigen::Vector2d::Ones();
+  if (count.isZero(0))
+    for (const CoordinateGroup& g : m.survey.coordinates)
+      for (size_t k = 0; k < g.components.size(); ++k)
+        if (const int axis = g.components[k].axis; axis < 2)
+          sum[axis] += g.values[static_cast<Eigen::Index>(k)], count[axis] += 1;
+  return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
 /// Ends of a sight with the heights of instrument and target.
@@ -60,6 +66,8 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
   const std::string& own = m.survey.info.coordinate_system;
   const std::string system = options.map.empty() && own.starts_with("+proj=") ? own : options.map;
   const bool plane = system.empty() || system == kPlane;
+  if (own.starts_with("+proj=") && !plane && system != own)
+    throw NetworkError("E and N of the file are of the map " + own + ", not of another: leave out map=" + system);
   if (plane && some)
     throw NetworkError(
         "the network has vectors in X, Y, Z of the earth: say which map its E and N are on, such as "
@@ -75,7 +83,7 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
     throw NetworkError(
         "the network has vectors dE, dN, dH of a plane, which are not adjusted on a map: leave out map=" + system);
   try {
-    m.map = std::make_shared<const MapFrame>(system, options.geoid, middle_of_given(m.survey));
+    m.map = std::make_shared<const MapFrame>(system, options.geoid, middle_of_given(m));
   } catch (const std::runtime_error& error) {
     throw NetworkError(std::string("map: ") + error.what());
   }

@@ -26,8 +26,8 @@ void find_lengths(NetworkModel& model);
 /// Leaves out observations that cannot be used with the points as they are.
 void drop_unusable(NetworkModel& model);
 
-/// Vectors of the earth need a map, vectors of a plane have none. A file whose reader has drawn its own map of latitudes
-/// and longitudes, as PROJ writes it, is on that one. Throws NetworkError.
+/// Vectors of the earth need a map, vectors of a plane have none. A file whose reader has drawn its own map of
+/// latitudes and longitudes, as PROJ writes it, is on that one. Throws NetworkError.
 void take_map(NetworkModel& model, const AdjustOptions& options);
 
 /// What the map makes of each observation at the approximate coordinates. Throws NetworkError where these cannot be on

@@ -89,6 +89,4 @@ std::vector<PlanRemedy> remedies_for_rank(const PlanLayout& layout, const PlanOp
 std::vector<PlanRemedy> remedies_for_transfer(const PlanLayout& layout, const PlanOptions& options, int lower,
                                               int upper, PlanPredictions& predictions);
 
-/// "A, B and 3 more".
-
 }  // namespace plumbline::survey

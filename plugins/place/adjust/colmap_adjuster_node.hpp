@@ -1,6 +1,9 @@
 // adjust.colmap: a block of marker plates adjusted by Debian's `colmap` program.
 #pragma once
 
+#include <map>
+#include <set>
+
 #include "artifacts/block.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/image_block.hpp"
@@ -101,17 +104,19 @@ struct ColmapAdjuster : Node {
  private:
   /// What COLMAP estimated, without a standard deviation that nobody knows.
   void describe_interior(BlockT& artifact) const {
-    std::map<std::string, bool> estimated = {
-        {"fx", *refine_focal_length},    {"fy", *refine_focal_length}, {"cx", *refine_principal_point},
-        {"cy", *refine_principal_point}, {"k1", *refine_extra_params}, {"k2", *refine_extra_params},
-        {"p1", *refine_extra_params},    {"p2", *refine_extra_params}, {"k4", *refine_extra_params}};
-    // k3 is a fisheye's; with Brown's, COLMAP's model has it held.
-    const bool fisheyes = std::any_of(artifact.interior_orientation.begin(), artifact.interior_orientation.end(),
-                                      [](const auto& parameter) { return parameter->name.starts_with("k4"); });
-    estimated["k3"] = fisheyes && *refine_extra_params;
+    const std::map<std::string, bool> estimated = {{"fx", *refine_focal_length},    {"fy", *refine_focal_length},
+                                                   {"cx", *refine_principal_point}, {"cy", *refine_principal_point},
+                                                   {"k1", *refine_extra_params},    {"k2", *refine_extra_params},
+                                                   {"k3", *refine_extra_params},    {"k4", *refine_extra_params},
+                                                   {"p1", *refine_extra_params},    {"p2", *refine_extra_params}};
+    std::set<std::string> fisheyes;
+    for (const auto& parameter : artifact.interior_orientation)
+      if (parameter->name == "k4") fisheyes.insert(parameter->camera);
     for (auto& parameter : artifact.interior_orientation) {
       const auto at = estimated.find(parameter->name);
-      parameter->estimated = at != estimated.end() && at->second;
+      // k3 is a fisheye's; with Brown's, COLMAP's model has it held.
+      const bool has = parameter->name != "k3" || fisheyes.count(parameter->camera) > 0;
+      parameter->estimated = has && at != estimated.end() && at->second;
       if (parameter->estimated) parameter->sigma = std::nan("");
     }
   }

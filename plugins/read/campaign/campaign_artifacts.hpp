@@ -20,8 +20,6 @@ namespace plumbline::campaign {
 /// it. Throws CampaignError.
 PhotographHeader header_of(const std::filesystem::path& path);
 
-/// The file's bytes. Throws CampaignError.
-
 CameraT to_artifact(const CameraCalibration& calibration, const std::string& source);
 PlatesT to_artifact(const std::vector<PlateEntry>& entries);
 PointsT to_artifact(const std::vector<ControlPoint>& entries);

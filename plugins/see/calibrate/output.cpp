@@ -88,7 +88,7 @@ void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string
 void add_lens(const LensComparison& lenses, LensModel used, std::vector<std::string>& warnings) {
   const bool as_fisheye = used == LensModel::fisheye;
   if (!lenses.is_fisheye()) {
-    if (as_fisheye && !(lenses.brown > 0))
+    if (as_fisheye && lenses.only_fisheye)
       warnings.emplace_back(
           "The lens is a fisheye: Brown's model does not fit the photographs at all, and it is calibrated with the "
           "fisheye's (Kannala and Brandt)");
@@ -265,10 +265,10 @@ Json calibration_json(const Calibrated& one) {
       {"halves", halves},
       {"parts", parts_json(one.parts)},
       {"lenses",
-       {{"fisheye_px", one.lenses.fisheye},
-        {"brown_px", one.lenses.brown},
+       {{"fisheye_px", one.lenses.fisheye > 0 ? Json(one.lenses.fisheye) : Json()},
+        {"brown_px", one.lenses.brown > 0 ? Json(one.lenses.brown) : Json()},
         {"of_photographs_not_fitted_to", one.lenses.held_out},
-        {"widest_deg", one.lenses.widest * 180 / M_PI}}},
+        {"widest_deg", one.lenses.widest > 0 ? Json(one.lenses.widest * 180 / M_PI) : Json()}}},
       {"projection_uncertainty_px", grid_json(projection_uncertainty(c.camera, c.covariance, map_columns, map_rows))},
       {"warnings", warnings},
       {"rejected", rejected},

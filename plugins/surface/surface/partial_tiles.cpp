@@ -5,8 +5,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <string_view>
+
+#include "base/text/whole_file.hpp"
 
 namespace plumbline::surface {
 namespace {
@@ -65,11 +66,8 @@ bool PartialTiles::has(size_t number) const {
 
 bool PartialTiles::load(size_t number, FacetTile& tile) {
   if (folder_.empty()) return false;
-  std::ifstream file(path(number), std::ios::binary);
-  if (!file) return false;
-  std::ostringstream text;
-  text << file.rdbuf();
-  const std::string bytes = text.str();
+  if (!has(number)) return false;
+  const std::string bytes = text::read_whole(path(number));
   std::string_view rest = bytes;
   std::uint64_t head[2];
   FacetTile read;

@@ -82,18 +82,21 @@ std::string velocity_unit(const SeriesText& text) { return text.unit == "day" ? 
 std::string in_words(const SeriesPoint& p, const SeriesText& text) {
   std::string words;
   const auto add = [&](const std::string& what) { words += (words.empty() ? "" : "; ") + what; };
-  const SeriesPoint::At& last = p.at.back();
+  const std::vector<const SeriesPoint::At*> latest = p.latest();
+  const auto has_moved = [](const SeriesPoint::At* at) { return at->moved; };
+  const bool moved = std::any_of(latest.begin(), latest.end(), has_moved);
   if (p.moves) add("moves, " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text)));
-  if (p.uneven() && (p.moves || last.moved)) add("not evenly");
-  if (last.moved)
-    add("moved since " + text.labels[p.first] + " by " + components(last.movement, last.sigma, 1000, "mm") +
-        later_references(p, last, text));
-  else if (std::any_of(p.at.begin(), p.at.end(), [](const auto& at) { return at.moved; }))
+  if (p.uneven() && (p.moves || moved)) add("not evenly");
+  for (const SeriesPoint::At* at : latest)
+    if (at->moved)
+      add("moved since " + text.labels[p.first] + " by " + components(at->movement, at->sigma, 1000, "mm") +
+          later_references(p, *at, text) + (at->epoch == p.at.back().epoch ? "" : ", as of " + text.labels[at->epoch]));
+  if (!moved && std::any_of(p.at.begin(), p.at.end(), [](const auto& at) { return at.moved; }))
     add("was elsewhere in between");
-  if (last.alarm != Level::below)
-    add(std::string("the alarm level ") + (last.alarm == Level::reached ? "is reached" : "may be reached"));
-  else if (last.warning != Level::below)
-    add(std::string("the warning level ") + (last.warning == Level::reached ? "is reached" : "may be reached"));
+  if (const Level alarm = p.latest_alarm(), warning = p.latest_warning(); alarm != Level::below)
+    add(std::string("the alarm level ") + (alarm == Level::reached ? "is reached" : "may be reached"));
+  else if (warning != Level::below)
+    add(std::string("the warning level ") + (warning == Level::reached ? "is reached" : "may be reached"));
   return words.empty() ? "" : p.id + ": " + words;
 }
 

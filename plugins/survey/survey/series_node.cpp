@@ -123,7 +123,7 @@ void EpochSeriesNode::run(Context& context) {
                  "chance: all movements here are against it as if it had not");
   int told = 0, alarms = 0;
   for (const SeriesPoint& p : result.points) {
-    alarms += p.at.back().alarm != Level::below;
+    alarms += p.latest_alarm() != Level::below;
     if (const std::string words = in_words(p, text); !words.empty()) ++told, context.warn(words);
   }
   context.metric("points_told", told, "1");

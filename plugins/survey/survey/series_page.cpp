@@ -117,7 +117,7 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
   std::vector<const SeriesPoint*> told, quiet;
   for (const SeriesPoint& p : s.points) (in_words(p, text).empty() ? quiet : told).push_back(&p);
   std::stable_sort(told.begin(), told.end(), [](const SeriesPoint* a, const SeriesPoint* b) {
-    const auto rank = [](const SeriesPoint* p) { return 2 * (p->at.back().alarm != Level::below) + p->moves; };
+    const auto rank = [](const SeriesPoint* p) { return 2 * (p->latest_alarm() != Level::below) + p->moves; };
     return rank(a) != rank(b) ? rank(a) > rank(b) : a->velocity_statistic > b->velocity_statistic;
   });
   std::string out =

@@ -50,8 +50,9 @@ TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
 
   answer = run({"poses.with.solver=epnp"});
   EXPECT_EQ(answer.code, 0) << answer.err;
-  EXPECT_EQ(nodes(out, "executed"), (std::set<std::string>{"poses", "block", "chain", "deviation", "accuracy", "ifc",
-                                                           "issues", "report", "summary", "table"}));
+  EXPECT_EQ(nodes(out, "executed"),
+            (std::set<std::string>{"poses", "block", "chain", "deviation", "accuracy", "drawing", "epochs", "ids",
+                                   "ifc", "issues", "report", "sheets", "summary", "table"}));
 
   run({});
   EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{}) << "the first result is still there";

@@ -75,12 +75,12 @@ class StoppedSurfaces : public testing::Test {
   void SetUp() override {
     program.write(
         "site.yaml",
-        "plumbline: 1\nvars: {kind: dense.plane_sweep}\nnodes:\n"
+        "plumbline: 1\nnodes:\n"
         "  site: {use: simulate.facade, with: {columns: 2, rows: 1, photographs: 4, width: 1200, height: 800}}\n"
         "outputs: {truth.csv: site.truth}\n");
     program.write(
         "depth.yaml",
-        "plumbline: 1\ninclude: site.yaml\nnodes:\n"
+        "plumbline: 1\ninclude: site.yaml\nvars: {kind: dense.plane_sweep}\nnodes:\n"
         "  depth: {use: \"${kind}\", in: {images: site.images, poses: site.poses, camera: site.camera, design: "
         "site.design}}\n  panels: {use: surface.panels, in: {surface: depth.surface}}\n"
         "outputs: {panels.csv: panels.table}\n");

@@ -191,7 +191,8 @@ TEST(SeveralCameras, InsetsHaveThePriorThatTheDetectorStates) {
   const auto stated = block::adjust_tag_block(synthetic.block, options);
   EXPECT_NEAR(stated.batches[1].inset_sigma, alone.batches[1].inset_sigma / std::sqrt(2.0),
               0.05 * alone.batches[1].inset_sigma);
-  EXPECT_NEAR(stated.batches[0].inset_sigma, alone.batches[0].inset_sigma, 0.02 * alone.batches[0].inset_sigma);
+  // The other camera has none, and learns through the size of the tags alone, which both see.
+  EXPECT_LT(stated.batches[0].inset_sigma, alone.batches[0].inset_sigma);
   EXPECT_NEAR(stated.batches[1].inset, 0.5 * alone.batches[1].inset, 0.15 * std::abs(alone.batches[1].inset) + 1e-4);
 }
 

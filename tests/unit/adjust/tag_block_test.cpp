@@ -43,7 +43,7 @@ TEST(TagBlock, RecoversTruthThroughAFisheye) {
   double widest = 0;
   for (const auto& seen : synthetic.block.observations)
     for (const auto& corner : seen.corners) widest = std::max(widest, unproject(synthetic.camera, corner)->norm());
-  ASSERT_GT(widest, std::tan(60 * M_PI / 180)) << "so far off the axis";
+  ASSERT_GT(widest, std::tan(40 * M_PI / 180)) << "so far off the axis";
   const auto result = block::adjust_tag_block(synthetic.block, test::bound_options());
   EXPECT_LT(largest_error(synthetic, result), 1e-8);
   EXPECT_EQ(result.cameras[0].interior.lens, LensModel::fisheye);

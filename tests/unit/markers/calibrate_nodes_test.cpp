@@ -118,7 +118,8 @@ TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
 /// The board close before a fisheye, to 60 degrees off its axis.
 BoardPointsT fisheye_photograph(int index) {
   BoardPointsT result = photograph(index, "");
-  const Eigen::Vector3d centre(0.1 + 0.04 * (index % 3 - 1), 0.075 + 0.05 * (index % 4 - 1.5), 0.1 + 0.01 * (index % 5));
+  const Eigen::Vector3d centre(0.1 + 0.04 * (index % 3 - 1), 0.075 + 0.05 * (index % 4 - 1.5),
+                               0.1 + 0.01 * (index % 5));
   const RigidTransform pose = look(centre, {0.1 + 0.02 * (index % 2), 0.075, 0}, 0.4 * index);
   std::mt19937_64 random(static_cast<unsigned>(index));
   std::normal_distribution<double> noise(0, 0.05);

@@ -42,9 +42,10 @@ struct Scene {
   std::vector<RigidTransform> tags, images;
 };
 
-/// Twelve tags on two walls of a corner, ten photographs or more; noise of `sigma` px, stated as such.
+/// Twelve tags on two walls of a corner, ten photographs or more, `height` metres before one of them at least; noise of
+/// `sigma` px, stated as such.
 inline Scene scene(double sigma, unsigned seed, int photographs = 10,
-                   const InteriorOrientation& taken_with = true_camera()) {
+                   const InteriorOrientation& taken_with = true_camera(), double height = 1.5) {
   Scene s;
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, sigma > 0 ? sigma : 1);
@@ -64,7 +65,7 @@ inline Scene scene(double sigma, unsigned seed, int photographs = 10,
     const int place = photographs == 10 ? k : k * 7 % photographs;  // of more in mixed order
     const double u = (place % 5) / 4.0, v = place / 5 * (5.0 / (photographs - 5));
     s.images.push_back(
-        look({-0.6 + 1.0 * u, -0.4 + 1.1 * v, 1.5 + 0.3 * u}, {0.55, 0.2, 0.15}, k % 2 ? M_PI / 2 : 0.1));
+        look({-0.6 + 1.0 * u, -0.4 + 1.1 * v, height + 0.3 * u}, {0.55, 0.2, 0.15}, k % 2 ? M_PI / 2 : 0.1));
     s.block.images.push_back({"image" + std::to_string(k) + ".jpg", 0});
     for (size_t m = 0; m < s.tags.size(); ++m) {
       MarkerView view;

@@ -75,7 +75,9 @@ TEST(MarkerBlock, RecoversTagsThroughAFisheye) {
 
 /// Asked for nothing, the tags say which lens it was; of a lens that is Brown's they say so, too.
 TEST(MarkerBlock, TellsAFisheyeByItsTags) {
-  Scene fisheye = scene(0.1, 1, 10, true_fisheye()), brown = scene(0.1, 1);
+  InteriorOrientation wide = true_fisheye();
+  wide.fx = wide.fy = 320;  // up to 50 degrees off the axis
+  Scene fisheye = scene(0.1, 1, 10, wide, 0.7), brown = scene(0.1, 1);
   fisheye.block.cameras[0].camera.lens = LensModel::brown;
   const MarkerResult found = adjust_lens_and_block(fisheye.block, {});
   EXPECT_EQ(found.cameras[0].camera.lens, LensModel::fisheye);

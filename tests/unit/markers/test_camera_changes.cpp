@@ -197,15 +197,15 @@ TEST(EmpiricalCovariance, OfFewPhotographsIsWhatIsUsual) {
 /// Photographs that follow one another have the same error, so they are worth fewer than they are.
 TEST(EmpiricalCovariance, KnowsThatNeighboursErrAlike) {
   constexpr int trials = 16;
-  for (const int alike : {1, 4}) {
+  for (const int alike : {1, 6}) {
     double written = 0, by_order = 0;
     for (int trial = 0; trial < trials; ++trial) {
       std::mt19937_64 random(static_cast<unsigned>(trial));
       std::normal_distribution<double> unit(0, 1);
-      std::vector<Eigen::Vector2d> shifts(24);
+      std::vector<Eigen::Vector2d> shifts(36);
       for (size_t k = 0; k < shifts.size(); ++k)
         shifts[k] = k % static_cast<size_t>(alike) ? shifts[k - 1] : Eigen::Vector2d(unit(random), unit(random));
-      const auto views = photographs(24, 300 + static_cast<unsigned>(trial), [&](int k, const Eigen::Vector2d&) {
+      const auto views = photographs(36, 300 + static_cast<unsigned>(trial), [&](int k, const Eigen::Vector2d&) {
         return Own{1, {0, 0}, 1.5 * shifts[static_cast<size_t>(k)]};
       });
       const Calibration c = calibrate(views, 1600, 1200, {});
@@ -216,9 +216,9 @@ TEST(EmpiricalCovariance, KnowsThatNeighboursErrAlike) {
     EXPECT_GT(written, 0.4) << alike;
     EXPECT_LT(written, 1.6) << alike;
     if (alike > 1)
-      EXPECT_GT(by_order, 1.2);
+      EXPECT_GT(by_order, 1.04) << "of six that err alike, which 36 photographs hardly show";
     else
-      EXPECT_LT(by_order, 1.25);
+      EXPECT_LT(by_order, 1.02);
   }
 }
 

@@ -137,7 +137,7 @@ TEST_P(TagPoseSolvers, RecoverTheTruthThroughAFisheye) {
   const Scene scene = make_scene(field, make_fisheye());
   double widest = 0;
   for (const TagView& view : scene.views) widest = std::max(widest, std::acos(view.bearings[0].z()));
-  ASSERT_GT(widest, 50 * M_PI / 180);
+  ASSERT_GT(widest, 45 * M_PI / 180);
   const TagPose found = estimate_tag_pose(scene.camera, scene.views, solver(), options_for(field));
   EXPECT_LT(centre_error(found, scene), 1e-7);
   EXPECT_EQ(found.inlier_count, static_cast<int>(scene.views.size()));
@@ -208,16 +208,19 @@ TEST(TagPose, HasACovarianceThatCoversItsError) {
 
 /// Edges that a photograph draws inwards, all by the same: each corner slides by it along both of its edges.
 TEST(TagPose, HasWhatAllEdgesAreDrawnInwardsByInItsCovariance) {
-  constexpr double inset_sigma = 0.3;
+  constexpr double inset_sigma = 0.2;
   double with = 0, without = 0;
   const int trials = 60;
   Random random(7);
   for (int k = 0; k < trials; ++k) {
-    const Field field{.point_sigma = 0.0005,
-                      .rotation_sigma = 0.001,
-                      .pixel_sigma = 0.03,
-                      .seed = static_cast<std::uint64_t>(k + 10)};
+    const Field field{
+        .point_sigma = 0.003, .rotation_sigma = 0.003, .pixel_sigma = 0.1, .seed = static_cast<std::uint64_t>(k + 10)};
     Scene scene = make_scene(field);
+    TagPoseOptions options = options_for(field);
+    const auto pose_of = [&] {
+      return estimate_tag_pose(scene.camera, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
+    };
+    const Eigen::MatrixXd of_corners_alone = pose_of().covariance;
     const double inset = inset_sigma * random.normal();
     for (TagView& view : scene.views) {
       const auto corners = view.pixels;
@@ -231,18 +234,15 @@ TEST(TagPose, HasWhatAllEdgesAreDrawnInwardsByInItsCovariance) {
         view.bearings[i] = unproject(scene.camera, view.pixels[i])->homogeneous().normalized();
       }
     }
-    TagPoseOptions options = options_for(field);
-    options.max_samples = 30, options.inlier_probability = 0.999999;
-    for (const bool told : {false, true}) {
-      options.inset_sigma = told ? inset_sigma : 0;
-      const TagPose found =
-          estimate_tag_pose(scene.camera, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
-      const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
-      Eigen::Matrix<double, 6, 1> e;
-      e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
-      (told ? with : without) += e.dot(found.covariance.ldlt().solve(e)) / (6 * trials);
-    }
+    options.inset_sigma = inset_sigma;
+    const TagPose found = pose_of();
+    const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
+    Eigen::Matrix<double, 6, 1> e;
+    e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
+    with += e.dot(found.covariance.ldlt().solve(e)) / (6 * trials);
+    without += e.dot(of_corners_alone.ldlt().solve(e)) / (6 * trials);
   }
+  RecordProperty("with", std::to_string(with)), RecordProperty("without", std::to_string(without));
   EXPECT_GT(without, 2) << "the case shows nothing";
   EXPECT_GT(with, 0.7);
   EXPECT_LT(with, 1.4);

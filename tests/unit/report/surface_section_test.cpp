@@ -46,9 +46,9 @@ TEST(SurfaceSection, WhatFailsStandsFirstAndWhatIsNotJudgedHasItsReason) {
 
 TEST(SurfaceSection, StandsOnTheReportIfThereAreSurfaces) {
   ReportInput input = test::example(2);
-  EXPECT_EQ(render_report(input).find("Surfaces of panels"), std::string::npos);
+  EXPECT_EQ(render_report(input).find("Verdicts on surfaces and joints"), std::string::npos);
   input.deviation->surfaces = std::make_unique<SurfaceJudgementT>(judgement());
-  EXPECT_NE(render_report(input).find("Surfaces of panels"), std::string::npos);
+  EXPECT_NE(render_report(input).find("Verdicts on surfaces and joints"), std::string::npos);
 }
 
 }  // namespace
