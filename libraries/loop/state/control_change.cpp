@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "base/text/words.hpp"
 
@@ -18,22 +19,39 @@ constexpr std::size_t kMost = 6;
 ControlChange control_change(const ControlMarks& before, const ControlMarks& now) {
   ControlChange change;
   if (before.empty() || now.empty()) return change;
-  std::map<std::string, Eigen::Vector3d> known;
-  for (const auto& mark : before) known[mark->id] = mark->place;
+  std::map<std::string, const ControlMarkT*> known;
+  for (const auto& mark : before) known[mark->id] = mark.get();
   for (const auto& mark : now) {
     const auto found = known.find(mark->id);
     if (found == known.end()) {
       change.added.push_back(mark->id);
       continue;
     }
-    const double off = (mark->place - found->second).norm();
+    const double off = (mark->place - found->second->place).norm();
+    if (found->second->missing) change.added.push_back(mark->id);
     known.erase(found);
     if (off <= kSame) continue;
     change.moved.push_back(mark->id + " by " + text::millimetres(off));
     change.largest = std::max(change.largest, off);
   }
-  for (const auto& [id, place] : known) change.gone.push_back(id);
+  for (const auto& [id, mark] : known)
+    if (!mark->missing) change.gone.push_back(id);
   return change;
+}
+
+ControlMarks kept_control(const ControlMarks& before, const ControlMarks& now) {
+  ControlMarks kept;
+  std::set<std::string> there;
+  for (const auto& mark : now) {
+    kept.push_back(std::make_unique<ControlMarkT>(*mark));
+    there.insert(mark->id);
+  }
+  for (const auto& mark : before)
+    if (there.insert(mark->id).second) {
+      kept.push_back(std::make_unique<ControlMarkT>(*mark));
+      kept.back()->missing = true;
+    }
+  return kept;
 }
 
 std::string words_of(const ControlChange& change) {

@@ -17,8 +17,12 @@ struct ControlChange {
   bool none() const { return moved.empty() && gone.empty() && added.empty(); }
 };
 
-/// Coordinates differ by more than a micrometre. Nothing where one of the two does not say its control.
+/// Coordinates differ by more than a micrometre. Nothing where one of the two does not say its control. A mark that the
+/// last campaign did not have is `added` when it is there again, and `moved` too if it is elsewhere than before.
 ControlChange control_change(const ControlMarks& before, const ControlMarks& now);
+
+/// What the state keeps: the marks of this campaign, and those of before that it does not have, as `missing`.
+ControlMarks kept_control(const ControlMarks& before, const ControlMarks& now);
 
 /// "the control is not that of the campaigns before: CP3 by 4.0 mm; CP5 was not in them".
 std::string words_of(const ControlChange& change);

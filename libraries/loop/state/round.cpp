@@ -71,10 +71,7 @@ void Round::hold_everything(const std::string& why) {
 
 void Round::take_control() {
   const ControlChange change = control_change(state_.control, plan_.control);
-  if (!plan_.control.empty()) {
-    state_.control.clear();
-    for (const auto& mark : plan_.control) state_.control.push_back(std::make_unique<ControlMarkT>(*mark));
-  }
+  if (!plan_.control.empty()) state_.control = kept_control(state_.control, plan_.control);
   if (change.largest <= kOtherResult * options_.setting_tolerance) return;
   const std::string why = words_of(change);
   for (auto& item : state_.items) {

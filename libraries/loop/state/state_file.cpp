@@ -130,7 +130,7 @@ std::string state_json(const LoopStateT& state) {
   for (const auto& item : state.items) out["items"].push_back(json_of(*item));
   out["control"] = Json::array(), out["readings"] = state.readings;
   for (const auto& mark : state.control)
-    out["control"].push_back({{"id", mark->id}, {"place", numbers_or_null(mark->place)}});
+    out["control"].push_back({{"id", mark->id}, {"place", numbers_or_null(mark->place)}, {"missing", mark->missing}});
   if (state.estimate) out["estimate"] = json_of(*state.estimate);
   // As it is read back: what is no UTF-8 was replaced on the way.
   out = Json::parse(dumped(out));
@@ -146,7 +146,7 @@ void take_what_it_rests_on(const Json& json, LoopStateT& state) {
   json.at("readings").get_to(state.readings);
   for (const Json& mark : json.at("control")) {
     auto out = std::make_unique<ControlMarkT>();
-    mark.at("id").get_to(out->id), out->place = numbers_of(mark.at("place"));
+    mark.at("id").get_to(out->id), out->place = numbers_of(mark.at("place")), mark.at("missing").get_to(out->missing);
     state.control.push_back(std::move(out));
   }
 }

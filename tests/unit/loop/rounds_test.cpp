@@ -206,6 +206,21 @@ TEST(ControlChange, NamesWhatMovedWhatIsNewAndWhatIsMissing) {
       "CP7; this campaign does not have CP3");
 }
 
+/// A mark that a campaign did not have and the next one has 20 mm off has moved.
+TEST(ControlChange, WhatWasMissingOnceIsHeldAgainstWhereItWas) {
+  ControlMarks first, second, third;
+  for (const char* id : {"CP1", "CP2", "CP3"}) first.push_back(mark(id, 3));
+  for (const char* id : {"CP1", "CP2"}) second.push_back(mark(id, 3)), third.push_back(mark(id, 3));
+  third.push_back(mark("CP3", 3.02));
+  const ControlMarks kept = kept_control(kept_control({}, first), second);
+  EXPECT_TRUE(control_change(kept, second).none()) << "missing still: no other control than the last campaign's";
+  const ControlChange change = control_change(kept, third);
+  EXPECT_NEAR(change.largest, 0.02, 1e-12);
+  EXPECT_EQ(change.added, std::vector<std::string>{"CP3"});
+  EXPECT_EQ(change.moved.size(), 1u);
+  EXPECT_TRUE(control_change(kept_control(kept, third), third).none());
+}
+
 TEST(Rounds, WhatWasReportedAsSetIsPlannedAsItStands) {
   Facade facade = random_facade({1, 1}, 4);
   LoopStateT state;

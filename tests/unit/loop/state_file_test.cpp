@@ -19,7 +19,7 @@ LoopStateT some_state() {
   close_round(state);
   state.readings = {"00aa", "11bb"};
   state.control.push_back(std::make_unique<ControlMarkT>());
-  state.control[0]->id = "CP1", state.control[0]->place = {1.25, 2.5, 3.125};
+  state.control[0]->id = "CP1", state.control[0]->place = {1.25, 2.5, 3.125}, state.control[0]->missing = true;
   return state;
 }
 
