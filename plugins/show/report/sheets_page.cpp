@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "building/ifc/facade_artifact.hpp"
@@ -56,11 +57,12 @@ std::string deviation_of(const AnchorDeviationT& anchor) {
          signed_mm(frame.out.dot(d), 1);
 }
 
-void write_row(Markup& html, const std::string& what, const std::string& grid, ToleranceVerdict verdict,
+/// `grid` where the design has one.
+void write_row(Markup& html, const std::string& what, const std::optional<std::string>& grid, ToleranceVerdict verdict,
                const std::string& found, const std::string& todo) {
   Scope row(html, "tr");
   html.element("th", {{"scope", "row"}}, what);
-  html.element("td", {{"class", "text"}}, grid);
+  if (grid) html.element("td", {{"class", "text"}}, *grid);
   verdict_cell(html, verdict);
   html.element("td", {{"class", "words"}}, found);
   html.element("td", {{"class", "words todo"}}, todo);
@@ -69,15 +71,21 @@ void write_row(Markup& html, const std::string& what, const std::string& grid, T
 
 void write_list(Markup& html, const Sheet& sheet, const ReportInput& input) {
   Scope table(html, "table", {{"class", "list"}});
-  table_head(html, {left("What"), left("Grid"), left("Verdict"),
-                    left("Right / up / out of the design [mm]; what of a panel"), left("To do"), left("Done, by")});
+  const bool with_grid = !input.grid.empty();
+  std::vector<Cell> heads = {left("What")};
+  if (with_grid) heads.push_back(left("Grid"));
+  heads.insert(heads.end(), {left("Verdict"), left("Right / up / out of the design [mm]; what of a panel"),
+                             left("To do"), left("Done, by")});
+  table_head(html, heads);
   Scope body(html, "tbody");
   for (const AnchorDeviationT* anchor : sheet.anchors)
-    write_row(html, "Anchor " + anchor->id, place_in_grid(input, anchor->design), anchor->verdict,
+    write_row(html, "Anchor " + anchor->id,
+              with_grid ? std::optional(place_in_grid(input, anchor->design)) : std::nullopt, anchor->verdict,
               deviation_of(*anchor),
               anchor->verdict == ToleranceVerdict::pass ? "" : what_to_do(*anchor, *input.deviation));
   for (const PanelDeviationT* panel : sheet.panels)
-    write_row(html, "Panel " + (panel->name.empty() ? panel->guid : panel->name), "", panel->verdict, panel->reason,
+    write_row(html, "Panel " + (panel->name.empty() ? panel->guid : panel->name),
+              with_grid ? std::optional(std::string()) : std::nullopt, panel->verdict, panel->reason,
               panel->verdict == ToleranceVerdict::pass ? "" : what_to_do(*panel, *input.deviation));
 }
 
