@@ -65,6 +65,12 @@ std::string selecting(const std::set<std::string>& classes) {
   return text;
 }
 
+/// A small plate of no said kind: a panel, or a part of the fixing.
+bool may_be_fixing(const Element& e) {
+  return e.is_panel && !e.is_cladding && e.has_box && e.ifc_class.starts_with("IfcPlate") &&
+         sides_of(e)[2] <= kLargestFixing;
+}
+
 bool is_flat_and_upright(const Element& element) {
   const auto thin = thin_axis(element);
   return thin && sides_of(element)[1] >= kSmallestPanel && std::abs(axes_of(element)(2, *thin)) < 0.7;
@@ -79,11 +85,7 @@ bool is_fixing_plate(const std::string& kind) {
 }
 
 void leave_out_fixing_plates(Design& design) {
-  const auto small = [](const Element& e) {
-    return e.is_panel && !e.is_cladding && e.has_box && e.ifc_class.starts_with("IfcPlate") &&
-           sides_of(e)[2] <= kLargestFixing;
-  };
-  if (std::none_of(design.elements.begin(), design.elements.end(), small)) return;
+  if (std::none_of(design.elements.begin(), design.elements.end(), may_be_fixing)) return;
   const Held held = anchors_of_panels(design, AnchorCells(design));
   std::unordered_map<const Element*, double> largest;  // face of what hangs at an anchor
   for (const auto& [panel, anchors] : held)
@@ -91,7 +93,7 @@ void leave_out_fixing_plates(Design& design) {
       if (panel->has_box) largest[anchor] = std::max(largest[anchor], face_of(*panel));
   std::vector<std::string> left_out;
   for (Element& plate : design.elements) {
-    const auto anchors = small(plate) ? held.find(&plate) : held.end();
+    const auto anchors = may_be_fixing(plate) ? held.find(&plate) : held.end();
     if (anchors == held.end()) continue;
     if (!std::all_of(anchors->second.begin(), anchors->second.end(),
                      [&](const Element* anchor) { return largest[anchor] >= kMuchLarger * face_of(plate); }))
@@ -117,13 +119,14 @@ bool may_hang(const std::string& ifc_class) {
 void tell_what_hangs(Design& design, const std::function<void(Element&)>& read,
                      const std::function<bool(std::uint64_t)>& fills) {
   const AnchorCells cells(design);
-  std::set<const Element*> bare;  // anchors that hold no panel
+  std::set<const Element*> bare;  // anchors that hold no panel, or what may be a part of the fixing
   for (const Element& element : design.elements)
     if (element.is_anchor) bare.insert(&element);
   if (bare.empty()) return;
   std::set<std::string> panel_classes, hosts;
   for (const auto& [panel, anchors] : anchors_of_panels(design, cells)) {
     panel_classes.insert(panel->ifc_class);
+    if (may_be_fixing(*panel)) continue;  // whose real panel may be what is called otherwise
     for (const Element* anchor : anchors) bare.erase(anchor);
   }
   for (const Element* anchor : bare) hosts.insert(anchor->host_guid);
