@@ -24,7 +24,7 @@ import warnings
 from collections import OrderedDict
 
 __all__ = ["run", "bench", "show", "describe", "pipelines", "Run", "Node", "PlumblineError", "UsageError", "RunFailed", "Failure"]
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 
 class PlumblineError(Exception):
