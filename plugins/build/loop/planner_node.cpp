@@ -1,4 +1,4 @@
-#include "build/loop/plan_node.hpp"
+#include "build/loop/planner_node.hpp"
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 
 namespace plumbline::loop {
 
-FacadeRules PlanInstallation::rules() {
+FacadeRules PlannerNode::rules() {
   FacadeRules rules;
   for (const std::string& text : *brackets) rules.brackets.push_back(parse_bracket_rule(text));
   for (const std::string& text : *hooks) rules.hooks.push_back(parse_hook_rule(text));
@@ -32,8 +32,7 @@ FacadeRules PlanInstallation::rules() {
 
 /// This campaign and those before as one estimate, where they rest on the same control and have no reading in common;
 /// else this one alone, and why.
-RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopStateT* before,
-                                                       InstallationPlanT& result) {
+RoundsEstimate PlannerNode::with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result) {
   std::vector<std::string> said;
   if (control)
     for (const auto& point : control.unpack().points)
@@ -66,7 +65,7 @@ RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopS
   return rounds;
 }
 
-void PlanInstallation::run(Context& context) {
+void PlannerNode::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
   std::vector<std::string> known;
@@ -88,7 +87,7 @@ void PlanInstallation::run(Context& context) {
   InstallationPlanT told;
   RoundsEstimate rounds;
   if (!is_in_doubt) rounds = with_campaigns_before(input, state ? &before : nullptr, told);
-  const Fit fit = plan_settings(input.facade, {*pose_weight, *gap_weight, *step_weight, *setting_weight});
+  const Fit fit = settings(input.facade);
   const std::vector<PanelGate> gates =
       judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
