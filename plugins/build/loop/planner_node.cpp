@@ -1,6 +1,7 @@
 #include "build/loop/planner_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "loop/gate/gate.hpp"
 #include "loop/state/control_change.hpp"
@@ -65,6 +66,20 @@ RoundsEstimate PlannerNode::with_campaigns_before(FacadeInput& input, LoopStateT
   return rounds;
 }
 
+namespace {
+
+/// How far corners of panels hang from the design, each direction, root mean square [m]: as planned, or where they hang
+/// as measured; nan: none is told.
+double rms_corner(const InstallationPlanT& plan) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& length : plan.lengths)
+    if (length->quantity == "corner" && std::isfinite(length->value)) sum += length->value * length->value, ++count;
+  return count > 0 ? std::sqrt(sum / count) : kUnknown;
+}
+
+}  // namespace
+
 void PlannerNode::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
@@ -110,6 +125,7 @@ void PlannerNode::run(Context& context) {
   context.metric("panels_go", result.go, "1");
   context.metric("panels_hold", result.hold, "1");
   context.metric("panels_no_go", result.no_go, "1");
+  context.metric("rms_corner", rms_corner(result), "m");
   context.metric("relaxations", static_cast<double>(result.relaxations.size()), "1");
   table.commit(text_file("settings.csv", "text/csv", settings_csv(result)));
   words.commit(text_file("installation.txt", "text/plain", installation_words(result)));
