@@ -61,9 +61,12 @@ TEST(ExecutionLoop, PlannerGateAndRobotsAreExchangedByOneWordEach) {
   EXPECT_NE(journals["plan.use=plan.centred"], journals[""]);
   EXPECT_TRUE(contains(journals["robots.use=simulate.fitters"], "\"fitters\""));
   const Program alone;
+  std::filesystem::create_directories(alone.folder.path() / "lib/plumbline");
+  std::filesystem::copy_file(PLUMBLINE_WORKER, alone.folder.path() / "lib/plumbline/plumbline-worker");
   std::vector<std::string> words = small;
   words.push_back("--isolate");
-  ASSERT_EQ(run(alone, words).code, 0);
+  const Answer apart = run(alone, words);
+  ASSERT_EQ(apart.code, 0) << apart.err;
   EXPECT_EQ(read_file(alone.work() / "out/journal.jsonl"), journals[""]);
 }
 
