@@ -35,7 +35,7 @@ design, an as-built IFC and work orders for what has to be set again.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME plumbline-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "plumbline (= ${PROJECT_VERSION}), cmake, libeigen3-dev, libflatbuffers-dev, flatbuffers-compiler, libyaml-cpp-dev, nlohmann-json3-dev")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "plumbline (= ${PROJECT_VERSION}), cmake, libeigen3-dev, libflatbuffers-dev, flatbuffers-compiler, libyaml-cpp-dev, libfmt-dev, nlohmann-json3-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Headers, libraries and conformance kits for plugins, as
 find_package(Plumbline) finds them: the contract of a node, the artifacts,
 the libraries of adjustment and geometry, and what tests a node.")

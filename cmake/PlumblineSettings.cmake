@@ -57,7 +57,8 @@ function(plumbline_add_library name)
   target_include_directories(${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/libraries> $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/framework>
     $<INSTALL_INTERFACE:include/plumbline/libraries>)
-  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE $<BUILD_INTERFACE:plumbline_settings>)
+  # libfmt by its name: its CMake target would put a definition on every command line.
+  target_link_libraries(${name} PUBLIC ${ARG_LINK} PRIVATE fmt $<BUILD_INTERFACE:plumbline_settings>)
   if(PLUMBLINE_ASAN)  # whoever links it from the installation needs the sanitizers' part
     target_link_options(${name} PUBLIC -fsanitize=address,undefined)
   endif()

@@ -1,5 +1,6 @@
 #include "bench.hpp"
 
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -62,10 +63,8 @@ class Ticker {
     const double seconds = std::chrono::duration<double>(now - start_).count();
     const size_t ran = progress.done - progress.found;
     if (ran > 0) {
-      char left[64];
-      std::snprintf(left, sizeof left, ", about %.0f s left",
-                    seconds / static_cast<double>(ran) * static_cast<double>(progress.cells - progress.done));
-      text += left;
+      text += fmt::format(", about {:.0f} s left",
+                          seconds / static_cast<double>(ran) * static_cast<double>(progress.cells - progress.done));
     }
     std::fprintf(stderr, terminal_ ? "\r\033[K%s" : "%s\n", text.c_str());
     shown_ = true;

@@ -1,4 +1,6 @@
 // plumbline list, describe
+#include <fmt/core.h>
+
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -93,11 +95,7 @@ void print_ports(const char* title, const plumbline_port* const* ports, uint32_t
 std::string range_text(const plumbline_param& param) {
   std::string text;
   for (uint32_t i = 0; i < param.choice_count; ++i) text += (i ? ", " : "") + std::string(param.choices[i]);
-  const auto number = [](double value) {
-    char buffer[40];
-    std::snprintf(buffer, sizeof buffer, "%.12g", value);
-    return std::string(buffer);
-  };
+  const auto number = [](double value) { return fmt::format("{:.12g}", value); };
   const bool low = std::isfinite(param.minimum), high = std::isfinite(param.maximum);
   if (low && high)
     text += number(param.minimum) + " … " + number(param.maximum);

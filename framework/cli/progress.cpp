@@ -1,5 +1,6 @@
 #include "progress.hpp"
 
+#include <fmt/core.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -128,10 +129,9 @@ void Progress::show_status() {
   if (!running.text.empty()) line += " " + runtime::printable_line(running.text);
   if (running.fraction > 0.02 && running.fraction <= 1) {
     const double elapsed = std::chrono::duration<double>(shown_ - running.start).count();
-    char rate[48] = "";
+    std::string rate;
     if (elapsed >= 1)
-      std::snprintf(rate, sizeof rate, ", %.0f %%, %.2g %% a second", 100 * running.fraction,
-                    100 * running.fraction / elapsed);
+      rate = fmt::format(", {:.0f} %, {:.2g} % a second", 100 * running.fraction, 100 * running.fraction / elapsed);
     line += rate + (", about " + rough_duration_text(elapsed * (1 / running.fraction - 1))) + " left";
   }
   if (running_.size() > 1) line += "  (+" + std::to_string(running_.size() - 1) + " more)";

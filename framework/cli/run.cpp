@@ -1,4 +1,6 @@
 // plumbline run
+#include <fmt/core.h>
+
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -57,8 +59,7 @@ std::string metrics_text(const runtime::NodeResult& node) {
   for (const auto& metric : node.metrics) {
     if (metric.name == "invalid" && !(metric.value > 0)) continue;
     if (shown++ == most) return text + ", ...";
-    char value[40];
-    std::snprintf(value, sizeof value, "%.6g", metric.value);
+    const std::string value = fmt::format("{:.6g}", metric.value);
     text += (text.empty() ? "" : ", ") + metric.name + " " + value + (metric.unit == "1" ? "" : " " + metric.unit);
   }
   return text;

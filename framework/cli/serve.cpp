@@ -4,6 +4,7 @@
 // so that no page of somebody else's gets an answer by a name that it lets point here (DNS rebinding). What lies in the
 // folder was written by runs and is not trusted to act for whoever looks: files are shown in a sandbox without the
 // page's origin.
+#include <fmt/core.h>
 #include <sys/random.h>
 #include <unistd.h>
 
@@ -35,9 +36,7 @@ std::string random_hex() {
     throw std::runtime_error("the system gives no random numbers for the token");
   std::string text;
   for (const unsigned char byte : bytes) {
-    char two[3];
-    std::snprintf(two, sizeof two, "%02x", byte);
-    text += two;
+    text += fmt::format("{:02x}", byte);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #include "terminal.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -106,17 +107,10 @@ size_t terminal_columns() {
 }
 
 std::string duration_text(double seconds) {
-  char text[40];
-  if (seconds < 100) {
-    std::snprintf(text, sizeof text, "%.2f s", seconds);
-  } else {
-    const long whole = std::lround(seconds);
-    if (whole < 3600)
-      std::snprintf(text, sizeof text, "%ld min %02ld s", whole / 60, whole % 60);
-    else
-      std::snprintf(text, sizeof text, "%ld h %02ld min", whole / 3600, whole / 60 % 60);
-  }
-  return text;
+  if (seconds < 100) return fmt::format("{:.2f} s", seconds);
+  const long whole = std::lround(seconds);
+  return whole < 3600 ? fmt::format("{} min {:02} s", whole / 60, whole % 60)
+                      : fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
 std::string rough_duration_text(double seconds) {
@@ -131,9 +125,7 @@ std::string size_text(double bytes) {
   static constexpr const char* units[] = {"B", "KiB", "MiB", "GiB", "TiB"};
   size_t unit = 0;
   for (; bytes >= 1024 && unit < 4; ++unit) bytes /= 1024;
-  char text[40];
-  std::snprintf(text, sizeof text, unit == 0 ? "%.0f %s" : "%.1f %s", bytes, units[unit]);
-  return text;
+  return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, units[unit]);
 }
 
 std::string wrapped(const std::string& text, size_t room, size_t indent) {

@@ -1,5 +1,7 @@
 // plumbline-robots: a job to one robot of VDA 5050, through a broker, to its end. What the robot said lies in the
 // folder's states.jsonl afterwards, for read.reports. May be killed and started again at any moment.
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -35,10 +37,9 @@ std::string utc_now() {
   const auto whole = static_cast<std::time_t>(now);
   std::tm parts{};
   gmtime_r(&whole, &parts);
-  char date[40], text[60];
+  char date[40];
   std::strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text, sizeof text, "%s.%03dZ", date, static_cast<int>(1e3 * (now - static_cast<double>(whole))));
-  return text;
+  return fmt::format("{}.{:03}Z", date, static_cast<int>(1e3 * (now - static_cast<double>(whole))));
 }
 
 std::string content_of(const std::string& path) {

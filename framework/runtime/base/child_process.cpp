@@ -1,6 +1,7 @@
 #include "runtime/base/child_process.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <linux/close_range.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -154,11 +155,7 @@ std::string last_words(int log) {
 
 namespace {
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value < 10 ? "%.1f" : "%.0f", value);
-  return text;
-}
+std::string rounded(double value) { return fmt::format("{:.{}f}", value, value < 10 ? 1 : 0); }
 
 }  // namespace
 

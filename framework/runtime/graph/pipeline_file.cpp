@@ -12,6 +12,7 @@
 #include "runtime/base/near_names.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/graph/include_paths.hpp"
+#include "runtime/graph/node_overrides.hpp"
 #include "runtime/graph/pipeline_variables.hpp"
 #include "runtime/graph/role_expansion.hpp"
 
@@ -38,11 +39,9 @@ class FileReader {
     PipelineSpec spec;
     collect(file, spec);
     expand_roles(spec, registry_, problems_);
-    node_index_.clear();
-    for (size_t i = 0; i < spec.nodes.size(); ++i) node_index_.emplace(spec.nodes[i].name, i);
     variables_.tell_unused(overrides_);
     variables_.apply(overrides_);
-    apply_node_overrides(spec);
+    apply_node_overrides(overrides_, spec, problems_);
     variables_.resolve();
     std::vector<Scalar*> descriptions;
     for (NodeSpec& node : spec.nodes) {
@@ -258,22 +257,12 @@ class FileReader {
     return {node.IsScalar() ? node.Scalar() : "", position(file, node), file.parent_path(), !node.IsScalar()};
   }
 
-  template <typename Value>
-  static void set(std::vector<std::pair<std::string, Value>>& list, const std::string& key, Value value) {
-    for (auto& [name, old] : list)
-      if (name == key) {
-        old = std::move(value);
-        return;
-      }
-    list.emplace_back(key, std::move(value));
-  }
-
   void read_node(const fs::path& file, const YAML::Node& map, NodeSpec& node) {
     if (map["use"]) node.use = scalar(file, map["use"]);
     if (map["each"]) node.each = scalar(file, map["each"]);
     if (map["for_each"]) node.for_each = scalar(file, map["for_each"]);
     for (const char* condition : {"isolate", "time_limit", "memory_limit"})
-      if (map[condition]) set(node.conditions, condition, scalar(file, map[condition]));
+      if (map[condition]) set_named(node.conditions, condition, scalar(file, map[condition]));
     if (const YAML::Node inputs = map["in"]) {
       if (!inputs.IsMap()) return problem(position(file, inputs), "'in' is a map: {port: node.port}");
       check_keys(file, inputs, {}, "in");
@@ -302,7 +291,7 @@ class FileReader {
           for (const auto& value : item.second) parameter.values.push_back(scalar(file, value));
         else
           parameter.values.push_back(scalar(file, item.second));
-        set(node.parameters, item.first.as<std::string>(""), std::move(parameter));
+        set_named(node.parameters, item.first.as<std::string>(""), std::move(parameter));
       }
     }
   }
@@ -341,89 +330,8 @@ class FileReader {
     for (const auto& item : map) {
       Scalar source = scalar(file, item.second);
       source.at = position(file, item.first);
-      set(spec.outputs, item.first.as<std::string>(""), std::move(source));
+      set_named(spec.outputs, item.first.as<std::string>(""), std::move(source));
     }
-  }
-
-  void apply_node_overrides(PipelineSpec& spec) {
-    for (const std::string& text : overrides_) {
-      const size_t equals = text.find('=');
-      if (!is_node_override(text)) continue;
-      const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
-      const Position at{"'" + text + "'", 0, 0};
-      const size_t dot = key.find('.');
-      const std::string name = key.substr(0, dot), what = key.substr(dot + 1);
-      if (name == "rounds" && spec.rounds.given) {
-        override_rounds(what, Scalar{value, at, fs::current_path()}, spec.rounds);
-        continue;
-      }
-      const auto found = node_index_.find(name);
-      NodeSpec* node = found == node_index_.end() ? nullptr : &spec.nodes[found->second];
-      if (!node) {
-        std::vector<std::string> names;
-        for (const NodeSpec& n : spec.nodes) names.push_back(n.name);
-        problem(at, "this pipeline has no node '" + name + "'" + did_you_mean(name, names));
-      } else if (what == "use") {
-        node->use = {value, at, fs::current_path()};
-      } else if (what.rfind("with.", 0) == 0 && value == "~") {  // what the pipeline sets for the kind it names
-        std::erase_if(node->parameters, [&](const auto& parameter) { return parameter.first == what.substr(5); });
-      } else if (what.rfind("with.", 0) == 0) {
-        set(node->parameters, what.substr(5), override_value(value, at));
-      } else if (what.rfind("in.", 0) == 0) {
-        const std::string port = what.substr(3);
-        std::erase_if(node->inputs, [&](const auto& input) { return input.first == port; });
-        for (Scalar& source : override_value(value, at).values) node->inputs.emplace_back(port, std::move(source));
-      } else if (what == "isolate" || what == "time_limit" || what == "memory_limit") {
-        set(node->conditions, what, Scalar{value, at, fs::current_path()});
-      } else {
-        problem(at, "write " + name + ".use=KIND, " + name + ".with.PARAMETER=VALUE, " + name + ".in.PORT=NODE.PORT, " +
-                        name + ".isolate=process, " + name + ".time_limit=TIME or " + name + ".memory_limit=SIZE");
-      }
-    }
-  }
-
-  void override_rounds(const std::string& what, const Scalar& value, RoundsSpec& rounds) {
-    if (what == "most")
-      rounds.most = value;
-    else if (what == "until")
-      rounds.until = value.text == "~" ? Scalar{} : value;
-    else
-      problem(value.at, "of rounds the command line sets rounds.most=NUMBER and rounds.until=NODE.METRIC, no other");
-  }
-
-  /// Items between commas, without blanks at both ends; one in quotes, single or double, may have commas and blanks in
-  /// it.
-  static std::vector<std::string> list_items(const std::string& text) {
-    std::vector<std::string> items;
-    for (size_t at = 0; at < text.size();) {
-      const size_t first = text.find_first_not_of(' ', at);
-      if (first == std::string::npos) break;
-      const bool quoted = text[first] == '"' || text[first] == '\'';
-      const size_t close = quoted ? text.find(text[first], first + 1) : std::string::npos;
-      // A quote that nothing closes is a character like any other.
-      const size_t end = std::min(text.find(',', close == std::string::npos ? first : close), text.size());
-      const size_t last = text.find_last_not_of(' ', end - 1);
-      if (close != std::string::npos && last == close)
-        items.push_back(text.substr(first + 1, close - first - 1));
-      else if (first < end)
-        items.push_back(text.substr(first, last - first + 1));
-      at = end + 1;
-    }
-    return items;
-  }
-
-  /// `[a, b]` on the command line is a list, everything else one value.
-  static ParameterSpec override_value(const std::string& value, const Position& at) {
-    ParameterSpec parameter;
-    parameter.at = at;
-    if (value.size() >= 2 && value.front() == '[' && value.back() == ']') {
-      parameter.is_list = true;
-      for (const std::string& item : list_items(value.substr(1, value.size() - 2)))
-        parameter.values.push_back({item, at, fs::current_path()});
-    } else {
-      parameter.values.push_back({value, at, fs::current_path()});
-    }
-    return parameter;
   }
 
   void refuse_variable_in_name(const std::string& name, const Position& at) {
@@ -448,11 +356,6 @@ PipelineSpec read_pipeline(const fs::path& file, const std::vector<std::string>&
                            const std::vector<fs::path>& include_folders, std::vector<Problem>& problems,
                            const Registry* registry) {
   return FileReader(overrides, include_folders, problems, registry).read(file);
-}
-
-bool is_node_override(const std::string& text) {
-  const size_t equals = text.find('=');
-  return equals != std::string::npos && text.find('.') < equals;
 }
 
 }  // namespace plumbline::runtime

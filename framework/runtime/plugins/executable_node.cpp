@@ -1,5 +1,6 @@
 #include "runtime/plugins/executable_node.hpp"
 
+#include <fmt/core.h>
 #include <poll.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -175,8 +176,7 @@ class Exchange {
       plumbline_bytes bytes{};
       if (host_.get(host_.context, port.name, i, &bytes))
         throw std::runtime_error(std::string("cannot read input '") + port.name + "'");
-      char name[24];
-      std::snprintf(name, sizeof name, "%06zu", i);
+      const std::string name = fmt::format("{:06}", i);
       write_file(folder_ / "inputs" / port.name / name, bytes);
       const plumbline_type& type = *type_of_port(node_.table->table(), port);
       if (may_name_files(type, bytes)) find_references(Json::parse(artifact_to_json(type, bytes)));

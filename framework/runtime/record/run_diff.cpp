@@ -1,7 +1,8 @@
 // Two runs compared node by node, and where their outputs differ, number by number.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -16,18 +17,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string number_text(double value) { return fmt::format("{:.9g}", value); }
 
 /// Two digits say how large a difference is.
-std::string size_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", value);
-  return text;
-}
+std::string size_text(double value) { return fmt::format("{:.2g}", value); }
 
 constexpr const char* quaternion_keys[] = {"w", "x", "y", "z"};
 

@@ -1,8 +1,9 @@
 // A run record in the formats of others: Chrome's trace events, and RO-Crate 1.1 (https://w3id.org/ro/crate/1.1) with
 // the terms of the Process Run Crate profile.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -23,10 +24,8 @@ std::string utc_milliseconds(double seconds) {
   std::tm parts{};
   gmtime_r(&whole, &parts);
   char text[40];
-  const size_t size = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
-  std::snprintf(text + size, sizeof text - size, ".%03dZ",
-                static_cast<int>(std::floor((seconds - std::floor(seconds)) * 1000)));
-  return text;
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &parts);
+  return fmt::format("{}.{:03}Z", text, static_cast<int>(std::floor((seconds - std::floor(seconds)) * 1000)));
 }
 
 Json reference(const std::string& id) { return {{"@id", id}}; }
@@ -40,9 +39,7 @@ std::string uri_path(const std::string& path) {
       text += c;
       continue;
     }
-    char code[4];
-    std::snprintf(code, sizeof code, "%%%02X", static_cast<unsigned char>(c));
-    text += code;
+    text += fmt::format("%{:02X}", static_cast<unsigned char>(c));
   }
   return text;
 }

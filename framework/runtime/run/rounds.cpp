@@ -1,17 +1,14 @@
 #include "runtime/run/rounds.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 
 namespace plumbline::runtime {
 
 namespace {
 
-std::string number_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string number_text(double value) { return fmt::format("{:.9g}", value); }
 
 bool compare(double value, const std::string& comparison, double limit) {
   if (comparison == ">") return value > limit;

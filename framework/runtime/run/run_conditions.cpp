@@ -1,6 +1,7 @@
 #include "runtime/run/run_conditions.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -44,11 +45,7 @@ std::string mode_changes() {
   return list;
 }
 
-std::string octal(mode_t mode) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%04o", static_cast<unsigned>(mode));
-  return text;
-}
+std::string octal(mode_t mode) { return fmt::format("{:04o}", static_cast<unsigned>(mode)); }
 
 /// Read, not asked for: asking for it is setting it.
 mode_t umask_of_process() {

@@ -1,5 +1,6 @@
 #include "runtime/sweep/sweep_run.hpp"
 
+#include <fmt/core.h>
 #include <malloc.h>
 #include <poll.h>
 #include <signal.h>
@@ -88,9 +89,7 @@ bool receive_all(int socket, void* data, size_t size) {
 
 /// How a worker ended, for people.
 std::string cause_of_end(bool timed_out, double limit, int status) {
-  char text[64];
-  std::snprintf(text, sizeof text, "it took longer than %g s and was ended", limit);
-  if (timed_out) return text;
+  if (timed_out) return fmt::format("it took longer than {:g} s and was ended", limit);
   if (!WIFSIGNALED(status)) return "its process ended with code " + std::to_string(WEXITSTATUS(status));
   const int signal = WTERMSIG(status);
   return "its process died of signal " + std::to_string(signal) + " (" + strsignal(signal) + ")" +

@@ -1,5 +1,7 @@
 #include "base/statistics/trial_summary.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -102,9 +104,7 @@ std::vector<Calibration> calibrations(const std::vector<Trial>& finished, double
 }
 
 std::string two_digits(double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, value < 10 ? "%.2g" : "%.0f", value);
-  const std::string plain = text;
+  const std::string plain = value < 10 ? fmt::format("{:.2g}", value) : fmt::format("{:.0f}", value);
   return plain.find('.') == std::string::npos && value < 10 ? plain + ".0" : plain;
 }
 

@@ -1,8 +1,9 @@
 #include "building/ifc/bcf.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <vector>
 
@@ -17,11 +18,7 @@ namespace {
 
 using Issue = BcfIssue;
 
-std::string mm(double metres, int decimals = 1) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", decimals, 1e3 * metres);
-  return text;
-}
+std::string mm(double metres, int decimals = 1) { return fmt::format("{:.{}f}", 1e3 * metres, decimals); }
 
 Issue issue_of(const AnchorDeviationT& anchor) {
   Issue issue = placed_issue(anchor);
@@ -66,8 +63,7 @@ std::string words_of(const std::vector<const SurfaceVerdictT*>& verdicts) {
       text += "not judged, " + verdict->not_judged + ".";
       continue;
     }
-    char probability[40];
-    std::snprintf(probability, sizeof probability, "%.3f", verdict->probability);
+    const std::string probability = fmt::format("{:.3f}", verdict->probability);
     text += std::string(EnumNameToleranceVerdict(verdict->verdict)) + ", " + mm(verdict->value, 2) +
             " mm, standard uncertainty " + mm(verdict->sigma, 2) + " mm, limit " + mm(limit_of(*verdict), 2) +
             " mm, kept with a probability of " + probability + " (" + verdict->rule + ").";

@@ -1,7 +1,8 @@
 #include "building/ifc/bcf_topic.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "base/text/xml_text.hpp"
 #include "building/ifc/facade_artifact.hpp"
@@ -26,9 +27,8 @@ std::string element(const std::string& name, const std::string& text) {
 }
 
 std::string vector(const std::string& name, const Eigen::Vector3d& v) {
-  char text[200];
-  std::snprintf(text, sizeof text, "<X>%.6f</X><Y>%.6f</Y><Z>%.6f</Z>", v.x(), v.y(), v.z());
-  return "<" + name + ">" + text + "</" + name + ">";
+  return "<" + name + ">" + fmt::format("<X>{:.6f}</X><Y>{:.6f}</Y><Z>{:.6f}</Z>", v.x(), v.y(), v.z()) + "</" + name +
+         ">";
 }
 
 std::string uuid_of(const std::string& project, const std::string& key) {

@@ -1,9 +1,10 @@
 #include "building/ifc/facade_frame.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace plumbline::ifc {
@@ -75,13 +76,9 @@ std::string facing_words(const Eigen::Vector3d& out) {
   if (!out.allFinite()) return "unknown";
   if (std::abs(out.z()) > kSteep) return out.z() > 0 ? "up" : "down";
   const double tilt = std::asin(std::clamp(out.z(), -1.0, 1.0)) * 180 / std::numbers::pi;
-  char text[80];
   const double azimuth = std::fmod(std::round(10 * azimuth_degrees(out)) / 10, 360.0);
-  if (std::abs(tilt) < 0.5)
-    std::snprintf(text, sizeof text, "%.4g°", azimuth);
-  else
-    std::snprintf(text, sizeof text, "%.4g° and %.2g° %s", azimuth, std::abs(tilt), tilt > 0 ? "up" : "down");
-  return text;
+  if (std::abs(tilt) < 0.5) return fmt::format("{:.4g}°", azimuth);
+  return fmt::format("{:.4g}° and {:.2g}° {}", azimuth, std::abs(tilt), tilt > 0 ? "up" : "down");
 }
 
 }  // namespace plumbline::ifc

@@ -1,9 +1,10 @@
 // What a user says of facades, and what he is asked to say.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <set>
 #include <stdexcept>
@@ -84,9 +85,7 @@ std::string selection_of(const std::string& facade, const std::vector<FacadeMemb
 /// "azimuth=0deg", "azimuth=180deg, tilt=-10deg", "out=down".
 std::string direction_rule(const Eigen::Vector3d& out) {
   const auto degrees = [](double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.3f", value);
-    std::string short_text(text);
+    std::string short_text(fmt::format("{:.3f}", value));
     short_text.erase(short_text.find_last_not_of('0') + 1);
     if (short_text.back() == '.') short_text.pop_back();
     return (short_text == "-0" ? "0" : short_text == "360" ? "0" : short_text) + "deg";

@@ -1,5 +1,7 @@
 #include "building/ifc/georeference.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -22,14 +24,8 @@ Eigen::Vector3d turned(double angle, const Eigen::Vector3d& p) {
 }
 
 std::string length_words(double metres) {
-  char text[40];
-  if (metres >= 10000)
-    std::snprintf(text, sizeof text, "%.0f km", metres / 1000);
-  else if (metres >= 1)
-    std::snprintf(text, sizeof text, "%.1f m", metres);
-  else
-    std::snprintf(text, sizeof text, "%.0f mm", 1000 * metres);
-  return text;
+  if (metres >= 10000) return fmt::format("{:.0f} km", metres / 1000);
+  return metres >= 1 ? fmt::format("{:.1f} m", metres) : fmt::format("{:.0f} mm", 1000 * metres);
 }
 
 CommonPoints changed(const CommonPoints& points, double factor, bool swap) {

@@ -1,9 +1,10 @@
 // Verdicts of surfaces in words, the same for tables, IFC and BCF.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,7 @@ namespace plumbline::ifc {
 /// "flatness(1m)", "step".
 inline std::string quantity_of(const SurfaceVerdictT& verdict) {
   if (!std::isfinite(verdict.length)) return verdict.quantity;
-  char text[60];
-  std::snprintf(text, sizeof text, "%s(%gm)", verdict.quantity.c_str(), verdict.length);
-  return text;
+  return fmt::format("{}({:g}m)", verdict.quantity, verdict.length);
 }
 
 /// The worst of some: what could not be judged keeps a panel from passing, but does not outweigh what was.

@@ -1,7 +1,8 @@
 #include "building/judgement/anchor_doubts.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "building/judgement/figures.hpp"
@@ -35,12 +36,10 @@ std::vector<std::string> floor_doubts(const AccuracyT& accuracy) {
     const auto lower = std::prev(upper);
     const double below = upper_median(lower->second), above = upper_median(upper->second);
     if (above > below - least_storey / 4) continue;
-    char text[300];
-    std::snprintf(text, sizeof text,
-                  "Floor %d lies below floor %d (median heights of their anchors %.3f m and %.3f m): are the floors of "
-                  "the anchor table exchanged? Drift and transfers go by them.",
-                  upper->first, lower->first, above, below);
-    doubts.push_back(text);
+    doubts.push_back(
+        fmt::format("Floor {} lies below floor {} (median heights of their anchors {:.3f} m and {:.3f} m): are the "
+                    "floors of the anchor table exchanged? Drift and transfers go by them.",
+                    upper->first, lower->first, above, below));
   }
   return doubts;
 }
@@ -51,9 +50,7 @@ std::vector<std::string> space_doubts(const AccuracyT& accuracy) {
     if (anchor->use != AnchorUse::check || !anchor->survey) continue;
     const AnchorDifferenceT& d = *anchor->survey;
     if (d.verdict == ToleranceVerdict::fail || d.verdict_distance != ToleranceVerdict::fail) continue;
-    char text[200];
-    std::snprintf(text, sizeof text, " (%.1f mm in space, %.1f mm in height)", 1e3 * d.distance, 1e3 * d.dz);
-    off.push_back(anchor->id + text);
+    off.push_back(anchor->id + fmt::format(" ({:.1f} mm in space, {:.1f} mm in height)", 1e3 * d.distance, 1e3 * d.dz));
   }
   if (!off.empty())
     doubts.push_back("Check anchors that agree with the survey in height and not in place: " + list_of(off, 4) +

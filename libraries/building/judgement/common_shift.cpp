@@ -1,9 +1,10 @@
 #include "building/judgement/common_shift.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "geometry/median.hpp"
@@ -128,19 +129,14 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
 
 /// `passing`: anchors that pass as they are; nothing where no anchor can pass.
 std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
-  const auto mm = [](double metres) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%+.1f mm", 1e3 * metres);
-    return std::string(text);
-  };
+  const auto mm = [](double metres) { return fmt::format("{:+.1f} mm", 1e3 * metres); };
   std::string words = std::to_string(shift.following) + " of " + std::to_string(shift.anchors) +
                       " anchors are shifted together by " + mm(shift.shift.x()) + " in x, " + mm(shift.shift.y()) +
                       " in y, " + mm(shift.shift.z()) + " in z";
   if (shift.rotation.norm() > 1e-7) {
-    char turn[80];
-    std::snprintf(turn, sizeof turn, ", and turned by %.3f mrad about (%.2f %.2f %.2f)", 1e3 * shift.rotation.norm(),
-                  shift.rotation.normalized().x(), shift.rotation.normalized().y(), shift.rotation.normalized().z());
-    words += turn;
+    words +=
+        fmt::format(", and turned by {:.3f} mrad about ({:.2f} {:.2f} {:.2f})", 1e3 * shift.rotation.norm(),
+                    shift.rotation.normalized().x(), shift.rotation.normalized().y(), shift.rotation.normalized().z());
   }
   words +=
       ": the survey and the design do not share their datum, or the building stands elsewhere. Check control points "

@@ -1,10 +1,11 @@
 #include "building/judgement/deviation_dxf.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "building/ifc/facade_artifact.hpp"
@@ -46,9 +47,7 @@ std::string one_line(const std::string& utf8) {
     }
     i += length;
     if (code < 0x20 || code == 0x7f) continue;
-    char escaped[16];
-    std::snprintf(escaped, sizeof escaped, "\\U+%04lX", code);
-    text += code < 0x80 ? std::string(1, static_cast<char>(code)) : std::string(escaped);
+    text += code < 0x80 ? std::string(1, static_cast<char>(code)) : fmt::format("\\U+{:04X}", code);
   }
   return text;
 }
@@ -90,11 +89,7 @@ class Drawing {
 
  private:
   void group(int code, const std::string& value) { entities_ += std::to_string(code) + "\n" + value + "\n"; }
-  void number(int code, double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.6f", value);
-    group(code, text);
-  }
+  void number(int code, double value) { group(code, fmt::format("{:.6f}", value)); }
   void place(int code, const Eigen::Vector3d& p) {
     for (int k = 0; k < 3; ++k) number(code + 10 * k, p[k]);
   }
@@ -111,11 +106,9 @@ std::string deviation_words(const AnchorDeviationT& anchor, const ifc::FacadeFra
   if (!anchor.deviation.allFinite()) return anchor.id + " not measured";
   const Eigen::Vector3d& d = anchor.deviation;
   const bool known = frame.known() && frame.confirmed;
-  char text[120];
-  std::snprintf(text, sizeof text, known ? " right %+.1f up %+.1f out %+.1f mm" : " x %+.1f y %+.1f z %+.1f mm",
-                1e3 * (known ? frame.right.dot(d) : d.x()), 1e3 * (known ? frame.up.dot(d) : d.y()),
-                1e3 * (known ? frame.out.dot(d) : d.z()));
-  return anchor.id + text;
+  return anchor.id + (known ? fmt::format(" right {:+.1f} up {:+.1f} out {:+.1f} mm", 1e3 * frame.right.dot(d),
+                                          1e3 * frame.up.dot(d), 1e3 * frame.out.dot(d))
+                            : fmt::format(" x {:+.1f} y {:+.1f} z {:+.1f} mm", 1e3 * d.x(), 1e3 * d.y(), 1e3 * d.z()));
 }
 
 }  // namespace

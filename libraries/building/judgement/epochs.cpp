@@ -1,10 +1,11 @@
 #include "building/judgement/epochs.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
@@ -137,9 +138,7 @@ std::ptrdiff_t moving(const std::vector<Pair>& pairs, const Eigen::Vector3d& tog
 }
 
 std::string shift_in_words(const Eigen::Vector3d& d) {
-  char text[120];
-  std::snprintf(text, sizeof text, "%+.1f, %+.1f, %+.1f mm (x, y, z)", 1e3 * d.x(), 1e3 * d.y(), 1e3 * d.z());
-  return text;
+  return fmt::format("{:+.1f}, {:+.1f}, {:+.1f} mm (x, y, z)", 1e3 * d.x(), 1e3 * d.y(), 1e3 * d.z());
 }
 
 void test_movements(const std::vector<Pair>& pairs, AsBuiltChangesT& out) {
@@ -180,14 +179,11 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
         "this campaign's measurement is not to be trusted: what was in order is open for that alone, and nothing "
         "counts "
         "as mended");
-  char text[240];
   if (std::abs(before.tau - after.tau) > kSameTolerance || std::abs(before.risk - after.risk) > 1e-9) {
-    std::snprintf(
-        text, sizeof text,
-        "the campaign before was judged by %.4g mm and a risk of %.3g, this one by %.4g mm and %.3g: a verdict "
+    out.warnings.push_back(fmt::format(
+        "the campaign before was judged by {:.4g} mm and a risk of {:.3g}, this one by {:.4g} mm and {:.3g}: a verdict "
         "may have changed for that alone",
-        1e3 * before.tau, before.risk, 1e3 * after.tau, after.risk);
-    out.warnings.push_back(text);
+        1e3 * before.tau, before.risk, 1e3 * after.tau, after.risk));
   } else if (other_limits > 0) {
     out.warnings.push_back(std::to_string(other_limits) +
                            " anchors are held against other tolerances than in the campaign before: their verdicts may "

@@ -1,9 +1,10 @@
 #include "building/judgement/group_shifts.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "building/judgement/moderated_variance.hpp"
@@ -207,11 +208,7 @@ std::vector<std::size_t> followers(const Shift& shift, const std::vector<Sample>
   return all;
 }
 
-std::string mm(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", 1e3 * std::abs(metres));
-  return text;
-}
+std::string mm(double metres) { return fmt::format("{:.1f} mm", 1e3 * std::abs(metres)); }
 
 /// "12.0 mm ± 0.4 mm low, 3.1 mm ± 0.5 mm too far out"
 std::string way_of(const Group& group, const Shift& shift, const std::vector<Sample>& samples) {

@@ -1,6 +1,7 @@
 #include "building/judgement/mounting.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <limits>
 #include <stdexcept>
 
@@ -42,9 +43,7 @@ Eigen::Matrix3d Mounting::covariance(const ifc::ElementFacts& anchor, const std:
 std::string Mounting::words(std::size_t from_table) const {
   std::string text;
   if (sigma > 0) {
-    char figure[64];
-    std::snprintf(figure, sizeof figure, "%.3g mm on each axis of a plate", 1e3 * sigma);
-    text = figure;
+    text = fmt::format("{:.3g} mm on each axis of a plate", 1e3 * sigma);
   }
   const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
   if (from_table > 0) add(std::to_string(from_table) + " plates by the plate table");

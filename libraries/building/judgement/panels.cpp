@@ -1,10 +1,11 @@
 #include "building/judgement/panels.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <set>
@@ -407,10 +408,7 @@ class Joints {
 };
 
 std::string length_words(const std::string& what, const JudgedLengthT& length) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s %.1f mm (limit %.3g mm)", what.c_str(), 1e3 * length.value,
-                1e3 * length.tolerance);
-  return text;
+  return fmt::format("{} {:.1f} mm (limit {:.3g} mm)", what, 1e3 * length.value, 1e3 * length.tolerance);
 }
 
 /// Share of a tolerance that a value uses; 0 where there is none.

@@ -1,9 +1,10 @@
 #include "building/judgement/surfaces.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -121,9 +122,7 @@ class Judge {
   }
 
   static std::string words_of(const SurfaceLimit& limit) {
-    char length[40] = "";
-    if (std::isfinite(limit.length)) std::snprintf(length, sizeof length, "(%gm)", limit.length);
-    return std::string(name_of(limit.quantity)) + length;
+    return name_of(limit.quantity) + (std::isfinite(limit.length) ? fmt::format("({:g}m)", limit.length) : "");
   }
 
   std::vector<char> selecting(const PanelSurfaceFiguresT& panel) {
@@ -232,11 +231,9 @@ class Judge {
   /// out.
   void doubt(const SurfaceGapT& gap, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
     if (verdict_of(probability_of(gap.with_outlying, gap.sigma, limit), risk_) == ToleranceVerdict::pass) return;
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "places on it lie off the surface together, a dent or something in front of it: the largest gap is %.1f mm "
-        "without them and %.1f mm with them",
+    const std::string text = fmt::format(
+        "places on it lie off the surface together, a dent or something in front of it: the largest gap is {:.1f} mm "
+        "without them and {:.1f} mm with them",
         1e3 * gap.gap, 1e3 * gap.with_outlying);
     verdict.verdict = ToleranceVerdict::not_measured, verdict.not_judged = text;
   }

@@ -1,8 +1,9 @@
 #include "building/judgement/trust.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace plumbline::judgement {
 namespace {
@@ -11,9 +12,7 @@ std::string text_of(const flatbuffers::String* text) { return text ? text->str()
 
 /// "the standard deviations are multiplied by 1.3 for it"
 std::string larger(double factor) {
-  char text[80];
-  std::snprintf(text, sizeof text, "; all standard deviations are %.3g times as large for it", std::sqrt(factor));
-  return text;
+  return fmt::format("; all standard deviations are {:.3g} times as large for it", std::sqrt(factor));
 }
 
 /// A group of observations that contradicts the rest proves the block wrong. A test of what the camera model leaves out

@@ -1,9 +1,9 @@
 #include "control/points/image_points.hpp"
 
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -133,9 +133,8 @@ std::string gcp_list(const std::vector<ControlPoint>& control, const std::vector
   for (const auto& m : measured) {
     const auto p = by_name.find(m.point);
     if (p == by_name.end()) continue;
-    char line[256];
-    std::snprintf(line, sizeof line, "%.6f %.6f %.6f %.4f %.4f ", p->second->position.x(), p->second->position.y(),
-                  p->second->position.z(), m.pixel.x(), m.pixel.y());
+    const std::string line = fmt::format("{:.6f} {:.6f} {:.6f} {:.4f} {:.4f} ", p->second->position.x(),
+                                         p->second->position.y(), p->second->position.z(), m.pixel.x(), m.pixel.y());
     text += line + m.image + " " + m.point + "\n";
   }
   return text;

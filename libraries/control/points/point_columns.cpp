@@ -1,9 +1,10 @@
 #include "control/points/point_columns.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace plumbline::control {
@@ -154,8 +155,7 @@ PlanAxes axes_of_xy(const std::vector<text::CsvHeaderCell>& header, bool y_stand
   const bool german = std::any_of(header.begin(), header.end(), [](const auto& c) { return is_german(c.written); });
   const bool with_z = std::any_of(header.begin(), header.end(), [](const auto& c) { return c.written == "z"; });
   const bool x_north = is_northing_beside(x, y), y_north = is_northing_beside(y, x);
-  char values[96];
-  std::snprintf(values, sizeof values, "values near X = %.0f m, Y = %.0f m", x, y);
+  const std::string values = fmt::format("values near X = {:.0f} m, Y = {:.0f} m", x, y);
   const std::string named = german ? "the other columns have German names" : "";
   const bool says_y_east = german && (y_stands_first || !with_z);
   const std::string order = y_stands_first ? "Y stands in front of X" : "X stands in front of Y";

@@ -1,11 +1,12 @@
 #include "control/registration/rigid_registration.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/similarity.hpp"
 
@@ -63,9 +64,8 @@ void check_figure(const Eigen::Matrix3Xd& points, const std::vector<std::string>
   Index first = 0, last = 0;
   along.minCoeff(&first);
   along.maxCoeff(&last);
-  char figures[120];
-  std::snprintf(figures, sizeof figures, " (%lld points, standard deviation %.3g m along it, %.3g m across)",
-                static_cast<long long>(points.cols()), spread[0], spread[1]);
+  const std::string figures = fmt::format(" ({} points, standard deviation {:.3g} m along it, {:.3g} m across)",
+                                          static_cast<long long>(points.cols()), spread[0], spread[1]);
   throw DegenerateRegistration("the points of the " + std::string(side) + " lie on a line" + figures +
                                ": rotation about the line through " + ids[static_cast<std::size_t>(first)] + " and " +
                                ids[static_cast<std::size_t>(last)] + " is not determined; add a point off the line");

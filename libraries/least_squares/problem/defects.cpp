@@ -1,10 +1,11 @@
 #include "least_squares/problem/defects.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "plumbline/rigid_transform.hpp"
@@ -15,11 +16,7 @@ namespace {
 constexpr double undetermined_ratio = 1000;
 constexpr double no_information = 1e-12;  ///< [1/m²]: a standard deviation of 1000 km
 
-std::string text(const Eigen::Vector3d& v, const char* format = "(%.3f, %.3f, %.3f)") {
-  char buffer[96];
-  std::snprintf(buffer, sizeof buffer, format, v.x(), v.y(), v.z());
-  return buffer;
-}
+std::string text(const Eigen::Vector3d& v) { return fmt::format("({:.3f}, {:.3f}, {:.3f})", v.x(), v.y(), v.z()); }
 
 /// Axis names where a direction is one.
 std::string direction(Eigen::Vector3d v) {

@@ -4,19 +4,18 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
-#include "plumbline/stop.hpp"
+#include "least_squares/problem/descent.hpp"
 
 namespace plumbline::least_squares {
 
 namespace {
 
-constexpr double kFirstDamping = 1e-3;  // in units of the scaled normal matrix, whose diagonal is 1
-constexpr double kLargestDamping = 1e9;
-
 struct Step {
   Eigen::VectorXd step;  // unscaled
   double length = 0;     // |J dx|
+  double predicted = 0;  // by how much it should lower the sum of squares
 };
 
 std::optional<Step> compute_step(Solution& s, double damping) {
@@ -25,13 +24,13 @@ std::optional<Step> compute_step(Solution& s, double damping) {
   Eigen::VectorXd right_side = -s.normal.gradient().cwiseQuotient(s.normal.scale());
   for (int p : s.datum.pinned()) right_side[p] = 0;
   const Eigen::VectorXd scaled_step = factor.solve(right_side);
-  const double length = std::sqrt(std::max(0.0, scaled_step.dot(right_side)));
+  const double square = std::max(0.0, scaled_step.dot(right_side));
   Eigen::VectorXd step = scaled_step.cwiseQuotient(s.normal.scale());
   if (s.datum.defect() > 0) {
     if (damping == 0) s.datum.update(s.normal, factor);
     step += s.datum.shift_for(s.change + step);
   }
-  return Step{std::move(step), length};
+  return Step{std::move(step), std::sqrt(square), square + damping * scaled_step.squaredNorm()};
 }
 
 std::vector<std::vector<double>> values_of(const Problem& problem) {
@@ -42,25 +41,6 @@ std::vector<std::vector<double>> values_of(const Problem& problem) {
 
 void restore(Problem& problem, const std::vector<std::vector<double>>& values) {
   for (size_t b = 0; b < values.size(); ++b) problem.parameters[b].value = values[b];
-}
-
-/// Takes the step if the sum of squares does not rise; else leaves everything as it was.
-bool try_step(Problem& problem, Solution& s, const Step& step, double& rise) {
-  const auto before = values_of(problem);
-  const double sum_before = s.linearisation.sum_of_squares;
-  const Eigen::VectorXd residuals_before = s.linearisation.residuals;
-  apply_step(problem, s.unknowns, step.step);
-  const bool defined = linearise(problem, s.unknowns, false, s.linearisation);
-  rise = defined ? s.linearisation.sum_of_squares - sum_before : std::numeric_limits<double>::infinity();
-  if (rise <= 0) {
-    s.change += step.step;
-    s.sums_of_squares.push_back(s.linearisation.sum_of_squares);
-    return true;
-  }
-  restore(problem, before);
-  s.linearisation.residuals = residuals_before;
-  s.linearisation.sum_of_squares = sum_before;
-  return false;
 }
 
 Solution start(Problem& problem, const SolverOptions& options) {
@@ -98,52 +78,72 @@ double rounding(const Problem& problem, const Solution& s) {
   return std::sqrt(sum);
 }
 
-/// One accepted step, damped as much as it needs. False if none lowers the sum of squares.
-bool iterate(Problem& problem, Solution& s, double& damping, const SolverOptions& options) {
-  for (;;) {
-    const std::optional<Step> step = compute_step(s, damping);
-    if (!step && damping == 0 && s.sums_of_squares.size() > 1)
-      throw RankDefect("the system became singular during the iterations", Eigen::MatrixXd(s.unknowns.count(), 0));
-    if (step) {
-      const bool quadratic = step->length < 1e-2 * s.last_step;
-      s.last_step = step->length;
-      // Measured against the residuals too, so that a sum of squares near zero is still found to all its digits.
-      const double negligible = options.negligible_step * std::min(1.0, std::sqrt(s.sum_of_squares()));
-      if (damping == 0 && ((quadratic && step->length < negligible) || step->length < rounding(problem, s))) {
-        s.converged = true;
-        return false;
-      }
-      double rise = 0;
-      const bool taken = try_step(problem, s, *step, rise);
-      // Near the minimum the sum changes by less than its own rounding (each residual is known to about 1e-16 of the
-      // observation, not of the residual): such a rise neither confirms nor refutes the step, and ends the search.
-      const bool within_rounding = !taken && step->length < 1e-3 && rise < 1e-9 * std::max(1.0, s.sum_of_squares());
-      s.converged = damping == 0 && (step->length < options.step_tolerance || within_rounding);
-      if (taken) {
-        damping = damping <= kFirstDamping ? 0.0 : 0.1 * damping;
-        return true;
-      }
-      if (s.converged) return false;
-    }
-    damping = damping == 0 ? kFirstDamping : 10 * damping;
-    if (damping > kLargestDamping) return false;
+/// Undamped steps, damped only where one would raise the sum of squares.
+class NetworkDescent : public DampedSystem {
+ public:
+  NetworkDescent(Problem& problem, Solution& solution, const SolverOptions& options)
+      : problem_(problem), s_(solution), options_(options) {}
+
+  bool build(Where where, double) override {
+    if (where == Where::place && is_built_) return true;
+    is_built_ = linearise(problem_, s_.unknowns, true, s_.linearisation);
+    if (is_built_) s_.normal.assemble(s_.linearisation);
+    return is_built_;
   }
-}
+  double cost() const override { return s_.sum_of_squares(); }
+  std::optional<double> solve(double damping) override {
+    std::optional<Step> step = compute_step(s_, damping);
+    if (!step && damping == 0 && s_.sums_of_squares.size() > 1)
+      throw RankDefect("the system became singular during the iterations", Eigen::MatrixXd(s_.unknowns.count(), 0));
+    if (!step) return std::nullopt;
+    step_ = std::move(*step);
+    is_quadratic_ = step_.length < 1e-2 * std::exchange(s_.last_step, step_.length);
+    return step_.predicted;
+  }
+  bool is_negligible(double damping) const override {
+    // Measured against the residuals too, so that a sum of squares near zero is still found to all its digits.
+    const double negligible = options_.negligible_step * std::min(1.0, std::sqrt(s_.sum_of_squares()));
+    return damping == 0 && ((is_quadratic_ && step_.length < negligible) || step_.length < rounding(problem_, s_));
+  }
+  void try_step() override {
+    place_ = values_of(problem_);
+    apply_step(problem_, s_.unknowns, step_.step);
+  }
+  void accept() override {
+    s_.change += step_.step;
+    s_.sums_of_squares.push_back(s_.sum_of_squares());
+  }
+  void reject() override {
+    restore(problem_, place_);
+    is_built_ = false;
+  }
+  Judgement judge(double gain, double damping) const override {
+    // Near the minimum the sum changes by less than its own rounding (each residual is known to about 1e-16 of the
+    // observation, not of the residual): such a rise neither confirms nor refutes the step, and ends the search.
+    const bool taken = gain >= 0, within_rounding = !taken && step_.length < 1e-3 &&
+                                                    -gain < 1e-9 * std::max(1.0, s_.sums_of_squares.back());
+    return {taken, damping == 0 && (step_.length < options_.step_tolerance || within_rounding)};
+  }
+
+ private:
+  Problem& problem_;
+  Solution& s_;
+  const SolverOptions& options_;
+  std::vector<std::vector<double>> place_;
+  Step step_;
+  bool is_built_ = true, is_quadratic_ = false;
+};
 
 }  // namespace
 
 Solution solve(Problem& problem, const SolverOptions& options) {
   Solution s = start(problem, options);
-  double damping = 0;
-  while (s.iterations() < options.max_iterations && !s.converged) {
-    stop_point();
-    const bool taken = iterate(problem, s, damping, options);
-    if (taken) {
-      linearise(problem, s.unknowns, true, s.linearisation);
-      s.normal.assemble(s.linearisation);
-    }
-    if (!taken) break;
-  }
+  NetworkDescent system(problem, s, options);
+  DescentOptions how;  // damping in units of the scaled normal matrix, whose diagonal is 1
+  how.max_iterations = options.max_iterations;
+  how.first_damping = how.rest_damping = 0;
+  how.least_damping = 1e-3, how.smallest_damping = 1e-4, how.largest_damping = 1e9;
+  s.converged = descend(system, how).converged;
   return s;
 }
 

@@ -1,8 +1,9 @@
 #include "loop/estimate/combine_campaigns.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <stdexcept>
 
@@ -313,8 +314,7 @@ CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlac
 std::vector<std::string> words_of(const CombinedCampaigns& combined) {
   std::vector<std::string> words;
   for (const MovedAnchor& moved : combined.moved) {
-    char test[80];
-    std::snprintf(test, sizeof test, " (test %.1f, critical %.1f)", moved.statistic, moved.critical);
+    const std::string test = fmt::format(" (test {:.1f}, critical {:.1f})", moved.statistic, moved.critical);
     words.push_back((moved.id.empty() ? "the anchors of floor " + std::to_string(moved.floor) + " are together "
                                       : moved.id + " is ") +
                     text::millimetres(moved.shift.norm()) + " from where campaigns before had " +
@@ -325,13 +325,10 @@ std::vector<std::string> words_of(const CombinedCampaigns& combined) {
                     " anchors are those of a campaign before, to a micrometre, and those of others are not: this "
                     "campaign holds readings of that one. It counts alone");
   else if (combined.repeats) {
-    char text[260];
-    std::snprintf(text, sizeof text,
-                  "this campaign agrees with those before far better than it can (chi-squared %.2f where about %d is "
-                  "expected): does it hold readings of theirs, or is the instrument better than its profile? It counts "
-                  "alone",
-                  combined.chi_squared, 3 * combined.compared);
-    words.emplace_back(text);
+    words.push_back(fmt::format(
+        "this campaign agrees with those before far better than it can (chi-squared {:.2f} where about {} is "
+        "expected): does it hold readings of theirs, or is the instrument better than its profile? It counts alone",
+        combined.chi_squared, 3 * combined.compared));
   }
   return words;
 }

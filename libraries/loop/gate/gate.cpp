@@ -1,9 +1,10 @@
 #include "loop/gate/gate.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "loop/gate/inside_probability.hpp"
 
@@ -115,34 +116,28 @@ double robot_that_would_do(const Region& region, double sigma, double slips, con
   return low * sigma;
 }
 
-std::string number(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// "top left corner of F01-P02, out: 3.4 mm of -5.0 to 5.0, u 1.2 mm".
 std::string value_words(const Facade& facade, const Fit& fit, std::size_t value, double u) {
   const JudgedValue& judged = fit.judged[value];
-  return judged.words(facade) + ": " + number("%.1f", 1e3 * fit.values[value].value) + " mm, limits " +
-         number("%.1f", 1e3 * judged.low) + " and " + number("%.1f mm", 1e3 * judged.high) + ", u " +
-         number("%.2f mm", 1e3 * u);
+  return judged.words(facade) + ": " + fmt::format("{:.1f}", 1e3 * fit.values[value].value) + " mm, limits " +
+         fmt::format("{:.1f}", 1e3 * judged.low) + " and " + fmt::format("{:.1f} mm", 1e3 * judged.high) + ", u " +
+         fmt::format("{:.2f} mm", 1e3 * u);
 }
 
 std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOptions& options) {
   std::string words;
   if (gate.measure.bracket >= 0)
     words += "; measuring " + facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id + " once more to " +
-             number("%.1f mm", 1e3 * options.measurement_sigma) + " takes u to " +
-             number("%.2f mm", 1e3 * gate.measure.u) + " and p to " + number("%.2f", gate.measure.p_in) +
+             fmt::format("{:.1f} mm", 1e3 * options.measurement_sigma) + " takes u to " +
+             fmt::format("{:.2f} mm", 1e3 * gate.measure.u) + " and p to " + fmt::format("{:.2f}", gate.measure.p_in) +
              " if the estimate stays";
   else
     words += "; no single measurement decides it";
-  if (gate.p_repeated >= options.go) words += "; more campaigns take p to " + number("%.2f", gate.p_repeated);
+  if (gate.p_repeated >= options.go) words += "; more campaigns take p to " + fmt::format("{:.2f}", gate.p_repeated);
   if (gate.robot_sigma > 0)
-    words += "; a robot that sets to " + number("%.2f mm", 1e3 * gate.robot_sigma) + " would do";
+    words += "; a robot that sets to " + fmt::format("{:.2f} mm", 1e3 * gate.robot_sigma) + " would do";
   else if (gate.slips < options.go)
-    words += "; brackets that slip on tightening, and what is knocked, take p to " + number("%.2f", gate.slips) +
+    words += "; brackets that slip on tightening, and what is knocked, take p to " + fmt::format("{:.2f}", gate.slips) +
              " of what it would be";
   else if (gate.robot_sigma == 0)
     words += "; no robot is precise enough";
@@ -188,7 +183,7 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
                  : 1 - gate.p_in >= options.no_go ? GateVerdict::no_go
                                                   : GateVerdict::hold;
   gate.reason =
-      "p " + number("%.3f", gate.p_in) + "; " +
+      "p " + fmt::format("{:.3f}", gate.p_in) + "; " +
       value_words(facade, fit, region.values[static_cast<std::size_t>(worst)], std::sqrt(covariance(worst, worst)));
   if (gate.verdict == GateVerdict::hold) {
     gate.measure = best_measurement(region, unslipped, worst, gate, options.measurement_sigma);

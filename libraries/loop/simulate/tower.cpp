@@ -1,21 +1,15 @@
 #include "loop/simulate/tower.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
 
 namespace plumbline::loop {
 namespace {
 
 std::string bracket_name(int floor, int column, int row) {
-  char text[64];
-  std::snprintf(text, sizeof text, "F%02d-C%02d-R%d", floor + 1, column + 1, row + 1);
-  return text;
+  return fmt::format("F{:02}-C{:02}-R{}", floor + 1, column + 1, row + 1);
 }
 
-std::string panel_name(int floor, int bay) {
-  char text[64];
-  std::snprintf(text, sizeof text, "F%02d-P%02d", floor + 1, bay + 1);
-  return text;
-}
+std::string panel_name(int floor, int bay) { return fmt::format("F{:02}-P{:02}", floor + 1, bay + 1); }
 
 Panel make_panel(const TowerOptions& o, int floor, int bay, const Eigen::Matrix3d& axes) {
   Panel panel;

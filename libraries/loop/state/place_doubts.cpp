@@ -1,6 +1,7 @@
 #include "loop/state/place_doubts.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <functional>
 #include <vector>
 
@@ -9,8 +10,7 @@ namespace plumbline::loop {
 std::string place_doubt(const Eigen::Vector3d& reported, const Eigen::Vector3d& expected, double reach) {
   const double off = (reported - expected).norm();
   if (off <= reach) return {};
-  char words[160];
-  std::snprintf(words, sizeof words, "lies %.3f m from where it should be", off);
+  const std::string words = fmt::format("lies {:.3f} m from where it should be", off);
   struct Reading {
     const char* name;
     std::function<Eigen::Vector3d(const Eigen::Vector3d&)> read;

@@ -1,8 +1,9 @@
 // their own.
 #include "loop/state/plan_artifact.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "loop/state/bracket_places.hpp"
@@ -139,11 +140,7 @@ std::string settings_csv(const InstallationPlanT& plan) {
   for (const auto& bracket : plan.brackets) {
     if (bracket->fixed || !bracket->asked.allFinite()) continue;
     text += bracket->id + ";" + std::to_string(bracket->floor);
-    char number[32];
-    const auto add = [&](double metres) {
-      std::snprintf(number, sizeof number, ";%.1f", 1e3 * metres + 0.0);
-      text += number;
-    };
+    const auto add = [&](double metres) { text += fmt::format(";{:.1f}", 1e3 * metres + 0.0); };
     for (int k = 0; k < 3; ++k) add(bracket->setting[k]);
     for (int k = 0; k < 3; ++k) add(-bracket->low[k]), add(bracket->high[k]);
     text += ";" + bracket->type + "\n";

@@ -1,9 +1,10 @@
 #include "photo/block/bal_files.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/LU>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <set>
 #include <stdexcept>
@@ -221,11 +222,6 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
 
 std::string bal_text(const PointBlock& block, std::vector<std::string>& notes) {
   std::string text;
-  char line[256];
-  const auto add = [&](const char* format, auto... values) {
-    std::snprintf(line, sizeof line, format, values...);
-    text += line;
-  };
   std::vector<BalCamera> cameras;
   int reduced = 0;
   for (const auto& camera : block.cameras) {
@@ -240,14 +236,15 @@ std::string bal_text(const PointBlock& block, std::vector<std::string>& notes) {
                     "images, and k1 and k2 are 0");
   if (!block.control.points.empty() || !block.scale_bars.empty())
     notes.push_back("control points and scale bars have no place in the format");
-  add("%zu %zu %zu\n", block.images.size(), block.points.size(), block.measurements.size());
+  text += fmt::format("{} {} {}\n", block.images.size(), block.points.size(), block.measurements.size());
   for (const auto& m : block.measurements) {
     const size_t c = static_cast<size_t>(block.images[static_cast<size_t>(m.image)].camera);
     const SensorCamera& camera = block.cameras[c];
     const Eigen::Vector2d at = cameras[c].exact
                                    ? Eigen::Vector2d(m.position - Eigen::Vector2d(camera.values[1], camera.values[2]))
                                    : ideal_coordinates(camera, m.position);
-    add("%d %d %.17g %.17g\n", m.image, m.point, at.x() / pitch_of(camera), at.y() / pitch_of(camera));
+    text +=
+        fmt::format("{} {} {:.17g} {:.17g}\n", m.image, m.point, at.x() / pitch_of(camera), at.y() / pitch_of(camera));
   }
   for (const auto& image : block.images) {
     const BalCamera& camera = cameras[static_cast<size_t>(image.camera)];
@@ -256,10 +253,10 @@ std::string bal_text(const PointBlock& block, std::vector<std::string>& notes) {
     const Eigen::Vector3d r = axis.angle() * axis.axis(), t = -(turn * image.centre);
     for (double value : {r.x(), r.y(), r.z(), t.x(), t.y(), t.z(),
                          camera.f / pitch_of(block.cameras[static_cast<size_t>(image.camera)]), camera.k1, camera.k2})
-      add("%.17g\n", value);
+      text += fmt::format("{:.17g}\n", value);
   }
   for (const auto& point : block.points)
-    for (int c = 0; c < 3; ++c) add("%.17g\n", point.position(c));
+    for (int c = 0; c < 3; ++c) text += fmt::format("{:.17g}\n", point.position(c));
   return text;
 }
 

@@ -1,8 +1,9 @@
 #include "photo/block/check_points.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "geometry/statistics.hpp"
@@ -20,14 +21,11 @@ double nees_of(const Eigen::VectorXd& d, const Eigen::MatrixXd& covariance) {
 }
 
 std::string triple(const Eigen::Vector3d& v) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.1f, %.1f, %.1f mm", 1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z());
-  return text;
+  return fmt::format("{:.1f}, {:.1f}, {:.1f} mm", 1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z());
 }
 
 std::string words_of(const JudgedCheckPoint& point, const Eigen::Vector3d& sigma) {
-  char text[96];
-  std::snprintf(text, sizeof text, " (largest |w| %.1f)", point.w.cwiseAbs().maxCoeff());
+  const std::string text = fmt::format(" (largest |w| {:.1f})", point.w.cwiseAbs().maxCoeff());
   return "check point " + point.name + " contradicts the block: it is off by " + triple(point.difference) +
          ", where the standard deviations of block and survey are " + triple(sigma) + text +
          ". Its coordinates, its name or a measurement of it is wrong, or the block is worse there than it states";
@@ -66,13 +64,10 @@ CheckJudgement judge_check_points(const std::vector<std::string>& names, const E
   result.joint_limit = chi_squared_quantile(1 - kRisk, result.freedom);
   if (result.nees <= result.joint_limit) return result;
   result.holds = false;
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "the check points together are off by more than the standard deviations of block and survey state: NEES "
-      "%.0f of %.0f degrees of freedom (at most %.0f). They are about %.1f times too small",
-      result.nees, result.freedom, result.joint_limit, std::sqrt(result.nees / result.freedom));
-  result.words.emplace_back(text);
+  result.words.push_back(
+      fmt::format("the check points together are off by more than the standard deviations of block and survey state: "
+                  "NEES {:.0f} of {:.0f} degrees of freedom (at most {:.0f}). They are about {:.1f} times too small",
+                  result.nees, result.freedom, result.joint_limit, std::sqrt(result.nees / result.freedom)));
   return result;
 }
 

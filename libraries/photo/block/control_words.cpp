@@ -1,9 +1,10 @@
 #include "photo/block/control_words.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "base/text/words.hpp"
@@ -53,15 +54,11 @@ Eigen::Vector3d common_offset(const TagBlock& block, const TagBlockResult& resul
 
 std::string control_in_words(const TagBlock& block, const TagBlockResult& result) {
   const Eigen::Vector3d offset = common_offset(block, result);
-  char text[200];
-  if (offset.norm() > 0.002) {
-    std::snprintf(
-        text, sizeof text,
-        "; the offset of the tag on its plate is wrong on all plates: by about %.0f, %.0f, %.0f mm in the plate "
+  if (offset.norm() > 0.002)
+    return fmt::format(
+        "; the offset of the tag on its plate is wrong on all plates: by about {:.0f}, {:.0f}, {:.0f} mm in the plate "
         "table's tag_x, tag_y, tag_z",
         1e3 * offset.x(), 1e3 * offset.y(), 1e3 * offset.z());
-    return text;
-  }
   std::vector<std::pair<double, std::string>> worst;
   for (const AdjustedControl& control : result.control) {
     double w = 0;
@@ -72,8 +69,7 @@ std::string control_in_words(const TagBlock& block, const TagBlockResult& result
   std::vector<std::string> names;
   for (size_t i = 0;
        i < std::min<size_t>(worst.size(), 3) && worst[i].first < -4 && worst[i].first < 0.5 * worst[0].first; ++i) {
-    std::snprintf(text, sizeof text, " (w = %.0f)", -worst[i].first);
-    names.push_back(worst[i].second + text);
+    names.push_back(worst[i].second + fmt::format(" (w = {:.0f})", -worst[i].first));
   }
   return names.empty() ? ""
                        : "; most at " + text::enumerate(names) +
@@ -135,9 +131,9 @@ void require_same_figure(const std::vector<std::string>& names, const std::vecto
   const Pair& low = pairs.front();
   const Pair& high = pairs.back();
   const auto words = [&](const Pair& p) {
-    char figures[120];
-    std::snprintf(figures, sizeof figures, ", %.4g m by the control and %.4g in the block",
-                  (in_control[p.a] - in_control[p.b]).norm(), (in_block[p.a] - in_block[p.b]).norm());
+    const std::string figures =
+        fmt::format(", {:.4g} m by the control and {:.4g} in the block", (in_control[p.a] - in_control[p.b]).norm(),
+                    (in_block[p.a] - in_block[p.b]).norm());
     return names[p.a] + " to " + names[p.b] + figures;
   };
   throw std::runtime_error("the " + std::to_string(names.size()) +
@@ -161,9 +157,8 @@ void require_same_hand(const std::vector<Eigen::Vector3d>& in_block, const std::
   };
   const double as_it_is = rms_of(1), mirrored = rms_of(-1);
   if (!(mirrored < far_better * as_it_is)) return;
-  char figures[120];
-  std::snprintf(figures, sizeof figures, "mirrored it fits the approximate coordinates to %.3g m, as it is to %.3g m",
-                mirrored, as_it_is);
+  const std::string figures =
+      fmt::format("mirrored it fits the approximate coordinates to {:.3g} m, as it is to {:.3g} m", mirrored, as_it_is);
   throw std::runtime_error(
       std::string("the control is the mirror image of the block: ") + figures +
       ". Are two of its coordinates exchanged (east and north), or has one the wrong sign? X, Y, Z "

@@ -1,8 +1,9 @@
 #include "photo/block/photomodeler_files.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <map>
 #include <set>
@@ -76,10 +77,9 @@ void require_image_size(const PointBlock& block, const fs::path& file) {
   for (const SensorCamera& camera : block.cameras) {
     const double ratio = camera.sensor_width / camera.width / (camera.sensor_height / camera.height);
     if (ratio > 0.9 && ratio < 1.1) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, " on a sensor of %.4g x %.4g mm have sides of %.3g and %.3g um",
-                  camera.sensor_width, camera.sensor_height, 1e3 * camera.sensor_width / camera.width,
-                  1e3 * camera.sensor_height / camera.height);
+    const std::string text = fmt::format(
+        " on a sensor of {:.4g} x {:.4g} mm have sides of {:.3g} and {:.3g} um", camera.sensor_width,
+        camera.sensor_height, 1e3 * camera.sensor_width / camera.width, 1e3 * camera.sensor_height / camera.height);
     throw std::runtime_error(file.string() + ": " + size_of(camera) + text +
                              ": are width and height of the image exchanged?");
   }
@@ -88,9 +88,8 @@ void require_image_size(const PointBlock& block, const fs::path& file) {
     const SensorCamera& camera = block.cameras[static_cast<size_t>(image.camera)];
     const Eigen::Array2d share = m.position.array() / Eigen::Array2d(camera.sensor_width, camera.sensor_height);
     if (share.minCoeff() > -0.05 && share.maxCoeff() < 1.05) continue;
-    char text[120];
-    std::snprintf(text, sizeof text, " is marked at (%.1f, %.1f) in photo %d, outside of ", share.x() * camera.width,
-                  share.y() * camera.height, image.id);
+    const std::string text = fmt::format(" is marked at ({:.1f}, {:.1f}) in photo {}, outside of ",
+                                         share.x() * camera.width, share.y() * camera.height, image.id);
     throw std::runtime_error(file.string() + ": point " + block.points[static_cast<size_t>(m.point)].name + text +
                              size_of(camera) + ": that is not the size of the photographs");
   }

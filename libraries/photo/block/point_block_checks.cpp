@@ -1,6 +1,7 @@
 #include "photo/block/point_block_checks.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <stdexcept>
 
 #include "base/text/words.hpp"
@@ -17,9 +18,9 @@ std::string list(const std::vector<std::string>& names) {
 void require_on_earth(const std::string& what, const Eigen::Vector3d& position) {
   constexpr double furthest = 1e9;  // [m]: a hundred and fifty times the way to the centre of the Earth
   if (position.allFinite() && position.cwiseAbs().maxCoeff() < furthest) return;
-  char text[120];
-  std::snprintf(text, sizeof text, " is at (%.6g, %.6g, %.6g)", position.x(), position.y(), position.z());
-  throw std::runtime_error(what + text + ": expected are metres, below 1e9; correct it in the file, or leave it out");
+  throw std::runtime_error(what +
+                           fmt::format(" is at ({:.6g}, {:.6g}, {:.6g})", position.x(), position.y(), position.z()) +
+                           ": expected are metres, below 1e9; correct it in the file, or leave it out");
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 #include "photo/block/point_block_words.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/statistics.hpp"
 #include "photo/block/read_block.hpp"
@@ -29,17 +30,14 @@ std::string control_against_images(const PointBlockResult& result) {
     if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest)
       largest = w, worst = result.block.points[static_cast<size_t>(c.point)].name;
   }
-  char text[500];
-  std::snprintf(
-      text, sizeof text,
-      "control and images contradict each other: the control's variance factor is %.3g times that of the images "
-      "(at most %.3g by chance), its residuals %.3g mm rms, most at %s (w %.1f). Its standard deviations are "
-      "too small, a point of it is another one in the images, or the camera is not what the file says%s",
-      ratio, limit, 1e3 * std::sqrt(squares / count), worst.c_str(), largest,
+  return fmt::format(
+      "control and images contradict each other: the control's variance factor is {:.3g} times that of the images (at "
+      "most {:.3g} by chance), its residuals {:.3g} mm rms, most at {} (w {:.1f}). Its standard deviations are too "
+      "small, a point of it is another one in the images, or the camera is not what the file says{}",
+      ratio, limit, 1e3 * std::sqrt(squares / count), worst, largest,
       result.block.cameras.at(0).lens == bundle::Lens::correcting
           ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
           : "");
-  return text;
 }
 
 std::string blunders_in_words(const PointBlockResult& result) {
@@ -55,15 +53,12 @@ std::string blunders_in_words(const PointBlockResult& result) {
   if (count == 0) return "";
   const BlockMeasurement& measured = result.block.measurements[worst];
   const auto& [x, y] = result.measurement_reliability[worst];
-  char text[300];
-  std::snprintf(
-      text, sizeof text,
-      "%zu image point%s of %zu contradict%s all the others, most point %s in image %d (off by %.3g mm in the "
-      "sensor, w %.0f): it is another point there, or its control is wrong; Block.targets.findings lists them",
+  return fmt::format(
+      "{} image point{} of {} contradict{} all the others, most point {} in image {} (off by {:.3g} mm in the sensor, "
+      "w {:.0f}): it is another point there, or its control is wrong; Block.targets.findings lists them",
       count, count == 1 ? "" : "s", result.measurement_reliability.size(), count == 1 ? "s" : "",
-      result.block.points[static_cast<size_t>(measured.point)].name.c_str(),
+      result.block.points[static_cast<size_t>(measured.point)].name,
       result.block.images[static_cast<size_t>(measured.image)].id, std::hypot(x.residual, y.residual), largest);
-  return text;
 }
 
 std::string turned_images(const PointBlock& given, const PointBlockResult& result) {

@@ -1,9 +1,10 @@
 #include "photo/block/tag_block.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
@@ -370,9 +371,9 @@ void fill_rejected_control(const TagBlock& given, TagBlockResult& result) {
     rejected.sigma =
         (given.control.covariance.diagonal().segment<3>(3 * k) + result.anchor_covariance.diagonal().segment<3>(3 * j))
             .cwiseSqrt();
-    char text[200];
-    std::snprintf(text, sizeof text, " contradicts the photographs and the other control by %.1f, %.1f, %.1f mm",
-                  1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z());
+    const std::string text =
+        fmt::format(" contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} mm",
+                    1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z());
     result.left_out.push_back("the control of " + given.plates[static_cast<size_t>(rejected.plate)].anchor + ", which" +
                               text);
   }

@@ -1,7 +1,8 @@
 // Whether control and approximate values speak of the same places.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "base/text/words.hpp"
@@ -75,10 +76,8 @@ Agreement agree(std::vector<PlatePair> pairs) {
 std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) {
   const Eigen::AngleAxisd turn(motion.rotation);
   const double shift = (motion * at - at).norm();
-  char text[160];
-  std::snprintf(text, sizeof text, "%.3g %s apart, turned by %.2f degrees", shift > 1000 ? shift / 1000 : shift,
-                shift > 1000 ? "km" : "m", std::abs(turn.angle()) * 180 / M_PI);
-  return text;
+  return fmt::format("{:.3g} {} apart, turned by {:.2f} degrees", shift > 1000 ? shift / 1000 : shift,
+                     shift > 1000 ? "km" : "m", std::abs(turn.angle()) * 180 / M_PI);
 }
 
 [[noreturn]] void refuse_scale(double scale) {
@@ -90,9 +89,7 @@ std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) 
   std::string cause = "another unit, or tags whose size is not the one given";
   for (const auto& [factor, name] : units)
     if (std::abs(scale / factor - 1) < 0.02) cause = std::string("the control is in ") + name + ", or the tag size is";
-  char text[64];
-  std::snprintf(text, sizeof text, "%.4g", scale);
-  throw std::runtime_error(std::string("distances between control points are ") + text +
+  throw std::runtime_error(std::string("distances between control points are ") + fmt::format("{:.4g}", scale) +
                            " times those between the plates in the images: " + cause);
 }
 

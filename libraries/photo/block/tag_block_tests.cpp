@@ -1,9 +1,10 @@
 // Global tests of a tag block: the variance of each group of observations against what was assumed of it.
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/statistics.hpp"
 #include "photo/block/control_words.hpp"
@@ -37,10 +38,9 @@ void add_distance_terms(const bundle::ScoreTest& score, int index, const std::st
   if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
   const std::string of = camera.empty() ? "" : " of " + camera;
   GroupTest test = model_test("distortion at all distances" + of, explained.decrease, 2, result);
-  char figure[160];
-  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f)", test.factor, test.limit);
   if (!test.passed)
-    test.words = "the lens' distortion" + of + " changes with the distance" + std::string(figure) +
+    test.words = "the lens' distortion" + of + " changes with the distance" +
+                 fmt::format(" (test value {:.1f}, at most {:.1f})", test.factor, test.limit) +
                  ": add d1 and d2 to free_interior";
   result.models.push_back(test);
 }
@@ -50,9 +50,9 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
   if (!std::isfinite(explained.decrease)) return;
   const auto freedom = static_cast<double>(explained.step.size());
   GroupTest test = model_test("one principal point", explained.decrease, freedom, result);
-  char figure[200];
-  std::snprintf(figure, sizeof figure, " (test value %.1f, at most %.1f), rms %.2g px: set image_principal_point_sigma",
-                test.factor, test.limit, std::sqrt(explained.step.squaredNorm() / freedom));
+  const std::string figure =
+      fmt::format(" (test value {:.1f}, at most {:.1f}), rms {:.2g} px: set image_principal_point_sigma", test.factor,
+                  test.limit, std::sqrt(explained.step.squaredNorm() / freedom));
   if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
   result.models.push_back(test);
 }
@@ -148,17 +148,16 @@ void test_groups(const TagBlock& block, TagBlockResult& result) {
     GroupTest test;
     test.group = group.name;
     test.factor = group.factor;
-    char figure[160];
+    std::string figure;
     if (group.name == "images") {
       test.factor *= result.image_variance_factor;
       test.limit = largest_image_factor;
-      std::snprintf(figure, sizeof figure, "the tags fit %.1f times worse than the detector says of its corners",
-                    std::sqrt(test.factor));
+      figure =
+          fmt::format("the tags fit {:.1f} times worse than the detector says of its corners", std::sqrt(test.factor));
       test.words = std::string(figure) + ": camera model or calibration, tag size or plate table are wrong";
     } else {
       test.limit = chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
-      std::snprintf(figure, sizeof figure, " (variance factor %.3g, expected 1, at most %.2f)", test.factor,
-                    test.limit);
+      figure = fmt::format(" (variance factor {:.3g}, expected 1, at most {:.2f})", test.factor, test.limit);
       test.words =
           (group.name == "control"
                ? "images and survey contradict each other far beyond the survey's standard deviations"

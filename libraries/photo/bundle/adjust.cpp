@@ -1,9 +1,10 @@
 #include "photo/bundle/adjust.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <stdexcept>
 
@@ -127,8 +128,7 @@ std::string worst_images(const Problem& problem, const Layout& layout, const Sta
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return rms(a) > rms(b); });
   std::vector<std::string> words;
   for (size_t k = 0; k < std::min<size_t>(3, order.size()); ++k) {
-    char text[64];
-    std::snprintf(text, sizeof text, " (rms %.3g sigma)", rms(order[k]));
+    const std::string text = fmt::format(" (rms {:.3g} sigma)", rms(order[k]));
     words.push_back(problem.images[order[k]].name + text);
   }
   return text::enumerate(words);

@@ -1,6 +1,7 @@
 #include "photo/colmap/program.hpp"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <spawn.h>
 #include <sys/syscall.h>
@@ -136,10 +137,8 @@ std::string run_program(const std::string& program, const std::vector<std::strin
   while (!child.has_ended(status)) {
     stop_point();
     if (std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() > seconds) {
-      char limit[32];
-      std::snprintf(limit, sizeof limit, "%g", seconds);
-      throw std::runtime_error("'colmap " + arguments.at(0) + "' took longer than time_limit, " + limit +
-                               " s, and was ended; " + last_words(log));
+      throw std::runtime_error("'colmap " + arguments.at(0) + "' took longer than time_limit, " +
+                               fmt::format("{:g}", seconds) + " s, and was ended; " + last_words(log));
     }
   }
   if (WIFSIGNALED(status))

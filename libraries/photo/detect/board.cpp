@@ -1,5 +1,6 @@
 #include "photo/detect/board.hpp"
 
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
@@ -263,11 +264,7 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
 }  // namespace
 
 std::string Board::words() const {
-  const auto mm = [](double metres) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.5g mm", 1e3 * metres);
-    return std::string(text);
-  };
+  const auto mm = [](double metres) { return fmt::format("{:.5g} mm", 1e3 * metres); };
   const std::string size = std::to_string(columns) + " x " + std::to_string(rows);
   if (kind == BoardKind::chessboard) return "chessboard of " + size + " inner corners, squares " + mm(square);
   if (kind == BoardKind::charuco)

@@ -1,8 +1,9 @@
 #include "photo/detect/target_fit.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <vector>
 
@@ -20,12 +21,6 @@ namespace {
 constexpr double kSmallestRadius = 5;  // [px]
 constexpr double kWorstMisfit = 0.12;  // of the contrast
 constexpr double kLeastAngle = 0.4;    // between the two lines [rad]
-
-std::string text_of(const char* format, double a, double b = 0) {
-  char text[240];
-  std::snprintf(text, sizeof text, format, a, b);
-  return text;
-}
 
 bool reaches_border(const GreyImage& image, const Eigen::Vector2d& centre, double radius) {
   return centre.x() < radius || centre.y() < radius || centre.x() > image.width - 1 - radius ||
@@ -54,13 +49,15 @@ double angle_between(const TargetParameters& p) {
 std::string fault_of(const TargetFit& fit, const TargetFitOptions& options) {
   const double blur = std::exp(fit.p[kBlur]);
   if (fit.contrast() < options.min_contrast)
-    return text_of("its contrast is %.0f grey values, at least %.0f are wanted", fit.contrast(), options.min_contrast);
-  if (blur > 0.35 * fit.radius) return text_of("too blurred: %.1f px over the %.0f px that show it", blur, fit.radius);
+    return fmt::format("its contrast is {:.0f} grey values, at least {:.0f} are wanted", fit.contrast(),
+                       options.min_contrast);
+  if (blur > 0.35 * fit.radius)
+    return fmt::format("too blurred: {:.1f} px over the {:.0f} px that show it", blur, fit.radius);
   if (angle_between(fit.p) < kLeastAngle) return "its two lines run nearly parallel, as those of a bar do";
   if (fit.rms() > kWorstMisfit * fit.contrast())
-    return text_of(
-        "it differs from a crosshair and from quadrants by %.0f %% of its contrast (at most %.0f %%): "
-        "partly covered, dirty, or another thing",
+    return fmt::format(
+        "it differs from a crosshair and from quadrants by {:.0f} % of its contrast (at most {:.0f} %): partly "
+        "covered, dirty, or another thing",
         100 * fit.rms() / fit.contrast(), 100 * kWorstMisfit);
   if (fit.kind == TargetKind::crosshair && std::exp(std::max(fit.p[kWidth1], fit.p[kWidth2])) > 0.6 * fit.radius)
     return "its bars fill what is seen of it";
@@ -114,12 +111,11 @@ Choice choose(const GreyImage& image, const Eigen::Vector2d& predicted, const Ta
   for (const TargetCandidate& candidate : search.candidates) {
     const TargetFit fit = fit_candidate(image, candidate);
     const double away = (fit.p.head<2>() - predicted).norm();
-    const std::string fault = !fit.converged          ? "its fit does not converge"
-                              : away > options.search ? text_of(
-                                                            "it is %.1f px off the prediction, and "
-                                                            "search is %.1f px",
-                                                            away, options.search)
-                                                      : fault_of(fit, options);
+    const std::string fault =
+        !fit.converged ? "its fit does not converge"
+        : away > options.search
+            ? fmt::format("it is {:.1f} px off the prediction, and search is {:.1f} px", away, options.search)
+            : fault_of(fit, options);
     if (!fault.empty() && choice.problem.empty()) choice.problem = "what is most like a target there is none: " + fault;
     if (fault.empty()) sound.push_back(fit);
   }
@@ -134,9 +130,8 @@ Choice choose(const GreyImage& image, const Eigen::Vector2d& predicted, const Ta
     // What lies within the best one is explained by it.
     const double apart = (fit.p.head<2>() - choice.best->p.head<2>()).norm();
     if (apart < std::max(2.0, choice.best->radius)) continue;
-    choice.problem = text_of(
-        "two targets lie within %.1f px of the prediction, %.1f px apart; a smaller search tells "
-        "which is meant",
+    choice.problem = fmt::format(
+        "two targets lie within {:.1f} px of the prediction, {:.1f} px apart; a smaller search tells which is meant",
         options.search, apart);
     choice.best.reset();
     break;
@@ -157,7 +152,7 @@ MeasuredTarget measure_target(const GreyImage& image, const Eigen::Vector2d& pre
   if (search.candidates.empty()) {
     target.problem = search.contrast_seen
                          ? "nothing there looks like a crosshair or like quadrants"
-                         : text_of("nothing there has a contrast of %.0f grey values", options.min_contrast);
+                         : fmt::format("nothing there has a contrast of {:.0f} grey values", options.min_contrast);
     return target;
   }
   const Choice choice = choose(image, predicted, search, options);
@@ -168,7 +163,7 @@ MeasuredTarget measure_target(const GreyImage& image, const Eigen::Vector2d& pre
   target.blur = std::exp(fit.p[kBlur]), target.misfit = fit.rms() / fit.contrast();
   target.covariance = centre_covariance(fit) + Eigen::Matrix2d::Identity() * options.sigma_floor * options.sigma_floor;
   if (!(target.covariance.trace() < 0.5))
-    target.problem = text_of("its centre is uncertain by %.1f px", std::sqrt(0.5 * target.covariance.trace()));
+    target.problem = fmt::format("its centre is uncertain by {:.1f} px", std::sqrt(0.5 * target.covariance.trace()));
   return target;
 }
 

@@ -1,5 +1,7 @@
 #include "photo/markers/calibration.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -255,10 +257,7 @@ class Calibrator {
       return begin +
              "the photographs do not show the board that its file describes, or the lens is none of this model (a "
              "fisheye). Check type, columns, rows and lengths there";
-    char text[120];
-    std::snprintf(text, sizeof text, "half of the photographs look at the board within %.0f degrees of straight, ",
-                  tilt);
-    return begin + text +
+    return begin + fmt::format("half of the photographs look at the board within {:.0f} degrees of straight, ", tilt) +
            "which does not tell the principal distance from the distance. Tilt the board by 30 to 50 degrees in half "
            "of them, in several directions";
   }

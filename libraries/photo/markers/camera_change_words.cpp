@@ -1,7 +1,8 @@
 // What is said of cameras that change and of photographs that scatter.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "photo/markers/camera_changes.hpp"
 
@@ -61,26 +62,22 @@ std::string name_of(What what) {
   return "";
 }
 
-std::string printed(const char* format, double a, double b = 0, double c = 0, double d = 0) {
-  char text[240];
-  std::snprintf(text, sizeof text, format, a, b, c, d);
-  return text;
-}
-
 /// "2.01 ± 0.05 % longer"; without its size where that is not known.
 std::string longer(double by, double sigma, bool sized) {
-  return (sized ? printed("%.2f ± %.2f %% ", 100 * std::abs(by), 100 * sigma) : "") + (by > 0 ? "longer" : "shorter");
+  return (sized ? fmt::format("{:.2f} ± {:.2f} % ", 100 * std::abs(by), 100 * sigma) : "") +
+         (by > 0 ? "longer" : "shorter");
 }
 
 std::string elsewhere(const CameraChange& change, Eigen::Index at, bool sized) {
   const auto& by = change.by;
   const auto& sigma = change.sigma;
-  return sized ? printed("elsewhere by %.1f ± %.1f, %.1f ± %.1f px", by(at), sigma(at), by(at + 1), sigma(at + 1))
+  return sized ? fmt::format("elsewhere by {:.1f} ± {:.1f}, {:.1f} ± {:.1f} px", by(at), sigma(at), by(at + 1),
+                             sigma(at + 1))
                : "elsewhere";
 }
 
 std::string by_k1(const CameraChange& change, Eigen::Index at, bool sized) {
-  return sized ? printed(" (k1 by %+.3f ± %.3f)", change.by(at), change.sigma(at)) : "";
+  return sized ? fmt::format(" (k1 by {:+.3f} ± {:.3f})", change.by(at), change.sigma(at)) : "";
 }
 
 /// Those of several parameters that are more than three standard deviations.
@@ -147,33 +144,32 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
   // Sound photographs scatter by chance, too: 20 of them by 1.4 times in the mean, as no direction counts less than 1.
   const double told = causes.empty() ? 3 : 1.5;
   if (!empirical.judged || !(empirical.factor > told)) return "";
-  std::string words = printed(
-      "the %.0f photographs scatter %.1f times as far as their corners allow: the standard deviations of the camera "
-      "are "
-      "made of that scatter",
+  std::string words = fmt::format(
+      "the {} photographs scatter {:.1f} times as far as their corners allow: the standard deviations of the "
+      "camera are made of that scatter",
       empirical.photographs, empirical.factor);
   std::string list;
   const auto add = [&](const std::string& text) { list += (list.empty() ? "" : "; and of ") + text; };
   for (const Scatter& cause : causes) switch (cause.kind) {
       case Strengths::focus:
         add(
-            printed("a principal distance that differs by %.2f %% rms from photograph to photograph (an autofocus, a "
-                    "zoom, or photographs of another camera among them)",
-                    100 * cause.rms));
+            fmt::format("a principal distance that differs by {:.2f} % rms from photograph to photograph (an "
+                        "autofocus, a zoom, or photographs of another camera among them)",
+                        100 * cause.rms));
         break;
       case Strengths::principal_point:
-        add(printed(
-            "a principal point that moves by %.1f px rms from photograph to photograph (a stabiliser, or a lens "
-            "that is loose: switch it off)",
-            cause.rms));
+        add(
+            fmt::format("a principal point that moves by {:.1f} px rms from photograph to photograph (a stabiliser, or "
+                        "a lens that is loose: switch it off)",
+                        cause.rms));
         break;
       case Strengths::rows:
         add(cause.or_point
                 ? "rows that are read one after another while the camera moves, or of a principal point that moves (a "
                   "rolling shutter, or a stabiliser)"
-                : printed("rows read one after another while the camera moves, by %.1f px rms from the first to the "
-                          "last (a rolling shutter: hold the camera still)",
-                          cause.rms));
+                : fmt::format("rows read one after another while the camera moves, by {:.1f} px rms from the first to "
+                              "the last (a rolling shutter: hold the camera still)",
+                              cause.rms));
         break;
       case Strengths::place:
         add("places: photographs from one side tell another camera than those from the other (a board or tags that are "
@@ -184,11 +180,11 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
     }
   constexpr double much = 1.3;
   if (std::max(empirical.by_order, empirical.by_place) > much)
-    words +=
-        empirical.by_order > empirical.by_place
-            ? printed(" (of that %.1f times because photographs that follow one another err alike)", empirical.by_order)
-            : printed(" (of that %.1f times because photographs from places near to each other err alike)",
-                      empirical.by_place);
+    words += empirical.by_order > empirical.by_place
+                 ? fmt::format(" (of that {:.1f} times because photographs that follow one another err alike)",
+                               empirical.by_order)
+                 : fmt::format(" (of that {:.1f} times because photographs from places near to each other err alike)",
+                               empirical.by_place);
   return words + (list.empty() ? ". Nothing that could be its cause stands out" : ". It is that of " + list);
 }
 

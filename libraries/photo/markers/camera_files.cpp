@@ -1,10 +1,10 @@
 #include "photo/markers/camera_files.hpp"
 
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <pugixml.hpp>
 #include <stdexcept>
@@ -395,11 +395,7 @@ std::string in_comment(const std::vector<std::string>& remarks) {
 }  // namespace
 
 std::string camera_yaml(const CameraFile& file) {
-  const auto number = [](double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", value);
-    return std::string(text);
-  };
+  const auto number = [](double value) { return fmt::format("{:.17g}", value); };
   std::string id;
   for (const char c : file.id) id += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 32 ? '_' : c;
   std::string text = in_comment(file.remarks) + "plumbline_camera: 1\nid: \"" + id +

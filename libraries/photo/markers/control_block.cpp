@@ -1,8 +1,9 @@
 #include "photo/markers/control_block.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <stdexcept>
 
@@ -14,11 +15,7 @@ namespace plumbline::markers {
 namespace {
 
 /// Three digits, as many as anybody reads.
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string short_number(double value) { return fmt::format("{:.3g}", value); }
 
 void transform(ColmapModel& model, const SimilarityMotion& motion) {
   for (auto& [id, image] : model.images) {
@@ -81,9 +78,7 @@ void warn_about_control(const std::vector<ControlPoint>& control, const ControlO
 }
 
 std::string millimetres(const Eigen::Vector3d& v) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%.1f, %.1f, %.1f mm", 1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z());
-  return text;
+  return fmt::format("{:.1f}, {:.1f}, {:.1f} mm", 1e3 * v.x(), 1e3 * v.y(), 1e3 * v.z());
 }
 
 void warn_about_points(ControlResult& result) {

@@ -1,7 +1,8 @@
 // Measurements of surveyed points that contradict the model of the photographs, before the survey is looked at.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "photo/markers/control_targets.hpp"
@@ -26,11 +27,7 @@ double largest_distance(const ColmapModel& model, const std::vector<Measured>& r
   return largest;
 }
 
-std::string pixels(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value < nowhere ? "%.0f px" : "far", value);
-  return text;
-}
+std::string pixels(double value) { return value < nowhere ? fmt::format("{:.0f} px", value) : "far"; }
 
 /// ". In that photograph P4 was measured 1 px from there": two names at one place.
 std::string same_place(const std::vector<Target>& targets, const Target& of, const Measured& ray, double limit) {

@@ -1,11 +1,12 @@
 #include "photo/markers/marker_halves.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -184,17 +185,14 @@ std::string in_words(const MarkerHalves& halves, bool only_by_place) {
   const std::string which = halves.by == HalvesBy::turns  ? "two halves of the photographs (every second one)"
                             : halves.by == HalvesBy::time ? "the first and the second half of the photographs"
                                                           : "the photographs from either side";
-  char text[400];
   std::string words = which;
   if (halves.tags_contradict) {
-    std::snprintf(text, sizeof text, " place the tags %.3f mm rms apart, %.1f times what their covariances allow",
-                  1e3 * halves.rms, std::sqrt(halves.variance));
-    words += text;
+    words += fmt::format(" place the tags {:.3f} mm rms apart, {:.1f} times what their covariances allow",
+                         1e3 * halves.rms, std::sqrt(halves.variance));
   }
   if (halves.cameras_contradict) {
-    std::snprintf(text, sizeof text, "%s give cameras that differ by %.1f times what their covariances allow",
-                  halves.tags_contradict ? ", and" : "", std::sqrt(halves.camera_variance));
-    words += text;
+    words += fmt::format("{} give cameras that differ by {:.1f} times what their covariances allow",
+                         halves.tags_contradict ? ", and" : "", std::sqrt(halves.camera_variance));
   }
   words += ": the stated standard deviations are too small by about that. ";
   if (only_by_place)

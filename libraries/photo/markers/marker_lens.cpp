@@ -1,7 +1,8 @@
 // Which lens took photographs of tags that calibrate their cameras.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "photo/markers/marker_block.hpp"
@@ -60,12 +61,10 @@ MarkerResult adjust_lens_and_block(MarkerBlock& block, const MarkerOptions& opti
   const auto as_fisheye = adjusted_if_possible(other, options);
   if (!as_fisheye || as_fisheye->views.size() < result.views.size() || !(as_fisheye->rms < clearly * result.rms))
     return result;
-  char text[300];
-  std::snprintf(
-      text, sizeof text,
-      "the lens is a fisheye: over %.0f degrees off the axis, the tags fit to %.2f px with the fisheye's model "
-      "(Kannala and Brandt, 8 parameters) and to %.2f px with Brown's (9). The block is adjusted with the "
-      "fisheye's; a calibration (camera=) holds whichever it has",
+  const std::string text = fmt::format(
+      "the lens is a fisheye: over {:.0f} degrees off the axis, the tags fit to {:.2f} px with the fisheye's model "
+      "(Kannala and Brandt, 8 parameters) and to {:.2f} px with Brown's (9). The block is adjusted with the fisheye's; "
+      "a calibration (camera=) holds whichever it has",
       widest_angle(other, *as_fisheye) * 180 / std::numbers::pi, as_fisheye->rms, result.rms);
   block = std::move(other);
   result = *as_fisheye;

@@ -1,8 +1,9 @@
 // A block of tags against the layout that says where they are, and against the calibrations it comes with: what does
 // not hold of these is left out or refused, and the rest is adjusted again.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <set>
@@ -95,13 +96,12 @@ void require_size(const MarkerBlock& used, const MarkerOptions& options) {
   for (const Marker& marker : used.markers)
     if (marker.world_from_tag) stated.push_back(marker.size);
   const double size = median(stated);
-  char text[500];
-  std::snprintf(text, sizeof text,
-                "the tags are not %.1f mm large: by the distances in the layout their edge is %.1f \u00b1 %.1f mm (%d "
-                "photographs with two tags and more). With the wrong size every photograph would be placed wrongly by "
-                "%.0f %% of its distance. Correct tag_size (the edge of the black square), or the layout; where the "
-                "layout is less certain than position_sigma says, state that",
-                1e3 * size, 1e3 * size * scale, 1e3 * size * sigma, together, 100 * std::abs(scale - 1));
+  const std::string text = fmt::format(
+      "the tags are not {:.1f} mm large: by the distances in the layout their edge is {:.1f} \u00b1 {:.1f} mm ({} "
+      "photographs with two tags and more). With the wrong size every photograph would be placed wrongly by {:.0f} % "
+      "of its distance. Correct tag_size (the edge of the black square), or the layout; where the layout is less "
+      "certain than position_sigma says, state that",
+      1e3 * size, 1e3 * size * scale, 1e3 * size * sigma, together, 100 * std::abs(scale - 1));
   throw std::runtime_error(text);
 }
 

@@ -1,9 +1,10 @@
 #include "photo/markers/marker_truth.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 namespace plumbline::markers {
@@ -77,15 +78,14 @@ std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& option
 
 std::string as_two_cameras(const BrownCamera& first, double first_sigma, const BrownCamera& second, double second_sigma,
                            double rms_of_two, double rms_of_one) {
-  char text[240], lengths[100] = "";
+  std::string lengths;
   if (std::abs(second.fx - first.fx) > 2 * std::hypot(first_sigma, second_sigma))
-    std::snprintf(lengths, sizeof lengths, ", fx %.1f \u00b1 %.1f and %.1f \u00b1 %.1f px,", first.fx, first_sigma,
-                  second.fx, second_sigma);
-  std::snprintf(text, sizeof text,
-                "as two cameras%s they fit to %.3f px rms, as one to %.3f px: put these photographs into a folder of "
-                "their own",
-                lengths, rms_of_two, rms_of_one);
-  return text;
+    lengths = fmt::format(", fx {:.1f} \u00b1 {:.1f} and {:.1f} \u00b1 {:.1f} px,", first.fx, first_sigma, second.fx,
+                          second_sigma);
+  return fmt::format(
+      "as two cameras{} they fit to {:.3f} px rms, as one to {:.3f} px: put these photographs into a folder of their "
+      "own",
+      lengths, rms_of_two, rms_of_one);
 }
 
 }  // namespace plumbline::markers

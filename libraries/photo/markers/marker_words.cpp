@@ -1,10 +1,11 @@
 #include "photo/markers/marker_words.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <set>
@@ -250,11 +251,7 @@ void explain_single_tags(const MarkerBlock& block, MarkerResult& result) {
 namespace {
 
 /// Five digits: coefficients of distortion are small, principal distances are not.
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.5g", value);
-  return text;
-}
+std::string digits(double value) { return fmt::format("{:.5g}", value); }
 
 }  // namespace
 

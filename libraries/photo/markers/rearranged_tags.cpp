@@ -1,7 +1,8 @@
 #include "photo/markers/rearranged_tags.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <utility>
 #include <vector>
@@ -66,11 +67,9 @@ std::string rearranged_tags(const MarkerBlock& block) {
     ++moved, ++times[pair.first], ++times[pair.second];
     if (!(off / allowed > furthest)) continue;
     furthest = off / allowed;
-    char text[240];
-    std::snprintf(text, sizeof text, "tags %s and %s are %.2f m apart in %s and %.2f m in %s", a.name().c_str(),
-                  b.name().c_str(), least->metres, block.images[static_cast<std::size_t>(least->image)].path.c_str(),
-                  most->metres, block.images[static_cast<std::size_t>(most->image)].path.c_str());
-    example = text;
+    example = fmt::format("tags {} and {} are {:.2f} m apart in {} and {:.2f} m in {}", a.name(), b.name(),
+                          least->metres, block.images[static_cast<std::size_t>(least->image)].path, most->metres,
+                          block.images[static_cast<std::size_t>(most->image)].path);
   }
   if (moved < 2 || 2 * moved < pairs) return "";
   std::string names;

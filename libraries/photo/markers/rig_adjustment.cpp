@@ -1,10 +1,11 @@
 #include "photo/markers/rig_adjustment.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -243,11 +244,9 @@ class RigAdjuster {
   }
 
   static std::string no_rig(int bad, int of, const std::string& camera, double together, double separate) {
-    char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "(as a rig all fit to %.1f px in the median, each camera for itself to %.2f px): photographs with the "
-        "same number were not taken together, the cameras moved against each other, or cameras are mixed up",
+    const std::string text = fmt::format(
+        "(as a rig all fit to {:.1f} px in the median, each camera for itself to {:.2f} px): photographs with the same "
+        "number were not taken together, the cameras moved against each other, or cameras are mixed up",
         together, separate);
     if (bad == 0) return std::string("no places of the cameras to each other explain the photographs ") + text;
     return std::to_string(bad) + " of " + std::to_string(of) + " photographs of camera " + camera +

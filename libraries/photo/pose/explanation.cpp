@@ -1,11 +1,12 @@
 #include "photo/pose/explanation.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
@@ -41,11 +42,7 @@ void turn_plate(const std::function<double(double)>& azimuth, TagView& view) {
       view.anchor_in_world + turn * (view.world_from_tag.translation - view.anchor_in_world);
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
-  return text;
-}
+std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 /// Share of the tags of the table that agree with a pose, over all images.
 double share(const std::vector<const ImageTagsT*>& images, BrownCamera camera, const Field& field,
@@ -259,9 +256,8 @@ std::string what_would_explain_those_of(std::size_t own, const std::vector<const
     const double agree = share(most, brown, field, solver, settings, hypothesis);
     if (agree < best || (agree == best && !words.empty())) continue;
     best = agree;
-    char figures[96];
-    std::snprintf(figures, sizeof figures, " (then %.0f %% of the tags agree with their images, as it is %.0f %%)",
-                  100 * agree, 100 * now);
+    const std::string figures =
+        fmt::format(" (then {:.0f} % of the tags agree with their images, as it is {:.0f} %)", 100 * agree, 100 * now);
     words = hypothesis.words + figures;
   }
   return words;

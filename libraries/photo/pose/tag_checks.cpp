@@ -1,8 +1,9 @@
 #include "photo/pose/tag_checks.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <set>
@@ -66,9 +67,8 @@ std::vector<std::string> same_photographs(const std::vector<ImageTagsT>& images)
     for (std::size_t i = 0; i < j; ++i) {
       const double apart = distance_of(tags[i], tags[j]);
       if (!(apart < same_place)) continue;
-      char text[200];
-      std::snprintf(text, sizeof text, " show the same tags %s: they are ",
-                    apart == 0 ? "in the same places" : "within a third of a pixel");
+      const std::string text = fmt::format(" show the same tags {}: they are ",
+                                           apart == 0 ? "in the same places" : "within a third of a pixel");
       sentences.push_back(images[j].path + " and " + images[i].path + text +
                           (apart == 0 ? "the same photograph, which counts twice; take one away"
                                       : "one photograph saved twice, which counts twice, or two from the very same "

@@ -1,11 +1,12 @@
 #include "surface/dense/panel_surface.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "geometry/median.hpp"
@@ -126,13 +127,10 @@ std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samp
     if (height + 4 * own > furthest + 4 * sigma) furthest = height, sigma = own;
   }
   if (furthest + 4 * sigma < border) return "";
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "at the border of the search: its surface is up to %.1f mm from the design's face, its points have a noise of "
-      "%.1f mm, and it is looked for within %.0f mm; look further with 'search' and 'reach'",
+  return fmt::format(
+      "at the border of the search: its surface is up to {:.1f} mm from the design's face, its points have a noise of "
+      "{:.1f} mm, and it is looked for within {:.0f} mm; look further with 'search' and 'reach'",
       1e3 * furthest, 1e3 * sigma, 1e3 * border);
-  return text;
 }
 
 /// How the face is divided into cells.
@@ -194,13 +192,10 @@ std::string stands_before(const PanelFace& face, const std::vector<Sample>& samp
     if (const double middle = upper_median(off); middle > least) behind.push_back(middle);
   }
   if (static_cast<double>(behind.size()) < share * static_cast<double>(cells.filled) || behind.empty()) return "";
-  char text[240];
-  std::snprintf(
-      text, sizeof text,
-      "%.0f %% of it lies %.1f mm behind the rest: nobody knows which is the panel's surface and which stands "
+  return fmt::format(
+      "{:.0f} % of it lies {:.1f} mm behind the rest: nobody knows which is the panel's surface and which stands "
       "before the panel (a board, a net, a frame), or whether it is broken",
       100 * static_cast<double>(behind.size()) / static_cast<double>(cells.filled), 1e3 * upper_median(behind));
-  return text;
 }
 
 /// Cells of the face with the mean of their points: for coverage and straightedges.
@@ -262,13 +257,10 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   const double widened = std::sqrt(std::max(1.0, panel.variance_factor));
   const double few = 0.5;  // share of outliers above which the rest is an arbitrary choice
   if ((widened > options.most_scatter && panel.rms > options.least_scatter) || panel.outliers > few * panel.points) {
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        "its %d points contradict each other: they scatter by %.1f mm about the best surface, %.1f times what they "
-        "state, and %d lie elsewhere; glass, a mirror, or something in front",
+    panel.not_measured = fmt::format(
+        "its {} points contradict each other: they scatter by {:.1f} mm about the best surface, {:.1f} times what they "
+        "state, and {} lie elsewhere; glass, a mirror, or something in front",
         panel.points, 1e3 * panel.rms, widened, panel.outliers);
-    panel.not_measured = text;
     return panel;
   }
   panel.not_measured = at_the_border(face, samples, weight, form, widened, options);

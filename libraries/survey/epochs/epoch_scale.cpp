@@ -1,8 +1,9 @@
 #include "survey/epochs/epoch_scale.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "geometry/median.hpp"
 
@@ -48,18 +49,15 @@ std::optional<double> common_scale(const Epoch& first, const Epoch& second) {
 }
 
 std::string scale_in_words(double scale) {
-  char text[160];
   if (std::abs(scale - 1) < kImpossibleScale) {
-    std::snprintf(text, sizeof text, "all distances of the second epoch are %.0f ppm %s than those of the first",
-                  1e6 * std::abs(scale - 1), scale > 1 ? "longer" : "shorter");
-    return text;
+    return fmt::format("all distances of the second epoch are {:.0f} ppm {} than those of the first",
+                       1e6 * std::abs(scale - 1), scale > 1 ? "longer" : "shorter");
   }
   static const std::pair<double, const char*> units[] = {
       {1 / 0.3048, "the second is in feet"},  {0.3048, "the first is in feet"},
       {1000, "the second is in millimetres"}, {0.001, "the first is in millimetres"},
       {100, "the second is in centimetres"},  {0.01, "the first is in centimetres"}};
-  std::snprintf(text, sizeof text, "all distances of the second epoch are %.6g times those of the first", scale);
-  std::string words = text;
+  std::string words = fmt::format("all distances of the second epoch are {:.6g} times those of the first", scale);
   for (const auto& [factor, unit] : units)
     if (std::abs(scale / factor - 1) < 0.005) words += std::string(": ") + unit;
   return words;

@@ -1,6 +1,7 @@
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -23,10 +24,7 @@ std::string dms(double angle) {
   constexpr long long kUnits = 100000, kTurn = 360LL * 3600 * kUnits;
   const long long units = std::llround(wrap_to_circle(angle) / kArcSecond * static_cast<double>(kUnits)) % kTurn;
   const long long seconds = units / kUnits;
-  char text[48];
-  std::snprintf(text, sizeof text, "%lld-%02lld-%02lld.%05lld", seconds / 3600, seconds / 60 % 60, seconds % 60,
-                units % kUnits);
-  return text;
+  return fmt::format("{}-{:02}-{:02}.{:05}", seconds / 3600, seconds / 60 % 60, seconds % 60, units % kUnits);
 }
 
 class StarNetWriter {

@@ -1,8 +1,9 @@
 #include "survey/model/circle_steps.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -117,8 +118,7 @@ std::vector<CircleStep> circle_steps(const SurveyObservations& survey) {
 
 std::string in_words(const CircleStep& step, const SurveyObservations& survey) {
   const Observation& o = survey.observations[static_cast<size_t>(step.first)];
-  char turn[32];
-  std::snprintf(turn, sizeof turn, "%.1f mgon", step.turn / kMgon);
+  const std::string turn = fmt::format("{:.1f} mgon", step.turn / kMgon);
   return "the circle of set-up " + survey.set_ups[static_cast<size_t>(step.set_up)].id + " was turned by " + turn +
          " before " + o.to + " was sighted" + (o.face == 2 ? " in face 2" : "") + " (" + place(o.source) +
          "): " + std::to_string(step.with) + " pairs of readings to one target show it, " +

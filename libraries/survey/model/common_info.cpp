@@ -1,8 +1,9 @@
 #include "survey/model/common_info.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace plumbline::survey {
@@ -17,8 +18,7 @@ std::string as_stated(const std::string& value) {
 std::string as_stated(bool value) { return value ? "yes" : "no"; }
 
 std::string as_stated(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
+  const std::string text = fmt::format("{:g}", value);
   return std::isnan(value) ? "none" : text;
 }
 

@@ -1,8 +1,9 @@
 #include "survey/model/station_reduction.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -29,12 +30,7 @@ bool is_angular(ObservationKind kind) {
 }
 
 std::string in_words(double value, ObservationKind kind) {
-  char text[48];
-  if (is_angular(kind))
-    std::snprintf(text, sizeof text, "%.1f mgon", value / kMgon);
-  else
-    std::snprintf(text, sizeof text, "%.1f mm", value * 1e3);
-  return text;
+  return is_angular(kind) ? fmt::format("{:.1f} mgon", value / kMgon) : fmt::format("{:.1f} mm", value * 1e3);
 }
 
 const char* kind_word(ObservationKind kind) {
@@ -299,10 +295,7 @@ void Reducer::tell_instrument() {
   for (const InstrumentErrors& e : result_.instrument) {
     if (!e.has_collimation() && !e.has_index()) continue;
     const auto one = [](const char* what, double value, double sigma, int pairs) {
-      char text[96];
-      std::snprintf(text, sizeof text, "%s %.2f mgon (sigma %.2f, %d pairs)", what, value / kMgon, sigma / kMgon,
-                    pairs);
-      return std::string(text);
+      return fmt::format("{} {:.2f} mgon (sigma {:.2f}, {} pairs)", what, value / kMgon, sigma / kMgon, pairs);
     };
     std::string text = "instrument in set-up " + survey_.set_ups[static_cast<size_t>(e.set_up)].id + ": ";
     if (e.has_collimation()) text += one("collimation", e.collimation, e.collimation_sigma, e.direction_pairs);

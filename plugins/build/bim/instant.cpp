@@ -1,5 +1,7 @@
 #include "instant.hpp"
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <cstdio>
 
@@ -21,9 +23,7 @@ std::optional<Instant> instant_of(const std::string& text) {
   const std::chrono::sys_days days = std::chrono::year(year) / month / day;
   Instant instant;
   instant.seconds = days.time_since_epoch().count() * 86400 + hour * 3600 + minute * 60 + second;
-  char iso[80];
-  std::snprintf(iso, sizeof iso, "%04d-%02d-%02dT%02d:%02d:%02d", year, month, day, hour, minute, second);
-  instant.text = iso;
+  instant.text = fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", year, month, day, hour, minute, second);
   return instant;
 }
 

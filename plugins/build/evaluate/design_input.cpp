@@ -1,8 +1,9 @@
 #include "build/evaluate/design_input.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <set>
@@ -139,9 +140,8 @@ class Builder {
       note(findings);
       inputs_.panels.push_back(std::move(panel));
     }
-    char reason[100];
-    std::snprintf(reason, sizeof reason,
-                  "no anchor is within %.3g m of them (panel_reach), and the file ties none to them", reach);
+    const std::string reason =
+        fmt::format("no anchor is within {:.3g} m of them (panel_reach), and the file ties none to them", reach);
     add_panels_not_judged(loose, reason);
     add_panels_not_judged(shapeless, "they have no shape that can be read");
   }

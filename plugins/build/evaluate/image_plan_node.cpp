@@ -1,7 +1,8 @@
 #include "build/evaluate/image_plan_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 namespace plumbline::judgement {
@@ -21,31 +22,28 @@ const char* words_of(block::Addition::Kind kind) {
 }
 
 template <typename... Values>
-std::string line(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return std::string(text) + "\n";
+std::string line(fmt::format_string<const Values&...> format, const Values&... values) {
+  return fmt::format(format, values...) + "\n";
 }
 
 std::string verdict_text(const ImagePlanT& plan, std::size_t images, std::size_t anchors) {
-  std::string text = line("Planned: %zu photographs, heights of %zu anchors count", images, anchors);
-  text += line("  expected RMSE in height %.2f mm, in space %.2f mm", 1e3 * plan.rmse_z, 1e3 * plan.rmse_3d);
-  text += line("  sigma of D(F) %.2f mm, of the top floor against the lowest %.2f mm", 1e3 * plan.drift_sigma,
+  std::string text = line("Planned: {} photographs, heights of {} anchors count", images, anchors);
+  text += line("  expected RMSE in height {:.2f} mm, in space {:.2f} mm", 1e3 * plan.rmse_z, 1e3 * plan.rmse_3d);
+  text += line("  sigma of D(F) {:.2f} mm, of the top floor against the lowest {:.2f} mm", 1e3 * plan.drift_sigma,
                1e3 * plan.relative_drift_sigma);
-  text += line("  expected within %.1f mm in height: %.1f %%; weakest %s with %.2f mm", 1e3 * plan.tolerance,
-               100 * plan.pass_rate, plan.worst.c_str(), 1e3 * plan.worst_sigma);
+  text += line("  expected within {:.1f} mm in height: {:.1f} %; weakest {} with {:.2f} mm", 1e3 * plan.tolerance,
+               100 * plan.pass_rate, plan.worst, 1e3 * plan.worst_sigma);
   if (!plan.unseen.empty())
-    text += line("  in no photograph: %zu anchors, such as %s", plan.unseen.size(), plan.unseen.front().c_str());
+    text += line("  in no photograph: {} anchors, such as {}", plan.unseen.size(), plan.unseen.front());
   if (!plan.weak_images.empty())
-    text += line("  %zu photographs say little, such as %s (%d plates, %.0f %% of its area)", plan.weak_images.size(),
-                 plan.weak_images.front()->path.c_str(), plan.weak_images.front()->plates,
+    text += line("  {} photographs say little, such as {} ({} plates, {:.0f} % of its area)", plan.weak_images.size(),
+                 plan.weak_images.front()->path, plan.weak_images.front()->plates,
                  100 * plan.weak_images.front()->coverage);
   std::set<std::string> told;  // the best of each kind
   for (const auto& addition : plan.additions) {
     if (!told.insert(addition->what).second) continue;
     if (told.size() == 1) text += "Cheapest to add\n";
-    text +=
-        line("  %s: %s, RMSE in height %.3f mm", addition->what.c_str(), addition->of.c_str(), 1e3 * addition->rmse_z);
+    text += line("  {}: {}, RMSE in height {:.3f} mm", addition->what, addition->of, 1e3 * addition->rmse_z);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #include "building.hpp"
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <stdexcept>
 
 #include "geometry/random.hpp"
@@ -8,11 +9,7 @@
 namespace plumbline::simulate {
 namespace {
 
-std::string two_digits(const char* prefix, int number) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%s%02d", prefix, number);
-  return text;
-}
+std::string two_digits(const char* prefix, int number) { return fmt::format("{}{:02}", prefix, number); }
 
 void require(bool holds, const std::string& what) {
   if (!holds) throw std::invalid_argument("simulated building: " + what);

@@ -1,10 +1,10 @@
 #include "camera.hpp"
 
+#include <fmt/core.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -87,11 +87,7 @@ Aim plan_image(const Building& b, const CameraNetworkOptions& options, double di
   return {{x, -distance, z}, {aim_x, 0, aim_z}, roll};
 }
 
-std::string image_name(int floor, int index) {
-  char text[32];
-  std::snprintf(text, sizeof text, "F%02d-%02d.jpg", floor, index + 1);
-  return text;
-}
+std::string image_name(int floor, int index) { return fmt::format("F{:02}-{:02}.jpg", floor, index + 1); }
 
 }  // namespace
 

@@ -1,11 +1,11 @@
 #include "campaign.hpp"
 
+#include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 
@@ -93,10 +93,7 @@ std::string control_csv(const StationPlan& plan, const SurveyOptions& survey) {
 
 std::string taken_at(std::size_t index) {  // a photograph every 20 s from nine in the morning
   const int seconds = static_cast<int>(20 * index);
-  char text[32];
-  std::snprintf(text, sizeof text, "2026:05:04 %02d:%02d:%02d", (9 + seconds / 3600) % 24, seconds / 60 % 60,
-                seconds % 60);
-  return text;
+  return fmt::format("2026:05:04 {:02}:{:02}:{:02}", (9 + seconds / 3600) % 24, seconds / 60 % 60, seconds % 60);
 }
 
 RenderOptions render_options(const Campaign& c, std::size_t index) {

@@ -1,5 +1,7 @@
 #include "design_ifc.hpp"
 
+#include <fmt/core.h>
+
 #include <cstdio>
 #include <vector>
 
@@ -214,8 +216,7 @@ class DesignWriter {
 
   /// `column`: that of its facade, which follows the `first` columns of others.
   Id write_panel(int floor, int first, int column, Id wall_placement, Id slab, const std::vector<Id>& anchors) {
-    char name[32];
-    std::snprintf(name, sizeof name, "F%02d-P%02d", floor, first + column);
+    const std::string name = fmt::format("F{:02}-P{:02}", floor, first + column);
     const double pitch = building_.options.spacing, joint = 0.01;
     const Id at = placement(wall_placement, {pitch * column, -0.20, 0.5 * joint});
     const Id form = box(0, 0, pitch - joint, 0.05, building_.storey_height - joint);

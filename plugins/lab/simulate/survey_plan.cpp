@@ -1,8 +1,9 @@
 #include "survey_plan.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <set>
@@ -148,8 +149,7 @@ StationPlan plan_set_ups(const Building& building, const SurveyOptions& options,
   plan.ground_points = plan_ground_points(building, options, seed);
   for (int floor = 1; floor <= building.options.floors; ++floor) {
     for (int k = 0; k < 2; ++k) {
-      char id[16];
-      std::snprintf(id, sizeof id, "S%02d-%d", floor, k + 1);
+      const std::string id = fmt::format("S{:02}-{}", floor, k + 1);
       PlannedSetUp s;
       s.id = id;
       s.floor = floor;

@@ -1,7 +1,8 @@
 #include "wings.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 
@@ -29,12 +30,6 @@ std::vector<RigidTransform> around(double width, double side, bool inward) {
   return wings;
 }
 
-std::string numbered(const char* format, int first, int second) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, first, second);
-  return text;
-}
-
 class Joiner {
  public:
   explicit Joiner(WingPlan& all) : all_(all) {}
@@ -57,7 +52,7 @@ class Joiner {
     }
     std::vector<int> number(static_cast<std::size_t>(flat.building.options.floors) + 1);
     for (PlannedSetUp set_up : flat.plan.set_ups) {
-      set_up.id = numbered("S%02d-%d", set_up.floor, 2 * wing + ++number[static_cast<std::size_t>(set_up.floor)]);
+      set_up.id = fmt::format("S{:02}-{}", set_up.floor, 2 * wing + ++number[static_cast<std::size_t>(set_up.floor)]);
       set_up.axis = place * set_up.axis, set_up.given_mark = place * set_up.given_mark;
       for (std::size_t& anchor : set_up.anchors) anchor += anchors;
       for (std::size_t& point : set_up.ground_points) point += ground;
@@ -83,8 +78,8 @@ class Joiner {
     const bool control = anchor.role == AnchorRole::control;
     const int number = anchor.column - (control ? 0 : columns);
     anchor.column = control ? wing * columns + number : static_cast<int>(kWings) * columns + 3 * wing + number;
-    anchor.id = control ? numbered("F%02d-C%02d-R", anchor.floor, anchor.column) + std::to_string(anchor.row)
-                        : numbered("F%02d-K%d", anchor.floor, 3 * wing + number);
+    anchor.id = control ? fmt::format("F{:02}-C{:02}-R", anchor.floor, anchor.column) + std::to_string(anchor.row)
+                        : fmt::format("F{:02}-K{}", anchor.floor, 3 * wing + number);
     anchor.wing = wing, anchor.tag_id = static_cast<int>(all_.building.anchors.size());
     anchor.batch += wing * options.print_batches;
     anchor.design = place * anchor.design, anchor.built = place * anchor.built;

@@ -1,7 +1,8 @@
 // simulate.facade: photographs of a facade of panels, their orientations with errors of a known joint covariance, the
 // design, and the truth beside them.
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 
@@ -103,8 +104,7 @@ struct SimulateFacade : Node {
       Random random(seed, "panel", static_cast<std::uint64_t>(i));
       RaisedPanel panel;
       const double c = static_cast<double>(i % *columns), r = static_cast<double>(i / *columns);
-      char name[32];
-      std::snprintf(name, sizeof name, "P%02d-%02d", static_cast<int>(r) + 1, static_cast<int>(c) + 1);
+      const std::string name = fmt::format("P{:02}-{:02}", static_cast<int>(r) + 1, static_cast<int>(c) + 1);
       panel.id = name;
       panel.width = *panel_width, panel.height = *panel_height;
       panel.u = c * (*panel_width + *joint) + 0.5 * *panel_width - 0.5 * across() + random.normal(*place_sigma);
@@ -156,11 +156,7 @@ struct SimulateFacade : Node {
     return stations;
   }
 
-  static std::string name_of(size_t k) {
-    char name[32];
-    std::snprintf(name, sizeof name, "IMG_%04zu.png", k + 1);
-    return name;
-  }
+  static std::string name_of(size_t k) { return fmt::format("IMG_{:04}.png", k + 1); }
 
   void take_photographs(Context& context, const PanelledFacade& facade, const BrownCamera& lens,
                         const std::vector<RigidTransform>& stations) const {
@@ -253,11 +249,9 @@ struct SimulateFacade : Node {
     std::string text =
         "panel,skin,offset_mm,tilt_right_mm_per_m,tilt_up_mm_per_m,bow_across_mm,bow_up_mm,u_m,v_m,width_m,height_m\n";
     for (const RaisedPanel& panel : facade.panels) {
-      char line[256];
-      std::snprintf(line, sizeof line, "%s,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.7f,%.7f,%.7f,%.7f\n", panel.id.c_str(),
-                    simulate::to_string(panel.skin), 1e3 * panel.offset, 1e3 * panel.tilt_u, 1e3 * panel.tilt_v,
-                    1e3 * panel.bow_u, 1e3 * panel.bow_v, panel.u, panel.v, panel.width, panel.height);
-      text += line;
+      text += fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f},{:.7f}\n", panel.id,
+                          simulate::to_string(panel.skin), 1e3 * panel.offset, 1e3 * panel.tilt_u, 1e3 * panel.tilt_v,
+                          1e3 * panel.bow_u, 1e3 * panel.bow_v, panel.u, panel.v, panel.width, panel.height);
     }
     FileT file;
     file.name = "truth.csv", file.media_type = "text/csv", file.content.assign(text.begin(), text.end());

@@ -1,6 +1,8 @@
 // evaluate.cost: what an adjustment minimises, of any start and any result.
 #pragma once
 
+#include <fmt/core.h>
+
 #include "artifacts/file.hpp"
 #include "photo/block/tag_cost.hpp"
 #include "tag_block_artifacts.hpp"
@@ -53,17 +55,15 @@ struct EvaluateCost : Node {
     context.metric("cost_images", found.images, "1");
     context.metric("cost_control", found.control, "1");
     context.metric("cost_priors", found.priors, "1");
-    char text[400];
-    const int length = std::snprintf(
-        text, sizeof text,
-        "{\"cost\": %.17g, \"images\": %.17g, \"control\": %.17g, \"priors\": %.17g, \"corner_coordinates\": %d, "
-        "\"control_coordinates\": %d, \"tags_left_out\": %d}\n",
+    const std::string text = fmt::format(
+        "{{\"cost\": {:.17g}, \"images\": {:.17g}, \"control\": {:.17g}, \"priors\": {:.17g}, \"corner_coordinates\": "
+        "{}, \"control_coordinates\": {}, \"tags_left_out\": {}}}\n",
         found.total(), found.images, found.control, found.priors, found.corner_rows, found.control_rows,
         found.left_out);
     FileT file;
     file.name = "cost.json";
     file.media_type = "application/json";
-    file.content.assign(text, text + length);
+    file.content.assign(text.begin(), text.end());
     cost.commit(file);
   }
 

@@ -1,9 +1,10 @@
 #include "crossval_node.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "artifacts/camera.hpp"
@@ -75,12 +76,11 @@ EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
     number[names.back()] = plate;
   }
   std::map<std::string, std::vector<int>> groups;
-  char label[40];
   names = scattered(names);
   for (size_t k = 0; k < names.size(); ++k) {
     const bool by_floor = *by == "floor";
     const int64_t group = by_floor ? floor[names[k]] : static_cast<int64_t>(k) % *folds + 1;
-    std::snprintf(label, sizeof label, "%s %3d", by_floor ? "floor" : "fold", static_cast<int>(group));
+    const std::string label = fmt::format("{} {:3}", by_floor ? "floor" : "fold", group);
     groups[label].push_back(number[names[k]]);
   }
   TagBlockOptions options = tag_options();
@@ -178,11 +178,9 @@ void EvaluateCrossval::tell(Context& context, const Sums& sums) {
     point->position = d.off;
     point->sigma = d.sigma;
     out.points.push_back(std::move(point));
-    char row[400];
-    const int length =
-        std::snprintf(row, sizeof row, ",%d,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.3f\n", d.floor, d.off.x(), d.off.y(),
-                      d.off.z(), d.sigma.x(), d.sigma.y(), d.sigma.z(), d.off.z() / d.sigma.z());
-    text += d.fold + "," + d.anchor + std::string(row, static_cast<size_t>(length));
+    text +=
+        fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.3f}\n", d.fold + "," + d.anchor, d.floor,
+                    d.off.x(), d.off.y(), d.off.z(), d.sigma.x(), d.sigma.y(), d.sigma.z(), d.off.z() / d.sigma.z());
     squares += d.off.z() * d.off.z(), sum += d.off.z(), all += d.off.squaredNorm();
     predicted += d.sigma.z() * d.sigma.z();
     largest = std::max(largest, std::abs(d.off.z()));

@@ -1,7 +1,8 @@
 #include "tag_block_artifacts.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <stdexcept>
 
@@ -301,13 +302,11 @@ void TagBlockBuilder::describe_lambda(const TagBlockResult& result, const TagBlo
   const double stated = std::sqrt(block_.control.covariance.diagonal().mean());
   const double ratio = artifact.lambda_control_sigma / stated;
   if (ratio < much && ratio > 1 / much) return;
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "λ of %.4g px²/m² believes a standard deviation of %.3g mm of a surveyed coordinate (corners of %.3g px, "
-      "as their residuals show), the survey states %.3g mm: λ of %.2g would be right, or weighting=covariance",
-      options.lambda, 1e3 * artifact.lambda_control_sigma, corner, 1e3 * stated, (corner / stated) * (corner / stated));
-  artifact.warnings.emplace_back(text);
+  artifact.warnings.push_back(fmt::format(
+      "λ of {:.4g} px²/m² believes a standard deviation of {:.3g} mm of a surveyed coordinate (corners of {:.3g} px, "
+      "as their residuals show), the survey states {:.3g} mm: λ of {:.2g} would be right, or weighting=covariance",
+      options.lambda, 1e3 * artifact.lambda_control_sigma, corner, 1e3 * stated,
+      (corner / stated) * (corner / stated)));
 }
 
 BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {

@@ -1,8 +1,9 @@
 #include "target_block_artifacts.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <stdexcept>
 
@@ -331,19 +332,15 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
   artifact.statistics->unknowns = result.unknowns;
   artifact.statistics->datum_defect = result.constraints;
   if (result.sigma0 > worst_misfit * options.image_sigma) {
-    char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "the images contradict what they are adjusted with: image coordinates fit %.0f times worse than their "
-        "standard deviation (%.3g mm%s). The camera is not calibrated%s, points are mixed up, or control is wrong; "
+    artifact.warnings.push_back(fmt::format(
+        "the images contradict what they are adjusted with: image coordinates fit {:.0f} times worse than their "
+        "standard deviation ({:.3g} mm{}). The camera is not calibrated{}, points are mixed up, or control is wrong; "
         "no coordinate here is to be trusted",
         result.sigma0 / options.image_sigma, result.sigma0,
         std::isfinite(targets.image_sigma_px) && targets.image_sigma_px > 0
             ? (", " + std::to_string(targets.image_sigma_px).substr(0, 5) + " px").c_str()
-            : "",
-        // Cameras of other models are estimated unless somebody said otherwise.
-        camera.lens == bundle::Lens::correcting ? " (block.with.free=[c, xp, yp, K1, K2] estimates it)" : "");
-    artifact.warnings.emplace_back(text);
+            : "",  // Cameras of other models are estimated unless somebody said otherwise.
+        camera.lens == bundle::Lens::correcting ? " (block.with.free=[c, xp, yp, K1, K2] estimates it)" : ""));
   }
   for (const std::string& words :
        {control_against_images(result), blunders_in_words(result), turned_images(given, result)})

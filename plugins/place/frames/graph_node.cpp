@@ -1,7 +1,8 @@
 #include "place/frames/graph_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "artifacts/frame_artifact.hpp"
 #include "base/text/csv_table.hpp"
@@ -34,9 +35,7 @@ void add_map(const DesignT& design, FrameGraph& graph) {
 
 std::string number(double value) {
   if (!std::isfinite(value)) return "";
-  char text[40];
-  std::snprintf(text, sizeof text, "%.5f", value);
-  return text;
+  return fmt::format("{:.5f}", value);
 }
 
 /// One line for each point in each frame.

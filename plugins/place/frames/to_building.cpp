@@ -1,8 +1,9 @@
 #include "place/frames/to_building.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <vector>
@@ -129,13 +130,11 @@ void require_map_scale(const CommonPoints& common, const PlanTransform& transfor
   if (std::abs(k - 1) < 20e-6 || std::abs(scale.value - 1) < 4 * scale.sigma ||
       std::abs(scale.value * k - 1) > 3 * scale.sigma)
     return;
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "with frames.with.use=%s the survey is %.0f +- %.0f ppm larger than the design, which is the map's scale "
-      "of %.6f: its coordinates are at ground scale, not reduced to the map; take frames.with.use=fitted, "
+  const std::string text = fmt::format(
+      "with frames.with.use={} the survey is {:.0f} +- {:.0f} ppm larger than the design, which is the map's scale of "
+      "{:.6f}: its coordinates are at ground scale, not reduced to the map; take frames.with.use=fitted, "
       "frames.with.use=given with grid_scale=1, or reduce the survey's distances to the map",
-      how.c_str(), 1e6 * (scale.value - 1), 1e6 * scale.sigma, k);
+      how, 1e6 * (scale.value - 1), 1e6 * scale.sigma, k);
   throw std::runtime_error(text);
 }
 

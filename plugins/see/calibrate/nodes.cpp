@@ -1,7 +1,8 @@
 // calibrate.board: the interior orientation of cameras from photographs of a board.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "artifacts/board_points.hpp"
@@ -157,21 +158,21 @@ struct CalibrateBoard : Node {
     if (ratios.empty()) return;
     for (auto& p : photographs) {
       if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
-      char text[300];
+      std::string text;
       const auto like = std::count_if(photographs.begin(), photographs.end(), [&](const BoardPointsT& other) {
         return other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike;
       });
       if (like > 1)
-        std::snprintf(text, sizeof text,
-                      "its markers measure %.3f of their squares or spacing, and so do those of %td photographs "
-                      "together; those of the %zu others measure %.3f, as the board file has it: it shows another "
-                      "board. Put its photographs into a folder of their own, with a board file",
-                      p.marker_ratio, like, ratios.size(), upper_median(ratios));
+        text = fmt::format(
+            "its markers measure {:.3f} of their squares or spacing, and so do those of {} photographs together; those "
+            "of the {} others measure {:.3f}, as the board file has it: it shows another board. Put its photographs "
+            "into a folder of their own, with a board file",
+            p.marker_ratio, like, ratios.size(), upper_median(ratios));
       else
-        std::snprintf(text, sizeof text,
-                      "its markers measure %.3f of their squares or spacing, those of the %zu other photographs %.3f, "
-                      "as the board file has it: this one is blurred, or was moved while it was taken",
-                      p.marker_ratio, ratios.size(), upper_median(ratios));
+        text = fmt::format(
+            "its markers measure {:.3f} of their squares or spacing, those of the {} other photographs {:.3f}, as the "
+            "board file has it: this one is blurred, or was moved while it was taken",
+            p.marker_ratio, ratios.size(), upper_median(ratios));
       p.problem = text;
     }
   }

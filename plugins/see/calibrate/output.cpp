@@ -1,10 +1,11 @@
 #include "output.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "photo/markers/camera_files.hpp"
@@ -73,15 +74,12 @@ std::string with_capital(std::string text) {
 void add_parts(const std::vector<CalibrationParts>& all, std::vector<std::string>& warnings) {
   const CalibrationParts* worst = contradiction_of(all);
   if (!worst) return;
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "%s give cameras whose parameters differ by %.1f times what their covariances allow (chi-squared %.0f of "
-      "%d degrees of freedom; %.2f px in the median over the image): the model does not fit this lens or this "
-      "board, or the camera changed between them. The standard deviations are made larger by that",
-      with_capital(worst->split).c_str(), std::sqrt(worst->statistic / worst->freedom), worst->statistic,
-      worst->freedom, worst->difference);
-  warnings.emplace_back(text);
+  warnings.push_back(fmt::format(
+      "{} give cameras whose parameters differ by {:.1f} times what their covariances allow (chi-squared {:.0f} of {} "
+      "degrees of freedom; {:.2f} px in the median over the image): the model does not fit this lens or this board, or "
+      "the camera changed between them. The standard deviations are made larger by that",
+      with_capital(worst->split), std::sqrt(worst->statistic / worst->freedom), worst->statistic, worst->freedom,
+      worst->difference));
 }
 
 /// Which lens the photographs show, where that is not Brown's as asked for.
@@ -94,17 +92,14 @@ void add_lens(const LensComparison& lenses, LensModel used, std::vector<std::str
           "fisheye's (Kannala and Brandt)");
     return;
   }
-  char text[400];
-  std::snprintf(
-      text, sizeof text,
-      "The lens is a fisheye: over %.0f degrees off the axis, %s fit to %.2f px with the fisheye's model (Kannala "
-      "and Brandt, 8 parameters) and to %.2f px with Brown's (9). %s",
+  warnings.push_back(fmt::format(
+      "The lens is a fisheye: over {:.0f} degrees off the axis, {} fit to {:.2f} px with the fisheye's model (Kannala "
+      "and Brandt, 8 parameters) and to {:.2f} px with Brown's (9). {}",
       lenses.widest * 180 / M_PI, lenses.held_out ? "photographs that the lens was not fitted to" : "the photographs",
       lenses.fisheye, lenses.brown,
       as_fisheye ? "It is calibrated as one, which camera.yaml says"
                  : "As Brown's it is wrong towards the corners by more than its standard deviations: "
-                   "lens=fisheye");
-  warnings.emplace_back(text);
+                   "lens=fisheye"));
 }
 
 }  // namespace
@@ -113,26 +108,23 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   const Selection& selection = one.selection;
   const Calibration& c = one.calibration;
   std::vector<std::string> warnings;
-  char text[400];
+  std::string text;
   add_lens(one.lenses, c.camera.lens, warnings);
   const size_t before = warnings.size();
   for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
   if (c.truth.change && !one.as_two.empty()) warnings[before] += ". " + with_capital(one.as_two);
   if (!c.truth.empirical.judged) {
-    std::snprintf(
-        text, sizeof text,
-        "%d photographs are too few to see how they scatter (%d are needed): the standard deviations are %.1f times "
+    warnings.push_back(fmt::format(
+        "{} photographs are too few to see how they scatter ({} are needed): the standard deviations are {:.1f} times "
         "those that the corners give, because photographs of a board usually scatter so much more than their corners",
-        c.truth.empirical.photographs, fewest_to_scatter, c.truth.empirical.factor);
-    warnings.emplace_back(text);
+        c.truth.empirical.photographs, fewest_to_scatter, c.truth.empirical.factor));
   }
   if (!c.truth.change) add_parts(one.parts, warnings);
   if (c.rms > std::min(2.0, 1.5e-3 * std::max(selection.width, selection.height))) {
-    std::snprintf(text, sizeof text,
-                  "The points fit to %.1f px only: the board file does not describe this board (lengths, columns and "
-                  "rows), the board is not rigid, or the lens is none of this model (a fisheye)",
-                  c.rms);
-    warnings.emplace_back(text);
+    warnings.push_back(
+        fmt::format("The points fit to {:.1f} px only: the board file does not describe this board (lengths, columns "
+                    "and rows), the board is not rigid, or the lens is none of this model (a fisheye)",
+                    c.rms));
   }
   double tilted = 0;
   for (const auto& view : c.views) tilted += view.tilt > 20 * M_PI / 180;
@@ -160,18 +152,16 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
     }
   const auto empty = std::count_if(cells.begin(), cells.end(), [](int n) { return n < 5; });
   if (empty > 0) {
-    std::snprintf(text, sizeof text,
-                  "%d of 16 parts of the image hold hardly any point: the distortion there is a guess. Bring the board "
-                  "into every corner",
-                  static_cast<int>(empty));
-    warnings.emplace_back(text);
+    warnings.push_back(
+        fmt::format("{} of 16 parts of the image hold hardly any point: the distortion there is a guess. Bring the "
+                    "board into every corner",
+                    static_cast<int>(empty)));
   }
   if (c.bend_x_sigma > 0 && std::max(std::abs(c.bend_x) / c.bend_x_sigma, std::abs(c.bend_y) / c.bend_y_sigma) > 4) {
-    std::snprintf(text, sizeof text,
-                  "The board is bent: its middle stands %.2f mm (along x) and %.2f mm (along y) before its edges; this "
-                  "is taken into account",
-                  1e3 * c.bend_x, 1e3 * c.bend_y);
-    warnings.emplace_back(text);
+    warnings.push_back(
+        fmt::format("The board is bent: its middle stands {:.2f} mm (along x) and {:.2f} mm (along y) before its "
+                    "edges; this is taken into account",
+                    1e3 * c.bend_x, 1e3 * c.bend_y));
   }
   return warnings;
 }
@@ -329,24 +319,20 @@ void add_rig_warnings(const AdjustedRig& rig, const std::vector<Calibrated>& cam
   double separate = 0;
   for (const auto& c : rig.cameras) separate = std::max(separate, c.separate_rms);
   if (rig.rms > 2.5 * separate) {
-    char text[300];
-    std::snprintf(
-        text, sizeof text,
-        "As a rig the photographs fit to %.2f px where each camera alone fits to %.2f px: those of one moment "
-        "were not taken at quite the same time, or the cameras moved a little. The standard deviations of the "
-        "rig are made of the larger residuals",
+    const std::string text = fmt::format(
+        "As a rig the photographs fit to {:.2f} px where each camera alone fits to {:.2f} px: those of one moment were "
+        "not taken at quite the same time, or the cameras moved a little. The standard deviations of the rig are made "
+        "of the larger residuals",
         rig.rms, separate);
     warnings.emplace_back(text);
   }
   for (const auto& c : rig.cameras)
     if (c.halves > 3) {
-      char text[300];
-      std::snprintf(text, sizeof text,
-                    "Two halves of the moments place camera %s %.1f times as far apart as their standard deviations "
-                    "make expected: the cameras moved against each other, or lens and board are not as the model has "
-                    "them. Take the standard deviations that many times",
-                    cameras[static_cast<size_t>(c.camera)].selection.camera.c_str(), std::sqrt(c.halves));
-      warnings.emplace_back(text);
+      warnings.push_back(
+          fmt::format("Two halves of the moments place camera {} {:.1f} times as far apart as their standard "
+                      "deviations make expected: the cameras moved against each other, or lens and board are not as "
+                      "the model has them. Take the standard deviations that many times",
+                      cameras[static_cast<size_t>(c.camera)].selection.camera, std::sqrt(c.halves)));
     }
 }
 
@@ -384,24 +370,22 @@ namespace {
 std::vector<std::string> remarks_of(const Calibrated& one) {
   const Calibration& c = one.calibration;
   const EmpiricalCovariance& empirical = c.truth.empirical;
-  char text[200];
+  std::string text;
   if (!empirical.judged)
-    std::snprintf(text, sizeof text,
-                  "sigmas: %.2f times those of the corners alone, as is usual: %d photographs are too few to see how "
-                  "they scatter",
-                  empirical.factor, empirical.photographs);
+    text = fmt::format(
+        "sigmas: {:.2f} times those of the corners alone, as is usual: {} photographs are too few to see how they "
+        "scatter",
+        empirical.factor, empirical.photographs);
   else if (empirical.factor > 1.05)
-    std::snprintf(text, sizeof text,
-                  "sigmas: %.2f times those of the corners alone, because the %d photographs scatter that much",
-                  empirical.factor, empirical.photographs);
+    text = fmt::format("sigmas: {:.2f} times those of the corners alone, because the {} photographs scatter that much",
+                       empirical.factor, empirical.photographs);
   else
-    std::snprintf(text, sizeof text, "sigmas: of the corners; the %d photographs scatter no more than these allow",
-                  empirical.photographs);
+    text = fmt::format("sigmas: of the corners; the {} photographs scatter no more than these allow",
+                       empirical.photographs);
   std::vector<std::string> remarks = {text};
   if (const CalibrationParts* parts = contradiction_of(one.parts)) {
-    std::snprintf(text, sizeof text, "and that %.1f times, because %s differ by so much",
-                  std::sqrt(parts->statistic / parts->freedom), parts->split.c_str());
-    remarks.emplace_back(text);
+    remarks.push_back(fmt::format("and that {:.1f} times, because {} differ by so much",
+                                  std::sqrt(parts->statistic / parts->freedom), parts->split));
   }
   if (c.truth.change) remarks.push_back("NOT ONE CAMERA: " + in_words(*c.truth.change, c.truth.evidence));
   return remarks;

@@ -1,6 +1,8 @@
 // detect.board: the points of a calibration board in every photograph.
 #pragma once
 
+#include <fmt/core.h>
+
 #include "artifacts/board_points.hpp"
 #include "artifacts/image.hpp"
 #include "base/text/whole_file.hpp"
@@ -54,8 +56,7 @@ struct DetectBoard : Node {
     std::string text = images->model() ? images->model()->str() : "";
     if (images->serial() && images->serial()->size() > 0) text += (text.empty() ? "" : " ") + images->serial()->str();
     if (!(images->focal_length() > 0)) return text;
-    char focal[40];
-    std::snprintf(focal, sizeof focal, "%.3g mm", 1e3 * images->focal_length());
+    const std::string focal = fmt::format("{:.3g} mm", 1e3 * images->focal_length());
     return text + (text.empty() ? "" : ", ") + focal;
   }
 
@@ -78,14 +79,12 @@ struct DetectBoard : Node {
     const double stated = pattern.marker / (tags ? pattern.marker + pattern.gap : pattern.square);
     const double limit = tags ? std::max(0.04, 1 / seen.marker_pixels) : 0.06;
     if (std::abs(seen.marker_ratio / stated - 1) < limit) return;
-    char text[200], fitting[100];
-    std::snprintf(text, sizeof text, "the %s measure %.3f of %s, %.3f is in ", tags ? "tags" : "markers",
-                  seen.marker_ratio, tags ? "their spacing" : "a square", stated);
-    std::snprintf(fitting, sizeof fitting, " (%s %.4g m, 'marker' would be %.3g m)",
-                  tags ? "in steps of" : "with squares of", tags ? pattern.marker + pattern.gap : pattern.square,
-                  seen.marker_ratio * (tags ? pattern.marker + pattern.gap : pattern.square));
-    result.problem =
-        text + file + (tags ? ": 'marker' or 'gap' there is wrong" : ": 'marker' or 'square' there is wrong") + fitting;
+    const double pitch = tags ? pattern.marker + pattern.gap : pattern.square;
+    result.problem = fmt::format(
+        "the {} measure {:.3f} of {}, {:.3f} is in {}: 'marker' or '{}' there is wrong ({} {:.4g} m, 'marker' would be "
+        "{:.3g} m)",
+        tags ? "tags" : "markers", seen.marker_ratio, tags ? "their spacing" : "a square", stated, file,
+        tags ? "gap" : "square", tags ? "in steps of" : "with squares of", pitch, seen.marker_ratio * pitch);
     result.points.clear(), result.contradicts = true;
   }
 };

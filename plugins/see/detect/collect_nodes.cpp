@@ -1,8 +1,9 @@
 #include "collect_nodes.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -72,15 +73,12 @@ std::string doubt_of_curve(const TagObservationsT& observations) {
     doubtful += image->corner_inset_sigma > much;
   }
   if (!(doubtful > 0.5 * stated)) return "";
-  char text[500];
-  std::snprintf(
-      text, sizeof text,
-      "the edges of all tags of a photograph may lie %.2f px inwards or outwards together (one standard "
-      "deviation, corner_inset_sigma): %.0f of %.0f photographs do not tell whether their grey values are those "
-      "of light (a linear file) or of a curve (sRGB), which JPEG, noise or sharpening hides, or their edges are "
-      "none that a lens draws (bloom, overexposure, halos). Export with a quality of 90 or more, unsharpened",
+  return fmt::format(
+      "the edges of all tags of a photograph may lie {:.2f} px inwards or outwards together (one standard deviation, "
+      "corner_inset_sigma): {:.0f} of {:.0f} photographs do not tell whether their grey values are those of light (a "
+      "linear file) or of a curve (sRGB), which JPEG, noise or sharpening hides, or their edges are none that a lens "
+      "draws (bloom, overexposure, halos). Export with a quality of 90 or more, unsharpened",
       std::sqrt(squares / stated), doubtful, stated);
-  return text;
 }
 
 std::string observations_json(const TagObservationsT& observations) {

@@ -1,7 +1,8 @@
 #include "target_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -123,9 +124,7 @@ FileT file_of(const char* name, const char* type, const std::string& text) {
 std::string numbers_of(std::initializer_list<double> values) {
   std::string text;
   for (const double value : values) {
-    char number[40];
-    std::snprintf(number, sizeof number, ",%.4f", value);
-    text += number;
+    text += fmt::format(",{:.4f}", value);
   }
   return text + "\n";
 }

@@ -1,8 +1,9 @@
 // adjust.marker_board: tags in unknown places, from photographs alone.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <algorithm>
-#include <cstdio>
 
 #include "geometry/median.hpp"
 #include "output.hpp"
@@ -143,12 +144,10 @@ struct AdjustMarkerBoard : Node {
     for (const AdjustedMarker& marker : result.markers) scales.push_back(marker.scale);
     const double scale = median(scales);
     if (scale > 0.95 && scale < 1.05) return;
-    char text[240];
-    std::snprintf(text, sizeof text,
-                  "with distance=%s the tags measure %.6g mm, tag_size says %.6g mm: the distance counts. Is it in "
-                  "metres, between the centres of these two tags?",
-                  distance->c_str(), 1e3 * scale * *tag_size, 1e3 * *tag_size);
-    result.warnings.emplace_back(text);
+    result.warnings.push_back(
+        fmt::format("with distance={} the tags measure {:.6g} mm, tag_size says {:.6g} mm: the distance counts. Is it "
+                    "in metres, between the centres of these two tags?",
+                    distance->c_str(), 1e3 * scale * *tag_size, 1e3 * *tag_size));
   }
 };
 

@@ -1,5 +1,7 @@
 #include "colmap_node.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
@@ -178,8 +180,7 @@ std::string table_text(const ControlResult& result) {
   for (const auto& p : result.points) {
     text += text::csv_field(p.name) + "," + role_of(p);
     const auto add = [&](double value) {
-      char number[40];
-      std::snprintf(number, sizeof number, ",%.6f", value);
+      const std::string number = fmt::format(",{:.6f}", value);
       text += std::isfinite(value) && p.used ? number : ",";
     };
     for (int k = 0; k < 3; ++k) add(p.position(k));

@@ -1,5 +1,7 @@
 #include "exchange_nodes.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <fstream>
@@ -199,9 +201,7 @@ void WritePly::run(Context&) {
   std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(given.points.size()) +
                      "\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
   for (const auto& p : given.points) {
-    char line[120];
-    std::snprintf(line, sizeof line, "%.6f %.6f %.6f\n", p->position.x(), p->position.y(), p->position.z());
-    text += line;
+    text += fmt::format("{:.6f} {:.6f} {:.6f}\n", p->position.x(), p->position.y(), p->position.z());
   }
   file.commit(file_of(*name, "model/ply", text));
 }

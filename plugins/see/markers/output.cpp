@@ -1,5 +1,7 @@
 #include "output.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -171,8 +173,7 @@ Json warnings_json(const BlockInput& input, const MarkerResult& result) {
 }
 
 std::string csv_number(double value, int decimals) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  const std::string text = fmt::format("{:.{}f}", value, decimals);
   return std::isfinite(value) ? text : "";
 }
 

@@ -1,7 +1,8 @@
 #include "start_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
@@ -141,9 +142,7 @@ void require_views(const PlatesT& given, const BlockInput& input) {
 }
 
 std::string metres(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, value < 0.1 ? "%.2f mm" : "%.3f m", value < 0.1 ? 1e3 * value : value);
-  return text;
+  return value < 0.1 ? fmt::format("{:.2f} mm", 1e3 * value) : fmt::format("{:.3f} m", value);
 }
 
 /// Another unit shows here, before it is a block that does not converge or a site a thousand times too large.

@@ -1,8 +1,9 @@
 #include "show/bench/analysis.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <sstream>
 
@@ -127,8 +128,7 @@ std::vector<std::string> rising_of(const Bench& bench) {
   for (const std::string& name : order) {
     const Count& c = counts.at(name);
     if (c.rose == 0) continue;
-    char costs[96];
-    std::snprintf(costs, sizeof costs, "%.4g to %.4g", c.start, c.final);
+    const std::string costs = fmt::format("{:.4g} to {:.4g}", c.start, c.final);
     sentences.push_back(name + ": the cost of all observations went up in " + std::to_string(c.rose) + " of " +
                         std::to_string(c.all) + " trials (the first from " + costs +
                         "): what was minimised leaves some of them out or damps them, or the solver diverged");

@@ -1,8 +1,9 @@
 #include "show/bench/bench_data.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -55,8 +56,7 @@ void read_weights(const Json& json, Bench& bench) {
   if (json.is_string()) return;
   bench.weights_text = "weighing";
   for (const auto& [scenario, weight] : json.items()) {
-    char text[32];
-    std::snprintf(text, sizeof text, " %g", weight.get<double>());
+    const std::string text = fmt::format(" {:g}", weight.get<double>());
     bench.weights_text += (bench.weights_text == "weighing" ? " " : ", ") + scenario + text;
   }
 }

@@ -1,8 +1,9 @@
 #include "show/bench/breakdown.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <optional>
 
@@ -102,11 +103,7 @@ void add(const Bench& bench, const std::string& variable, const std::vector<std:
   }
 }
 
-std::string tolerance_text(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", 1e3 * metres);
-  return text;
-}
+std::string tolerance_text(double metres) { return fmt::format("{:g}", 1e3 * metres); }
 
 std::string values_text(const Breakdown& b, std::size_t count) {
   return count == 0 ? "below " + b.values[0] : b.values[count - 1];

@@ -1,8 +1,9 @@
 #include "show/bench/drawing.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdint>
-#include <cstdio>
 
 #include "base/text/xml_text.hpp"
 
@@ -10,11 +11,7 @@ namespace plumbline::bench {
 
 namespace {
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  return text;
-}
+std::string number(double value) { return fmt::format("{:.2f}", value); }
 
 /// Code points of UTF-8; what is none becomes '?'.
 std::vector<std::uint32_t> code_points(const std::string& text) {
@@ -44,10 +41,8 @@ std::string pdf_string(const std::string& text) {
     int byte = (point >= 0x20 && point < 0x7F) || (point >= 0xA0 && point <= 0xFF) ? static_cast<int>(point) : '?';
     for (const auto& [from, to] : others)
       if (point == from) byte = to;
-    char octal[8];
-    std::snprintf(octal, sizeof octal, "\\%03o", static_cast<unsigned>(byte));
     if (byte == '(' || byte == ')' || byte == '\\' || byte > 0x7E)
-      out += octal;
+      out += fmt::format("\\{:03o}", static_cast<unsigned>(byte));
     else
       out += static_cast<char>(byte);
   }
@@ -169,9 +164,7 @@ std::string to_pdf(const Drawing& d) {
   const std::size_t table = text.size();
   text += "xref\n0 " + std::to_string(offsets.size() + 1) + "\n0000000000 65535 f \n";
   for (const std::size_t offset : offsets) {
-    char line[32];
-    std::snprintf(line, sizeof line, "%010zu 00000 n \n", offset);
-    text += line;
+    text += fmt::format("{:010} 00000 n \n", offset);
   }
   return text + "trailer << /Size " + std::to_string(offsets.size() + 1) + " /Root 1 0 R >>\nstartxref\n" +
          std::to_string(table) + "\n%%EOF\n";

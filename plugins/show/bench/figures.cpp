@@ -1,8 +1,9 @@
 #include "show/bench/figures.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "show/bench/tables.hpp"
@@ -56,11 +57,7 @@ class Axis {
   double low_ = 0, high_ = 1;
 };
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string short_number(double value) { return fmt::format("{:.4g}", value); }
 
 /// Rows of the group's alternatives with everything beside it held; by place, then alternative.
 struct Held {

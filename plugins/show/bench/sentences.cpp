@@ -1,5 +1,7 @@
 #include "show/bench/sentences.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -35,11 +37,7 @@ std::string signed_millimetres(double metres) {
   return text == "-0.00" ? "0.00" : text;
 }
 
-std::string rope_text(const Bench& bench) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", 1e3 * bench.rope);
-  return text;
-}
+std::string rope_text(const Bench& bench) { return fmt::format("{:g} mm", 1e3 * bench.rope); }
 
 /// All that is known of two alternatives.
 struct Pairing {
@@ -310,9 +308,7 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
     parts.push_back("of " + text::enumerate(unknown) + " nothing can be said: too few trials to compare");
   if (!failing.empty()) parts.push_back("without result: " + text::enumerate(failing));
   if (!useless.empty()) {
-    char limit[48];
-    std::snprintf(limit, sizeof limit, "off by more than %g mm: ", 1e3 * bench.useless_above());
-    parts.push_back(limit + text::enumerate(useless));
+    parts.push_back(fmt::format("off by more than {:g} mm: ", 1e3 * bench.useless_above()) + text::enumerate(useless));
   }
   parts.insert(parts.end(), silent.begin(), silent.end());
   return group.name + ": " + after_semicolons(parts) + ".";

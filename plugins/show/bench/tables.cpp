@@ -1,5 +1,7 @@
 #include "show/bench/tables.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -14,12 +16,6 @@ using Json = nlohmann::ordered_json;
 using statistics::Estimate;
 
 namespace {
-
-std::string printed(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 std::string shortest(double value) { return std::isfinite(value) ? Json(value).dump() : ""; }
 
@@ -125,8 +121,8 @@ std::string one_line(std::string text) {
 std::string rate_text(const Row& row, double tau) {
   for (const auto& rate : row.summary.failure_rates)
     if (rate.tau == tau)
-      return printed("%.1f %%", 100 * rate.share) + " (" + printed("%.1f", 100 * rate.interval.lower) + "–" +
-             printed("%.1f", 100 * rate.interval.upper) + ")";
+      return fmt::format("{:.1f} %", 100 * rate.share) + " (" + fmt::format("{:.1f}", 100 * rate.interval.lower) + "–" +
+             fmt::format("{:.1f}", 100 * rate.interval.upper) + ")";
   return "–";
 }
 
@@ -165,16 +161,14 @@ class TexNames {
 
 }  // namespace
 
-std::string cost_text(double cost) { return std::isfinite(cost) ? printed("%.6g", cost) : "–"; }
+std::string cost_text(double cost) { return std::isfinite(cost) ? fmt::format("{:.6g}", cost) : "–"; }
 
 std::string number_text(double value, double uncertainty) {
   if (!std::isfinite(value)) return "–";
   int decimals = 3;
   if (std::isfinite(uncertainty) && uncertainty > 0)
     decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 6);
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
+  return fmt::format("{:.{}f}", value, decimals);
 }
 
 std::string interval_text(const Estimate& estimate, double scale) {
@@ -271,7 +265,7 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   text +=
       "\n| place | alternative | trials | failed | RMSE [mm] | bias [mm] | predicted [mm] | bound²/MSE | NEES / "
       "freedom (band) | worst error above " +
-      printed("%g", 1e3 * tau) + " mm | time [s] |" + (costs ? " start cost | final cost |" : "") +
+      fmt::format("{:g}", 1e3 * tau) + " mm | time [s] |" + (costs ? " start cost | final cost |" : "") +
       "\n|---|---|---|---|---|---|---|---|---|---|---|" + (costs ? "---|---|" : "") + "\n";
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;

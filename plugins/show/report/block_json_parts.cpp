@@ -1,8 +1,9 @@
 #include "show/report/block_json_parts.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace plumbline::report {
 
@@ -28,10 +29,8 @@ Json head_json(const BlockT& block) {
   for (const std::string& motion : block.weak_datum) warnings.push_back("weak geometry: " + motion);
   std::string datum = block.datum;
   if (std::isfinite(block.lambda)) {
-    char text[120];
-    std::snprintf(text, sizeof text, ", λ %.4g px²/m², which believes σ %.3g mm of a surveyed coordinate", block.lambda,
-                  1e3 * block.lambda_control_sigma);
-    datum += text;
+    datum += fmt::format(", λ {:.4g} px²/m², which believes σ {:.3g} mm of a surveyed coordinate", block.lambda,
+                         1e3 * block.lambda_control_sigma);
   }
   return {{"datum", datum},
           {"statistics",

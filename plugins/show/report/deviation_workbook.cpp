@@ -1,5 +1,7 @@
 #include "show/report/deviation_workbook.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -150,8 +152,7 @@ class Maker {
       std::string shims;
       for (const auto& fixing : p->fixings) {
         if (!std::isfinite(fixing->shim)) continue;
-        char text[40];
-        std::snprintf(text, sizeof text, " %+.1f", 1e3 * fixing->shim);
+        const std::string text = fmt::format(" {:+.1f}", 1e3 * fixing->shim);
         shims += (shims.empty() ? "" : "; ") + fixing->anchor + text;
       }
       const auto length = [](const std::unique_ptr<JudgedLengthT>& l) { return l ? 1e3 * l->value : nan; };

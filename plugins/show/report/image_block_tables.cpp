@@ -1,8 +1,9 @@
 #include "show/report/image_block_tables.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "show/report/block_json.hpp"
@@ -19,10 +20,7 @@ constexpr double strong_correlation = 0.95;
 /// A value to as many digits as its standard deviation deserves.
 std::string rounded(double value, double sigma) {
   if (sigma > 0 && sigma < 1e-8) {
-    char small[40];
-    std::snprintf(small, sizeof small, "%.*e", std::max(1, static_cast<int>(std::log10(std::abs(value) / sigma)) + 1),
-                  value);
-    return small;
+    return fmt::format("{:.{}e}", value, std::max(1, static_cast<int>(std::log10(std::abs(value) / sigma)) + 1));
   }
   const int digits = sigma > 0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9) : 6;
   return fixed(value, digits);

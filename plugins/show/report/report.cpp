@@ -1,9 +1,10 @@
 #include "show/report/report.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "artifacts/input_files_text.hpp"
@@ -207,8 +208,7 @@ std::string running_head(const std::string& title) {
   std::string text;
   for (const char c : title) {
     const auto byte = static_cast<unsigned char>(c);
-    char escaped[8];
-    std::snprintf(escaped, sizeof escaped, "\\%02x ", byte);
+    const std::string escaped = fmt::format("\\{:02x} ", byte);
     const bool plain = byte >= 0x80 || std::isalnum(byte) != 0 || c == ' ' || c == ',' || c == '.' || c == '-';
     text += plain ? std::string(1, c) : std::string(escaped);
   }

@@ -1,8 +1,9 @@
 #include "show/report/script_data.hpp"
 
+#include <fmt/core.h>
+
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 namespace plumbline::report {
 
@@ -25,9 +26,7 @@ std::string script_text(const std::string& text) {
   for (const char c : text) {
     const auto byte = static_cast<unsigned char>(c);
     if (byte < 0x20 || byte >= 0x7F || c == '"' || c == '\\' || c == '<' || c == '>' || c == '&') {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04x", byte);
-      out += escape;
+      out += fmt::format("\\u{:04x}", byte);
     } else {
       out += c;
     }

@@ -1,8 +1,9 @@
 #include "show/report/summary.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epochs.hpp"
@@ -14,12 +15,7 @@ namespace {
 
 /// Millimetres with two decimals, right-aligned in `width`; "-" where there is no value.
 std::string mm(double metres, int width) {
-  char text[32];
-  if (std::isfinite(metres))
-    std::snprintf(text, sizeof text, "%*.2f", width, 1000 * metres);
-  else
-    std::snprintf(text, sizeof text, "%*s", width, "-");
-  return text;
+  return std::isfinite(metres) ? fmt::format("{:{}.2f}", 1000 * metres, width) : fmt::format("{:>{}}", "-", width);
 }
 
 /// "8.23 +- 0.30", or "8.23" where no uncertainty is known.
@@ -27,10 +23,9 @@ std::string with_u(double metres, double u) {
   return std::isfinite(u) ? mm(metres, 0) + " +- " + mm(u, 0) : mm(metres, 0);
 }
 
-std::string row(const char* format, auto... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return std::string(text) + "\n";
+template <typename... Values>
+std::string row(fmt::format_string<const Values&...> format, const Values&... values) {
+  return fmt::format(format, values...) + "\n";
 }
 
 std::string name_of(const AccuracyComparisonT& comparison) {
@@ -53,13 +48,13 @@ const char* verdict_of(ToleranceVerdict verdict) {
 }
 
 std::string comparisons_text(const AccuracyT& accuracy) {
-  std::string text = row("%-25s %7s %5s %9s %5s %8s %9s %8s", "anchors [mm]", "number", "pass", "undecided", "fail",
-                         "RMSE_z", "predicted", "max|dz|");
+  std::string text = row("{:<25} {:>7} {:>5} {:>9} {:>5} {:>8} {:>9} {:>8}", "anchors [mm]", "number", "pass",
+                         "undecided", "fail", "RMSE_z", "predicted", "max|dz|");
   bool starred = false;
   for (const auto& comparison : accuracy.comparisons) {
-    text += row("%-25s %7d %5d %9d %5d %s %s %s", name_of(*comparison).c_str(), comparison->anchors, comparison->passed,
-                comparison->undecided, comparison->failed, mm(comparison->rmse_z, 8).c_str(),
-                mm(comparison->predicted_rmse_z, 9).c_str(), mm(comparison->max_abs_dz, 8).c_str());
+    text += row("{:<25} {:7} {:5} {:9} {:5} {} {} {}", name_of(*comparison), comparison->anchors, comparison->passed,
+                comparison->undecided, comparison->failed, mm(comparison->rmse_z, 8),
+                mm(comparison->predicted_rmse_z, 9), mm(comparison->max_abs_dz, 8));
     starred = starred || !comparison->evidence;
   }
   if (starred) text += "* no evidence of accuracy: these anchors took part in the adjustment\n";
@@ -67,22 +62,21 @@ std::string comparisons_text(const AccuracyT& accuracy) {
 }
 
 std::string floors_text(const AccuracyComparisonT& comparison) {
-  std::string text = row("%-25s %7s %8s %8s %8s  %-10s %s", name_of(comparison).c_str(), "anchors", "r_f", "D(F)",
+  std::string text = row("{:<25} {:>7} {:>8} {:>8} {:>8}  {:<10} {}", name_of(comparison), "anchors", "r_f", "D(F)",
                          "u(D)", "verdict", "transfer to the floor above");
   for (const auto& floor : comparison.floors) {
     std::string transfer;
     for (const auto& candidate : comparison.transfers)
       if (candidate->column == 0 && candidate->lower_floor == floor->floor)
         transfer = with_u(candidate->error, candidate->u);
-    text += row("floor %-19d %7d %s %s %s  %-10s %s", floor->floor, floor->anchors, mm(floor->mean_dz, 8).c_str(),
-                mm(floor->drift, 8).c_str(), mm(floor->u_drift, 8).c_str(), verdict_of(floor->drift_verdict),
-                transfer.c_str());
+    text += row("floor {:<19} {:7} {} {} {}  {:<10} {}", floor->floor, floor->anchors, mm(floor->mean_dz, 8),
+                mm(floor->drift, 8), mm(floor->u_drift, 8), verdict_of(floor->drift_verdict), transfer);
   }
   return text;
 }
 
 std::string counts(int passed, int undecided, int failed, int not_measured) {
-  std::string text = row("%d pass, %d undecided, %d fail", passed, undecided, failed);
+  std::string text = row("{} pass, {} undecided, {} fail", passed, undecided, failed);
   text.pop_back();
   return not_measured > 0 ? text + ", " + std::to_string(not_measured) + " not measured" : text;
 }
@@ -93,9 +87,8 @@ std::string surfaces_text(const SurfaceJudgementT& surfaces) {
   int listed = 0;
   for (const SurfaceVerdictT* verdict : worst_surfaces_first(surfaces)) {
     if (++listed > 5) continue;
-    text += row("  %-20.60s %-10s %s %s mm (limit %s)", surface_name(*verdict).c_str(), verdict_of(verdict->verdict),
-                ifc::quantity_of(*verdict).c_str(), with_u(verdict->value, verdict->sigma).c_str(),
-                mm(ifc::limit_of(*verdict), 0).c_str());
+    text += row("  {:<20.60} {:<10} {} {} mm (limit {})", surface_name(*verdict), verdict_of(verdict->verdict),
+                ifc::quantity_of(*verdict), with_u(verdict->value, verdict->sigma), mm(ifc::limit_of(*verdict), 0));
   }
   if (listed > 5) text += "  … and " + std::to_string(listed - 5) + " more of surfaces; the report lists them all\n";
   return text;
@@ -127,16 +120,16 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     const JudgedAxisT* axis = deciding_axis(*anchor);
     if (!axis || anchor->verdict < ToleranceVerdict::undecided) break;
     if (++listed > 10) continue;
-    text += row("  %-20.40s %-10s %s %s mm (limit %s)", anchor->id.c_str(), verdict_of(anchor->verdict),
-                words_of(axis->axis).c_str(), with_u(axis->value, axis->u).c_str(), mm(axis->tolerance, 0).c_str());
+    text += row("  {:<20.40} {:<10} {} {} mm (limit {})", anchor->id, verdict_of(anchor->verdict), words_of(axis->axis),
+                with_u(axis->value, axis->u), mm(axis->tolerance, 0));
   }
   if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; the report lists them all\n";
   int shown = 0;
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
     if (panel->verdict < ToleranceVerdict::undecided) break;
     if (++shown > 5) continue;
-    text += row("  panel %-14.40s %-10s %.120s", (panel->name.empty() ? panel->guid : panel->name).c_str(),
-                verdict_of(panel->verdict), panel->reason.c_str());
+    text += row("  panel {:<14.40} {:<10} {:.120}", (panel->name.empty() ? panel->guid : panel->name),
+                verdict_of(panel->verdict), panel->reason);
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
@@ -146,12 +139,12 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
         warning.starts_with("Not judged: ") || std::find(misfits.begin(), misfits.end(), warning) != misfits.end();
     if (!told) text += "Note: " + warning + "\n";
   }
-  text += row("Anchors and panels pass from a probability of %.4g %% on that all judged of them is within tolerance.",
+  text += row("Anchors and panels pass from a probability of {:.4g} % on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));
   if (deviation.pass_together > 0)
     text +=
         row("Each is judged by itself, a floor by its worst: all of them are within tolerance at once with a "
-            "probability of at least %.1f %%.",
+            "probability of at least {:.1f} %.",
             std::floor(1000 * deviation.pass_together) / 10);
   return text;
 }
@@ -161,9 +154,9 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation, const AsBuiltChangesT* changes) {
   std::string text = deviation ? installation_text(*deviation, changes) : "";
   text +=
-      row("Tolerance %s mm, for comparisons with a guard band of %.3g u; u and what stands behind +- are standard "
+      row("Tolerance {} mm, for comparisons with a guard band of {:.3g} u; u and what stands behind +- are standard "
           "uncertainties (1 sigma).",
-          mm(accuracy.tau, 0).c_str(), accuracy.guard_factor);
+          mm(accuracy.tau, 0), accuracy.guard_factor);
   if (!accuracy.comparisons.empty()) text += comparisons_text(accuracy) + floors_text(*accuracy.comparisons.front());
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";
   return text;

@@ -1,5 +1,7 @@
 #include "depth_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -101,8 +103,7 @@ void DepthNode::commit(Context& context, const Photographs& photographs, const F
     for (size_t o = 0; o < outcomes.size(); ++o) outcomes[o] += tiles[t].outcomes[o];
     const MeasuredTile& measured = tiles[t].measured;
     if (measured.points.empty()) continue;
-    char name[32];
-    std::snprintf(name, sizeof name, "%06zu.points", t);
+    const std::string name = fmt::format("{:06}.points", t);
     const std::string path = folder.path + "/" + name;
     append_points(measured, path);
     auto entry = std::make_unique<SurfaceTileT>();

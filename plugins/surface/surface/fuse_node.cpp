@@ -1,5 +1,7 @@
 #include "fuse_node.hpp"
 
+#include <fmt/core.h>
+
 namespace plumbline::surface {
 namespace {
 
@@ -109,8 +111,7 @@ void Fuse::run(Context& context) {
                    std::to_string(counts.agreed + counts.alone + counts.contradicted + counts.empty) +
                    " parts, which are holes");
     for (const MeasuredTile& tile : fused.tiles) {
-      char name[32];
-      std::snprintf(name, sizeof name, "%06zu.points", result.tiles.size());
+      const std::string name = fmt::format("{:06}.points", result.tiles.size());
       const std::string path = folder.path + "/" + name;
       append_points(tile, path);
       auto entry = std::make_unique<SurfaceTileT>();

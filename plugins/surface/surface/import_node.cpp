@@ -1,8 +1,9 @@
 #include "import_node.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -18,11 +19,7 @@ namespace {
 
 constexpr double kFeetApart = 0.3048006096012192 - 0.3048;  // in one foot, of US surveys and international [m]
 
-std::string in_millimetres(double metres) {
-  char text[40];
-  std::snprintf(text, sizeof text, 1e3 * metres < 1 ? "%.2f mm" : "%.0f mm", 1e3 * metres);
-  return text;
-}
+std::string in_millimetres(double metres) { return fmt::format("{:.{}f} mm", 1e3 * metres, 1e3 * metres < 1 ? 2 : 0); }
 
 /// How far apart points at these coordinates lie in the two feet.
 double feet_apart(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
@@ -57,10 +54,8 @@ class Sample {
 };
 
 std::string box_text(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
-  char text[200];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f) to (%.2f, %.2f, %.2f)", low.x(), low.y(), low.z(), high.x(),
-                high.y(), high.z());
-  return text;
+  return fmt::format("({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f})", low.x(), low.y(), low.z(), high.x(),
+                     high.y(), high.z());
 }
 
 /// Parts of faces that points of the sample lie on, if the coordinates are in that unit. Parts and not points: what
@@ -174,11 +169,7 @@ Eigen::MatrixXd factor_of_all(const std::vector<ScanPlace>& common, const std::o
   return factor;
 }
 
-std::string file_name(size_t tile) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06zu.points", tile);
-  return name;
-}
+std::string file_name(size_t tile) { return fmt::format("{:06}.points", tile); }
 
 }  // namespace
 

@@ -1,8 +1,9 @@
 #include "judge_node.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/text/text.hpp"
@@ -48,9 +49,8 @@ std::string table_of(const SurfaceJudgementT& judgement) {
       "panel,second,quantity,verdict,value_mm,sigma_mm,lower_mm,upper_mm,probability,along_mm,places,looked_at,not_"
       "judged,rule\n";
   for (const auto& verdict : judgement.verdicts) {
-    char probability[40] = "";
-    if (std::isfinite(verdict->probability))
-      std::snprintf(probability, sizeof probability, "%.4f", verdict->probability);
+    std::string probability;
+    if (std::isfinite(verdict->probability)) probability = fmt::format("{:.4f}", verdict->probability);
     const bool of_joint = !verdict->second.empty();
     text += csv_text(verdict->panel) + "," + csv_text(verdict->second) + "," + ifc::quantity_of(*verdict) + "," +
             word_of(*verdict) + "," + millimetres(verdict->value) + "," + millimetres(verdict->sigma) + "," +

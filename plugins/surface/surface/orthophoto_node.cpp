@@ -1,5 +1,7 @@
 #include "orthophoto_node.hpp"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -14,12 +16,6 @@ namespace {
 
 constexpr int kPreview = 1600;  // pixels of the smaller picture, each way
 
-std::string line_of(const char* format, auto... values) {
-  char text[400];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
 void write_text(const std::string& path, const std::string& text) {
   std::ofstream stream(path, std::ios::binary);
   if (!(stream << text).flush()) throw std::runtime_error("cannot write " + path);
@@ -27,19 +23,20 @@ void write_text(const std::string& path, const std::string& text) {
 
 std::string place_of(const std::string& name, const Orthophoto& picture) {
   const Eigen::Vector3d &o = picture.plane.origin, r = picture.plane.axes.col(0), u = picture.plane.axes.col(1);
-  return line_of("%s,%d,%d,%.6f,%.6f,%.6f,%.6f,%.9f,%.9f,%.9f,%.9f,%.9f,%.9f\n", name.c_str(), picture.width,
-                 picture.height, picture.pixel, o.x(), o.y(), o.z(), r.x(), r.y(), r.z(), u.x(), u.y(), u.z());
+  return fmt::format("{},{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f}\n", name,
+                     picture.width, picture.height, picture.pixel, o.x(), o.y(), o.z(), r.x(), r.y(), r.z(), u.x(),
+                     u.y(), u.z());
 }
 
 /// Middle of the first pixel, and what a column and a row more are, on the facade.
 std::string world_file(const Orthophoto& picture) {
-  return line_of("%.9f\n0\n0\n%.9f\n%.9f\n%.9f\n", picture.pixel, -picture.pixel,
-                 picture.area.low.x() + 0.5 * picture.pixel, picture.area.high.y() - 0.5 * picture.pixel);
+  return fmt::format("{:.9f}\n0\n0\n{:.9f}\n{:.9f}\n{:.9f}\n", picture.pixel, -picture.pixel,
+                     picture.area.low.x() + 0.5 * picture.pixel, picture.area.high.y() - 0.5 * picture.pixel);
 }
 
 std::string share_of(std::int64_t part, const PaintCounts& counts) {
-  return line_of("%.1f",
-                 100 * static_cast<double>(part) / static_cast<double>(std::max<std::int64_t>(1, counts.all())));
+  return fmt::format("{:.1f}",
+                     100 * static_cast<double>(part) / static_cast<double>(std::max<std::int64_t>(1, counts.all())));
 }
 
 /// The photographs of a panel with their pixels, the best first: as many as are asked for and as `limit` [bytes] holds.
@@ -69,7 +66,7 @@ std::string seam_of(const PanelFace& face, const std::string& guid, const std::s
   const auto map = views.empty() ? std::nullopt : map_at(*views[0].view.view, face.plane, {0, 0, 0}, 2);
   return csv_text(face.id) + "," + csv_text(guid) + "," + facade + "," +
          (views.empty() ? "" : csv_text(views[0].view.view->name)) + "," +
-         (map ? line_of("%.3f", 1e3 * map->ground_pixel()) : "") + "," + std::to_string(views.size()) + "," +
+         (map ? fmt::format("{:.3f}", 1e3 * map->ground_pixel()) : "") + "," + std::to_string(views.size()) + "," +
          share_of(counts.agreed, counts) + "," + share_of(counts.unchecked, counts) + "," +
          share_of(counts.contradicted, counts) + "," + share_of(counts.unseen, counts) + "\n";
 }
@@ -138,7 +135,7 @@ void OrthophotoNode::run(Context& context) {
     const std::string name = "facade_" + std::to_string(number + 1);
     if (picture.pixel > *pixel)
       context.warn(name + " has pixels of " +
-                   line_of("%.2f mm, because with %.2f mm", 1e3 * picture.pixel, 1e3 * *pixel) +
+                   fmt::format("{:.2f} mm, because with {:.2f} mm", 1e3 * picture.pixel, 1e3 * *pixel) +
                    " it would have more of them than 'most' allows");
     for (const size_t f : facades[number]) {
       context.progress(static_cast<double>(done++) / static_cast<double>(faces.size()), faces[f].id);

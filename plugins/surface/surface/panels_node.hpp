@@ -1,11 +1,11 @@
 // Panels from points of surfaces, whatever measured them.
 #pragma once
 
+#include <fmt/core.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 
 #include "artifacts/file.hpp"
@@ -61,11 +61,9 @@ struct Panels : Node {
     const double offset = panel.plane(0), sigma = std::sqrt(panel.plane_covariance()(0, 0));
     const double beyond = std::abs(offset + face.thickness);  // from the design's inner side
     if (!(face.thickness > 0) || !(beyond < 0.5 * face.thickness || beyond < 3 * sigma)) return;
-    char text[200];
-    std::snprintf(
-        text, sizeof text,
-        " lies %.1f mm behind its outer face and is %.1f mm thick: are these points of its inner side? 'seen_from' of "
-        "dense.import says where the scanner stood",
+    const std::string text = fmt::format(
+        " lies {:.1f} mm behind its outer face and is {:.1f} mm thick: are these points of its inner side? 'seen_from' "
+        "of dense.import says where the scanner stood",
         -1e3 * offset, 1e3 * face.thickness);
     context.warn(panel.id + text);
   }

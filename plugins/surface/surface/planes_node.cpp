@@ -1,7 +1,8 @@
 #include "planes_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
 #include "faces.hpp"
@@ -29,11 +30,9 @@ std::unique_ptr<DesignElementT> element_of(const FoundPlane& plane, const Eigen:
 }
 
 std::string plane_line(const FoundPlane& plane, const Eigen::Vector3d& out, const std::string& name) {
-  char text[300];
-  std::snprintf(text, sizeof text, "%s,%.4f,%.4f,%.4f,%.6f,%.6f,%.6f,%.3f,%.3f,%.3f,%.2f,%llu\n", name.c_str(),
-                plane.origin.x(), plane.origin.y(), plane.origin.z(), out.x(), out.y(), out.z(), plane.width,
-                plane.height, plane.area, 1e3 * plane.roughness, static_cast<unsigned long long>(plane.points));
-  return text;
+  return fmt::format("{},{:.4f},{:.4f},{:.4f},{:.6f},{:.6f},{:.6f},{:.3f},{:.3f},{:.3f},{:.2f},{}\n", name,
+                     plane.origin.x(), plane.origin.y(), plane.origin.z(), out.x(), out.y(), out.z(), plane.width,
+                     plane.height, plane.area, 1e3 * plane.roughness, static_cast<unsigned long long>(plane.points));
 }
 
 }  // namespace
@@ -70,8 +69,7 @@ void FindPlanes::run(Context& context) {
       continue;
     }
     const Eigen::Vector3d out = lookers.before > lookers.behind ? plane.normal : Eigen::Vector3d(-plane.normal);
-    char name[16];
-    std::snprintf(name, sizeof name, "S%03zu", result.elements.size() + 1);
+    const std::string name = fmt::format("S{:03}", result.elements.size() + 1);
     csv += plane_line(plane, out, name);
     area += plane.area;
     result.elements.push_back(element_of(plane, out, name));

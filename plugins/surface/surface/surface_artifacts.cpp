@@ -1,7 +1,8 @@
 #include "surface_artifacts.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -24,11 +25,8 @@ Eigen::MatrixXd matrix_of(const std::vector<double>& values, Eigen::Index rows, 
                                                                                                   columns);
 }
 
-std::string number(const char* format, double value) {
-  if (!std::isfinite(value)) return "";
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
+std::string number(fmt::format_string<double&> format, double value) {
+  return std::isfinite(value) ? fmt::format(format, value) : "";
 }
 
 }  // namespace
@@ -164,9 +162,9 @@ std::string panels_table(const SurfacesT& surfaces) {
       "tilt_up_sigma,bow_across_mm,bow_across_sigma,bow_up_mm,bow_up_sigma,twist_mm,twist_sigma,rms_mm,straightedge_mm,"
       "gap_mm,gap_sigma_mm,gap_of_noise_mm\n";
   for (const auto& panel : surfaces.panels) {
-    const auto mm = [](double value) { return number("%.3f", 1e3 * value) + ","; };
+    const auto mm = [](double value) { return number("{:.3f}", 1e3 * value) + ","; };
     text += csv_text(panel->face->id) + "," + csv_text(panel->not_measured) + "," + std::to_string(panel->points) +
-            "," + number("%.3f", panel->coverage) + ",";
+            "," + number("{:.3f}", panel->coverage) + ",";
     if (!panel->not_measured.empty()) {
       text += ",,,,,,,,,,,,,,,,\n";
       continue;
@@ -179,8 +177,8 @@ std::string panels_table(const SurfacesT& surfaces) {
     const SurfaceGapT* longest = nullptr;
     for (const auto& gap : panel->flatness)
       if (gap->positions > 0) longest = gap.get();
-    text += longest ? number("%.0f", 1e3 * longest->length) + "," + mm(longest->gap) +
-                          number("%.3f", 1e3 * longest->sigma) + "," + number("%.3f", 1e3 * longest->noise_mean)
+    text += longest ? number("{:.0f}", 1e3 * longest->length) + "," + mm(longest->gap) +
+                          number("{:.3f}", 1e3 * longest->sigma) + "," + number("{:.3f}", 1e3 * longest->noise_mean)
                     : ",,,";
     text += "\n";
   }
@@ -194,13 +192,13 @@ std::string joints_table(const SurfacesT& surfaces) {
       "widest_sigma,widest_at_mm,step_mm,step_sigma,step_at_mm\n";
   for (const auto& joint : surfaces.joints) {
     text += csv_text(joint->first) + "," + csv_text(joint->second) + "," + (joint->upright ? "up" : "across") + "," +
-            csv_text(joint->not_measured) + "," + number("%.2f", 1e3 * joint->nominal_width) + "," +
+            csv_text(joint->not_measured) + "," + number("{:.2f}", 1e3 * joint->nominal_width) + "," +
             std::to_string(joint->places.size()) + "," + std::to_string(joint->looked_at);
     const auto place = [&](int index, bool step) {
       if (index < 0) return std::string(",,,");
       const JointPlaceT& at = *joint->places[static_cast<size_t>(index)];
-      return "," + number("%.3f", 1e3 * (step ? at.step : at.width)) + "," +
-             number("%.3f", 1e3 * (step ? at.step_sigma : at.width_sigma)) + "," + number("%.0f", 1e3 * at.along);
+      return "," + number("{:.3f}", 1e3 * (step ? at.step : at.width)) + "," +
+             number("{:.3f}", 1e3 * (step ? at.step_sigma : at.width_sigma)) + "," + number("{:.0f}", 1e3 * at.along);
     };
     text += place(joint->narrowest, false) + place(joint->widest, false) + place(joint->largest_step, true) + "\n";
   }

@@ -156,6 +156,37 @@ TEST(Rooms, FilesAreReadWholeInOnePlace) {
   EXPECT_EQ(found, std::set<std::string>{}) << "use text::read_whole()";
 }
 
+// One of each: numbers for people are written by libfmt, which cuts nothing off and whose formats the compiler checks.
+TEST(Rooms, NumbersAreWrittenByOneFormatter) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex print(R"(\bv?snprintf\()");
+  EXPECT_TRUE(std::regex_search(std::string("std::vsnprintf(text, sizeof text, format, arguments);"), print));
+  std::set<std::string> found;
+  for (const char* folder : {"libraries", "plugins", "programs", "framework/cli", "framework/runtime"})
+    for (const auto& [file, text] : sources_of(root / folder))
+      if (std::regex_search(text, print)) found.insert(file);
+  // Called back by C, which jumps out of them: no std::string may be alive there.
+  for (const char* file : {"exif", "grey_image_jpeg", "grey_image_png", "grey_image_tiff"})
+    EXPECT_TRUE(found.erase("photo/images/" + std::string(file) + ".cpp")) << file;
+  EXPECT_EQ(found, std::set<std::string>{}) << "use fmt::format()";
+}
+
+// One of each: every adjustment goes down by least_squares/problem/descent.cpp. What is fitted elsewhere by damped
+// steps is one pose, point, edge or target, of eight unknowns at most, with a system in an array.
+TEST(Rooms, DampedLoopsAreCounted) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex damped(R"(\bdamping_? = |\bdamping \*= )");
+  std::set<std::string> found;
+  for (const char* folder : {"libraries", "plugins"})
+    for (const auto& [file, text] : sources_of(root / folder))
+      if (file.extension() == ".cpp" && std::regex_search(text, damped)) found.insert(file);
+  for (const char* file : {"least_squares/problem/descent.cpp", "geometry/tag_pose.cpp",
+                           "survey/start/approximate_point.cpp", "photo/markers/planar_pose.cpp",
+                           "photo/pose/rig_pose.cpp", "photo/detect/edge_fit.cpp", "photo/detect/target_model.cpp"})
+    EXPECT_TRUE(found.erase(file)) << file;
+  EXPECT_EQ(found, std::set<std::string>{}) << "use descend() of least_squares/problem/descent.hpp";
+}
+
 // docs/architecture.md has a row for each library.
 TEST(Rooms, EveryLibraryIsDescribed) {
   const fs::path root = plumbline::test::source_dir();
