@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "building/ifc/as_built_writer.hpp"
+#include "building/ifc/doubt_words.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -91,10 +92,11 @@ void AsBuiltWriter::write_provenance() {
     attach(set, "anchors", "ASB_Provenance", "How the as-built values came about", objects);
 }
 
-/// The whole: on the building, else on the project.
+/// The whole: on the project, where everybody finds it, and on the building, where viewers show it.
 void AsBuiltWriter::write_judgement() {
   const auto buildings = model_.all("IFCBUILDING");
-  const InstanceId on = buildings.empty() ? model_.all("IFCPROJECT").at(0).id() : buildings[0].id();
+  std::vector<InstanceId> on = {model_.all("IFCPROJECT").at(0).id()};
+  if (!buildings.empty()) on.push_back(buildings[0].id());
   std::vector<std::string> not_judged;
   for (const auto& request : deviation_.requests)
     if (!request->not_judged.empty()) not_judged.push_back(request->asked + ": " + request->not_judged);
@@ -111,9 +113,9 @@ void AsBuiltWriter::write_judgement() {
     set.integer("SurfacesNotJudged", surfaces->not_judged);
   }
   set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
-  set.labels("Doubts", deviation_.doubts, "Why the measurement is not to be trusted");
+  set.labels("Doubts", in_words(deviation_.doubts), "Why the measurement is not to be trusted");
   set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");
-  attach(set, "judgement", "ASB_Judgement", "As-built against design, all together", {on});
+  attach(set, "judgement", "ASB_Judgement", "As-built against design, all together", on);
 }
 
 void AsBuiltWriter::write_products() {

@@ -21,7 +21,8 @@ const char* property_of(const std::string& part) {
                                                            {"anchor", "Anchor"},
                                                            {"missing_anchor", "MissingAnchor"},
                                                            {"facade", "Facade"},
-                                                           {"not_judged", "NotJudged"}};
+                                                           {"not_judged", "NotJudged"},
+                                                           {"doubt", "Doubt"}};
   const auto found = names.find(part);
   return found == names.end() ? "" : found->second;
 }

@@ -11,6 +11,7 @@
 #include "artifacts/surfaces.hpp"
 #include "building/ifc/bcf_changes.hpp"
 #include "building/ifc/bcf_topic.hpp"
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
 
 namespace plumbline::ifc {
@@ -93,9 +94,11 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
   std::map<std::pair<std::string, std::string>, std::vector<const SurfaceVerdictT*>>
       by_what;                                                   // GlobalId, or both names
   std::map<int, std::vector<const SurfaceVerdictT*>> by_number;  // of the joint: panels may share a name
-  for (const auto& verdict : options.surface_judgement->verdicts)
-    if (!verdict->second.empty() && verdict->item >= 0)
-      by_number[verdict->item].push_back(verdict.get());
+  std::map<int, std::string> topics;
+  const std::vector<std::string> all_topics = topics_of(*options.surface_judgement);
+  for (size_t i = 0; i < all_topics.size(); ++i)
+    if (const auto& verdict = options.surface_judgement->verdicts[i]; !verdict->second.empty() && verdict->item >= 0)
+      by_number[verdict->item].push_back(verdict.get()), topics[verdict->item] = all_topics[i];
     else
       by_what[{verdict->second.empty() ? verdict->guid : verdict->panel, verdict->second}].push_back(verdict.get());
   std::map<std::string, const SurfaceFaceT*> faces;
@@ -107,7 +110,6 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
     issues.push_back(surface_issue(*panel->face, "Surface of panel " + panel->face->id, found->second));
     issues.back().about = "surface";
   }
-  std::map<std::string, int> of_that_key;
   for (size_t j = 0; j < options.surfaces->joints.size(); ++j) {
     const auto& joint = options.surfaces->joints[j];
     const auto numbered = by_number.find(static_cast<int>(j));
@@ -117,11 +119,9 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
         by_name ? faces[joint->first] : panels[static_cast<size_t>(joint->first_panel)]->face.get();
     if (!face || face->guid.size() != 22 || (numbered == by_number.end() && found == by_what.end())) continue;
     const auto& verdicts = numbered != by_number.end() ? numbered->second : found->second;
-    // Two neighbours of one panel may share a name: their topics are two.
-    const int same = of_that_key[face->guid + joint->second]++;
     if (worst_of(verdicts) != wanted) continue;
     issues.push_back(surface_issue(*face, "Joint " + joint->first + " | " + joint->second, verdicts));
-    issues.back().about = "joint/" + joint->second + (same > 0 ? "/" + std::to_string(same) : "");
+    issues.back().about = numbered != by_number.end() ? topics[static_cast<int>(j)] : "joint/" + joint->second;
     issues.back().centre = joint->origin, issues.back().reach = std::max(0.3, 0.5 * joint->length);
   }
   return issues;
@@ -139,12 +139,12 @@ Issue issue_of(const JudgementRequestT& request) {
 }
 
 /// Why the measurement proves nothing: an issue of the whole, before all others.
-Issue issue_of_doubt(const std::string& doubt) {
+Issue issue_of(const MeasurementDoubtT& doubt) {
   Issue issue;
-  issue.guid = "doubt: " + doubt;
-  issue.title = "Measurement not to be trusted: " + doubt.substr(0, doubt.find(": "));
+  issue.guid = "doubt: " + in_words(doubt);
+  issue.title = std::string("Measurement not to be trusted: ") + name_of(doubt.part);
   issue.description =
-      "Not to be trusted, " + doubt + ". Nothing is decided, and no order is given, before it is mended.";
+      "Not to be trusted, " + in_words(doubt) + ". Nothing is decided, and no order is given, before it is mended.";
   issue.verdict = ToleranceVerdict::undecided;
   return issue;
 }
@@ -154,7 +154,7 @@ Issue issue_of_doubt(const std::string& doubt) {
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options) {
   std::vector<Issue> issues;
-  for (const std::string& doubt : deviation.doubts) issues.push_back(issue_of_doubt(doubt));
+  for (const auto& doubt : deviation.doubts) issues.push_back(issue_of(*doubt));
   for (const ToleranceVerdict wanted : {ToleranceVerdict::fail, ToleranceVerdict::undecided}) {
     for (const AnchorDeviationT* anchor : anchors)
       if (anchor->verdict == wanted && anchor->guid.size() == 22) issues.push_back(issue_of(*anchor));

@@ -1,5 +1,6 @@
 #include "building/ifc/bcf_changes.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "artifacts/as_built_changes.hpp"
@@ -7,8 +8,12 @@
 namespace plumbline::ifc {
 namespace {
 
+/// Surfaces and joints are named with what was measured of them.
 std::string capital(const AsBuiltChangeT& change) {
-  return (change.kind == "anchor" ? "Anchor " : "Panel ") + change.id;
+  static const std::map<std::string, const char*> words = {
+      {"anchor", "Anchor "}, {"panel", "Panel "}, {"surface", "Surface of panel "}, {"joint", "Joint "}};
+  const auto word = words.find(change.kind);
+  return (word != words.end() ? word->second : "") + change.id;
 }
 
 bool was_open(const AsBuiltChangeT& change) {
@@ -22,7 +27,8 @@ std::string history(const AsBuiltChangeT& change, const AsBuiltChangesT& all) {
                           : change.change == ChangeKind::unseen ? "not measured again"
                                                                 : EnumNameToleranceVerdict(change.after);
   return name(all.before, "campaign before") + std::string(": ") + EnumNameToleranceVerdict(change.before) + "; " +
-         name(all.after, "this campaign") + ": " + now + (change.moved ? "; it was moved" : "") + ".";
+         name(all.after, "this campaign") + ": " + now + (change.moved ? "; it was moved" : "") +
+         (change.note.empty() ? "" : "; " + change.note) + ".";
 }
 
 /// What the campaign says of a change, and whether it closes the topic.
@@ -59,31 +65,76 @@ BcfIssue placed_issue(const PanelDeviationT& panel) {
   return issue;
 }
 
-void add_changes(const DeviationT& deviation, const BcfOptions& options, std::vector<BcfIssue>& issues) {
-  std::map<std::string, std::size_t> open;  // by key; surfaces have keys of their own
-  for (std::size_t i = 0; i < issues.size(); ++i) open.try_emplace(issues[i].key(), i);
+namespace {
+
+/// What the campaigns say of one topic: of an anchor or panel one change, of a surface or joint one for each quantity.
+using Said = std::vector<const AsBuiltChangeT*>;
+
+std::string key_of(const AsBuiltChangeT& change) {
+  return change.topic.empty() ? change.guid : change.guid + "/" + change.topic;
+}
+
+bool is_closed_by(const AsBuiltChangeT& change) {
+  return change.change == ChangeKind::mended || change.change == ChangeKind::settled;
+}
+
+/// The history of all of it that is or was open; empty: nothing to tell.
+BcfComment comment_on(const Said& said, const BcfOptions& options) {
+  BcfComment comment{options.date, options.author, ""};
+  for (const AsBuiltChangeT* change : said) {
+    if (!was_open(*change) && change->change != ChangeKind::opened_again) continue;
+    comment.text += (comment.text.empty() ? "" : " ") + (change->topic.empty() ? "" : capital(*change) + ": ") +
+                    history(*change, *options.changes);
+  }
+  comment.key = comment.date + "/" + comment.text;  // every campaign says something of its own of the same topic
+  return comment;
+}
+
+/// Of a topic that was open and of which nothing fails now: closed by what was measured again, else as it was.
+BcfIssue earlier_issue(const Said& said, BcfIssue issue, const BcfComment& comment) {
+  const AsBuiltChangeT* speaks = nullptr;  // what keeps it open, else the first that was open
+  for (const AsBuiltChangeT* change : said)
+    if (was_open(*change) && (!speaks || (is_closed_by(*speaks) && !is_closed_by(*change)))) speaks = change;
+  issue.guid = speaks->guid, issue.about = speaks->topic, issue.title = title_of(*speaks);
+  issue.description = comment.text, issue.closed = is_closed_by(*speaks);
+  if (!issue.closed) issue.verdict = speaks->before;
+  issue.comments.push_back(comment);
+  return issue;
+}
+
+/// Where anchors and panels are, by GlobalId.
+std::map<std::string, BcfIssue> places_of(const DeviationT& deviation) {
   std::map<std::string, BcfIssue> places;
   for (const auto& anchor : deviation.anchors)
     if (anchor->design.allFinite()) places.try_emplace(anchor->guid, placed_issue(*anchor));
   for (const auto& panel : deviation.panels) places.try_emplace(panel->guid, placed_issue(*panel));
+  return places;
+}
+
+}  // namespace
+
+void add_changes(const DeviationT& deviation, const BcfOptions& options, std::vector<BcfIssue>& issues) {
+  std::map<std::string, std::size_t> open;
+  for (std::size_t i = 0; i < issues.size(); ++i) open.try_emplace(issues[i].key(), i);
+  const std::map<std::string, BcfIssue> places = places_of(deviation);
+  std::vector<std::string> keys;  // in the order of the changes
+  std::map<std::string, Said> topics;
   for (const auto& change : options.changes->changes) {
     if (change->guid.size() != 22) continue;  // it never had a topic
-    BcfComment comment{options.date, options.author, history(*change, *options.changes)};
-    comment.key = comment.date + "/" + comment.text;  // every campaign says something of its own of the same topic
-    if (const auto known = open.find(change->guid); known != open.end()) {
-      if (was_open(*change) || change->change == ChangeKind::opened_again)
-        issues[known->second].comments.push_back(comment);
-      continue;
+    Said& said = topics[key_of(*change)];
+    if (said.empty()) keys.push_back(key_of(*change));
+    said.push_back(change.get());
+  }
+  for (const std::string& key : keys) {
+    const Said& said = topics[key];
+    const BcfComment comment = comment_on(said, options);
+    if (comment.text.empty()) continue;
+    if (const auto known = open.find(key); known != open.end()) {
+      issues[known->second].comments.push_back(comment);
+    } else if (std::any_of(said.begin(), said.end(), [](const AsBuiltChangeT* c) { return was_open(*c); })) {
+      const auto place = places.find(said.front()->guid);
+      issues.push_back(earlier_issue(said, place != places.end() ? place->second : BcfIssue(), comment));
     }
-    if (!was_open(*change)) continue;
-    BcfIssue issue;
-    const auto place = places.find(change->guid);
-    if (place != places.end()) issue = place->second;
-    issue.guid = change->guid, issue.title = title_of(*change), issue.description = comment.text;
-    issue.closed = change->change == ChangeKind::mended || change->change == ChangeKind::settled;
-    if (!issue.closed) issue.verdict = change->before;
-    issue.comments.push_back(comment);
-    issues.push_back(std::move(issue));
   }
 }
 

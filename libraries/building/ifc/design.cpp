@@ -85,9 +85,7 @@ class Reader {
     read_shapes();
     place_aggregates();
     refuse_unplaced();
-    if (rule_.panels.empty()) leave_out_fixing_plates(design_);
-    if (walls_may_hang()) hang_walls(design_, rule_.facades);
-    if (rule_.panels.empty()) tell_hanging();
+    if (rule_.panels.empty()) find_hanging();
     read_properties();
     read_site();
     read_map_conversion(model_, damage_, design_);
@@ -201,11 +199,12 @@ class Reader {
     return selected;
   }
 
-  /// Walls are looked at only where nothing else is a panel: there may be thousands, and most are none.
+  /// Where something clads, walls are looked at only if there are anchors without it: there may be thousands, and most
+  /// are none.
   bool walls_may_hang() const {
     const auto any = [&](auto is) { return std::any_of(design_.elements.begin(), design_.elements.end(), is); };
     return rule_.panels.empty() && any([](const Element& e) { return e.is_anchor; }) &&
-           !any([](const Element& e) { return e.is_panel; });
+           !any([](const Element& e) { return e.is_cladding; });
   }
 
   /// Shapes of what is judged and of its parts, which show where it is; of the others every so many.
@@ -214,10 +213,10 @@ class Reader {
     for (const Element& element : design_.elements)
       if (element.is_anchor || element.is_panel) judged.insert(element.instance);
     judged.insert(hosts_.begin(), hosts_.end());
+    const bool walls_too = walls_may_hang();
     // Slabs, at whose edges anchors sit, tell which way these face.
     for (const Element& element : design_.elements)
-      if (element.ifc_class.starts_with("IfcSlab") || (walls_may_hang() && is_wall(element)))
-        judged.insert(element.instance);
+      if (element.ifc_class.starts_with("IfcSlab") || (walls_too && is_wall(element))) judged.insert(element.instance);
     const auto counts = [&](std::uint64_t id) {
       for (int depth = 0; depth < 100; ++depth) {
         if (judged.contains(id)) return true;
@@ -242,14 +241,20 @@ class Reader {
     }
   }
 
-  void tell_hanging() {
+  /// What hangs at anchors and is called no panel.
+  void find_hanging() {
     std::unordered_set<std::uint64_t> fillings;
     for_all(model_, "IFCRELFILLSELEMENT", damage_,
             [&](const Entity& relation) { fillings.insert(relation.reference("RelatedBuildingElement")); });
     Extents extents(model_, units_.plane_angle);
-    tell_what_hangs(
-        design_, [&](Element& element) { read_shape(model_.entity(element.instance), extents, element); },
-        [&](std::uint64_t id) { return fillings.contains(id); });
+    const auto read = [&](Element& element) { read_shape(model_.entity(element.instance), extents, element); };
+    if (const std::set<const Element*> bare = bare_anchors(design_); !bare.empty()) {
+      for (Element& element : design_.elements)
+        if (is_wall(element) && !element.has_box) read(element);
+      hang_walls(design_, rule_.facades, bare);
+    }
+    leave_out_fixing_plates(design_);
+    tell_what_hangs(design_, read, [&](std::uint64_t id) { return fillings.contains(id); });
   }
 
   /// What has neither placement nor shape is nowhere; a part of something else may get by without, an anchor cannot.

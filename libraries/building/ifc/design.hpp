@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -120,8 +121,9 @@ struct AnchorRule {
 bool is_wall(const Element& element);
 
 /// Takes walls that hang before their anchors (precast panels) for panels, where it is known which way those face;
-/// where it is not, they stand in `not_applied`. Of walls that anchors are fixed to, and of those behind them, none is.
-void hang_walls(Design& design, const std::vector<FacadeRule>& rules);
+/// where it is not, they stand in `not_applied`. `bare`: the anchors that hold no other panel (what_hangs.hpp). Of
+/// walls that anchors are fixed to, and of those behind them, none is.
+void hang_walls(Design& design, const std::vector<FacadeRule>& rules, const std::set<const Element*>& bare);
 
 /// Reads the design out of a file. What cannot be placed (a curved grid axis, a dangling reference, an argument that is
 /// missing, an anchor with neither placement nor shape) is left out and stands in `skipped`; a file without project or

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "base/text/xml_text.hpp"
@@ -118,15 +119,27 @@ void ask_of_anchors(const DeviationT& deviation, const IdsOptions& options, Writ
                          {writer.property(set, "Verdict", "IFCLABEL", {"PASS"})});
 }
 
+/// Panels whose parts are panels are judged by these.
+ByClass panels_of(const Design& design) {
+  std::set<std::string> wholes;
+  for (const Element& element : design.elements)
+    if (element.is_panel) wholes.insert(element.parent_guid);
+  ByClass panels;
+  for (const Element& element : design.elements)
+    if (element.is_panel && !wholes.contains(element.guid) && element.guid.size() == 22)
+      panels[element.ifc_class].push_back(element.guid);
+  return panels;
+}
+
 void ask_of_panels(const Design& design, const DeviationT& deviation, const IdsOptions& options, Writer& writer) {
   std::map<std::string, std::string> class_of;
   for (const Element& element : design.elements)
     if (element.is_panel) class_of[element.guid] = element.ifc_class;
-  ByClass all, fitted;
+  ByClass judged, fitted;
   for (const auto& panel : deviation.panels) {
     const auto found = class_of.find(panel->guid);
     if (panel->instance == 0 || panel->guid.size() != 22 || found == class_of.end()) continue;
-    all[found->second].push_back(panel->guid);
+    judged[found->second].push_back(panel->guid);
     if (panel->shift.allFinite()) fitted[found->second].push_back(panel->guid);
   }
   for (const auto& [ifc_class, guids] : fitted)
@@ -135,13 +148,25 @@ void ask_of_panels(const Design& design, const DeviationT& deviation, const IdsO
                          {writer.property("ASB_PanelFit", "FitX", "IFCLENGTHMEASURE"),
                           writer.property("ASB_PanelFit", "FitY", "IFCLENGTHMEASURE"),
                           writer.property("ASB_PanelFit", "FitZ", "IFCLENGTHMEASURE")});
-  for (const auto& [ifc_class, guids] : all) {
+  for (const auto& [ifc_class, guids] : judged)
     writer.specification("Every judged panel has a verdict (" + ifc_class + ")", "The worst of its lengths and anchors",
                          {ifc_class, guids}, {writer.verdict("ASB_PanelFit")});
-    if (options.must_pass)
-      writer.specification("Every judged panel is within tolerance (" + ifc_class + ")", "Acceptance",
-                           {ifc_class, guids}, {writer.property("ASB_PanelFit", "Verdict", "IFCLABEL", {"PASS"})});
-  }
+  if (!options.must_pass) return;
+  // Also of those that nobody judged, which have no verdict.
+  for (const auto& [ifc_class, guids] : panels_of(design))
+    writer.specification("Every panel is within tolerance (" + ifc_class + ")", "Acceptance", {ifc_class, guids},
+                         {writer.property("ASB_PanelFit", "Verdict", "IFCLABEL", {"PASS"})});
+}
+
+/// The verdict on all of it, which no element shows: nothing passes while something that was asked for is not judged,
+/// a surface fails or the measurement is in doubt.
+void ask_of_the_whole(const IdsOptions& options, Writer& writer) {
+  const Subject project{"IfcProject", {}};
+  writer.specification("The whole has a verdict", "Anchors, panels, surfaces and all that was asked for", project,
+                       {writer.verdict("ASB_Judgement")});
+  if (options.must_pass)
+    writer.specification("The whole is ready to install", "Acceptance: nothing fails, is undecided or not judged",
+                         project, {writer.property("ASB_Judgement", "Verdict", "IFCLABEL", {"PASS"})});
 }
 
 }  // namespace
@@ -153,6 +178,7 @@ std::string write_ids(const Design& design, const DeviationT& deviation, const I
                         simple(design.project_guid) + "</value></attribute>"});
   ask_of_anchors(deviation, options, writer);
   ask_of_panels(design, deviation, options, writer);
+  ask_of_the_whole(options, writer);
   return writer.finish("As-built model of " + design.file_name);
 }
 

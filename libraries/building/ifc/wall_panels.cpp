@@ -1,7 +1,9 @@
 // Precast panels are walls: those that hang before the anchors of a facade.
 #include <algorithm>
+#include <set>
 
 #include "building/ifc/design.hpp"
+#include "building/ifc/what_hangs.hpp"
 #include "geometry/panel_fit.hpp"
 
 namespace plumbline::ifc {
@@ -27,32 +29,23 @@ struct Candidate {
   }
 };
 
-std::vector<Candidate> candidates_of(Design& design) {
+std::vector<Candidate> candidates_of(Design& design, const std::set<const Element*>& bare) {
   std::vector<Candidate> found;
   for (Element& wall : design.elements) {
     if (!is_wall(wall) || !wall.has_box) continue;
     Candidate candidate{&wall, {}};
     const RigidTransform own = wall.project_from_element.inverse();
-    for (const Element& anchor : design.elements)
-      if (anchor.is_anchor && anchor.host_guid != wall.guid &&
-          distance_from_box(wall.box_low, wall.box_high, own * anchor.position) <= kPanelReach)
-        candidate.anchors.push_back(&anchor);
+    for (const Element* anchor : bare)
+      if (anchor->host_guid != wall.guid &&
+          distance_from_box(wall.box_low, wall.box_high, own * anchor->position) <= kPanelReach)
+        candidate.anchors.push_back(anchor);
     if (!candidate.anchors.empty()) found.push_back(std::move(candidate));
   }
   return found;
 }
 
-}  // namespace
-
-bool is_wall(const Element& element) {
-  return !element.is_anchor && !element.is_panel &&
-         (element.ifc_class == "IfcWall" || element.ifc_class == "IfcWallStandardCase" ||
-          element.ifc_class == "IfcCovering");
-}
-
-void hang_walls(Design& design, const std::vector<FacadeRule>& rules) {
-  std::vector<Candidate> walls = candidates_of(design);
-  if (walls.empty()) return;
+/// Which of them are panels; where it is not known, that is told.
+void choose_panels(Design& design, const std::vector<FacadeRule>& rules, std::vector<Candidate>& walls) {
   assign_facades(design, rules, false);
   const bool sides_open = std::any_of(walls.begin(), walls.end(), [](const Candidate& c) { return c.open(); });
   // Where nothing else tells the sides, the walls may: as panels, on one side of their anchors.
@@ -75,6 +68,26 @@ void hang_walls(Design& design, const std::vector<FacadeRule>& rules) {
        "with "
        "\"design.with.panel_selection=['class=IfcWall & name~^FT']\", or which way the facade faces with "
        "design.with.facades"});
+}
+
+}  // namespace
+
+bool is_wall(const Element& element) {
+  return !element.is_anchor && !element.is_panel &&
+         (element.ifc_class == "IfcWall" || element.ifc_class == "IfcWallStandardCase" ||
+          element.ifc_class == "IfcCovering");
+}
+
+void hang_walls(Design& design, const std::vector<FacadeRule>& rules, const std::set<const Element*>& bare) {
+  std::vector<Candidate> walls = candidates_of(design, bare);
+  if (walls.empty()) return;
+  // What may be a part of the fixing says nothing of the facade here, and is a panel again behind.
+  std::vector<Element*> plates;
+  for (Element& element : design.elements)
+    if (may_be_fixing(element)) plates.push_back(&element);
+  for (Element* plate : plates) plate->is_panel = false;
+  choose_panels(design, rules, walls);
+  for (Element* plate : plates) plate->is_panel = true;
 }
 
 }  // namespace plumbline::ifc

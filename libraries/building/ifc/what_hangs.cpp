@@ -65,12 +65,6 @@ std::string selecting(const std::set<std::string>& classes) {
   return text;
 }
 
-/// A small plate of no said kind: a panel, or a part of the fixing.
-bool may_be_fixing(const Element& e) {
-  return e.is_panel && !e.is_cladding && e.has_box && e.ifc_class.starts_with("IfcPlate") &&
-         sides_of(e)[2] <= kLargestFixing;
-}
-
 bool is_flat_and_upright(const Element& element) {
   const auto thin = thin_axis(element);
   return thin && sides_of(element)[1] >= kSmallestPanel && std::abs(axes_of(element)(2, *thin)) < 0.7;
@@ -82,6 +76,23 @@ bool is_fixing_plate(const std::string& kind) {
   static const std::set<std::string> kinds = {"BASE_PLATE",   "FLANGE_PLATE",    "GUSSET_PLATE",
                                               "SPLICE_PLATE", "STIFFENER_PLATE", "WEB_PLATE"};
   return kinds.contains(kind);
+}
+
+bool may_be_fixing(const Element& e) {
+  return e.is_panel && !e.is_cladding && e.has_box && e.ifc_class.starts_with("IfcPlate") &&
+         sides_of(e)[2] <= kLargestFixing;
+}
+
+std::set<const Element*> bare_anchors(Design& design) {
+  std::set<const Element*> bare;
+  for (const Element& element : design.elements)
+    if (element.is_anchor) bare.insert(&element);
+  if (bare.empty()) return bare;
+  for (const auto& [panel, anchors] : anchors_of_panels(design, AnchorCells(design))) {
+    if (may_be_fixing(*panel)) continue;  // whose real panel may be what is called otherwise
+    for (const Element* anchor : anchors) bare.erase(anchor);
+  }
+  return bare;
 }
 
 void leave_out_fixing_plates(Design& design) {
@@ -118,19 +129,12 @@ bool may_hang(const std::string& ifc_class) {
 
 void tell_what_hangs(Design& design, const std::function<void(Element&)>& read,
                      const std::function<bool(std::uint64_t)>& fills) {
+  const std::set<const Element*> bare = bare_anchors(design);
+  if (bare.empty()) return;
   const AnchorCells cells(design);
-  std::set<const Element*> bare;  // anchors that hold no panel, or what may be a part of the fixing
-  for (const Element& element : design.elements)
-    if (element.is_anchor) bare.insert(&element);
-  if (bare.empty()) return;
   std::set<std::string> panel_classes, hosts;
-  for (const auto& [panel, anchors] : anchors_of_panels(design, cells)) {
-    panel_classes.insert(panel->ifc_class);
-    if (may_be_fixing(*panel)) continue;  // whose real panel may be what is called otherwise
-    for (const Element* anchor : anchors) bare.erase(anchor);
-  }
+  for (const auto& [panel, anchors] : anchors_of_panels(design, cells)) panel_classes.insert(panel->ifc_class);
   for (const Element* anchor : bare) hosts.insert(anchor->host_guid);
-  if (bare.empty()) return;
   std::map<std::string, std::vector<std::string>> hanging;  // names, by class
   for (Element& element : design.elements) {
     if (element.is_anchor || element.is_panel || !may_hang(element.ifc_class) || hosts.contains(element.guid) ||

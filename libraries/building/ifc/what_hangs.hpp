@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <set>
 #include <string>
 
 #include "building/ifc/design.hpp"
@@ -11,6 +12,12 @@ namespace plumbline::ifc {
 
 /// Kinds of plates (PredefinedType, IFC4X3) that are parts of a fixing or of steelwork: no panels, wherever they are.
 bool is_fixing_plate(const std::string& kind);
+
+/// A panel of which nothing says whether it is one or a part of the fixing: a small plate of no said kind.
+bool may_be_fixing(const Element& element);
+
+/// Anchors that hold no panel, or only what may be a part of the fixing.
+std::set<const Element*> bare_anchors(Design& design);
 
 /// Takes small plates of no said kind, at whose anchors something much larger hangs, for parts of the fixing and not
 /// for panels; a warning says so.

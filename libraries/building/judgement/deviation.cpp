@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/deviation_shifts.hpp"
 #include "building/judgement/difference.hpp"
@@ -29,7 +30,8 @@ struct Work {
   const DeviationOptions& options;
   DeviationT out;
   DifferenceSet deviations;
-  std::map<std::string, Request> refused;  // by what the design asks for in vain
+  /// What the design asks for in vain, by the request and the reason.
+  std::map<std::pair<std::string, std::string>, Request> refused;
 };
 
 std::unique_ptr<AnchorDeviationT> row_of(const AnchorCase& anchor) {
@@ -99,13 +101,15 @@ void leave_row_open(Row& row) {
 /// A measurement that contradicts itself shows no anchor to be in order, and none to be out of tolerance; no axis
 /// either.
 void take_doubts(Work& work) {
-  work.out.doubts = work.inputs.doubts;
+  for (const MeasurementDoubtT& doubt : work.inputs.doubts)
+    work.out.doubts.push_back(std::make_unique<MeasurementDoubtT>(doubt));
   if (work.out.doubts.empty()) return;
+  const std::string why = "not decided: " + ifc::in_words(*work.out.doubts.front());
   for (auto& anchor : work.out.anchors) {
     if (anchor->verdict == ToleranceVerdict::not_measured) continue;
     leave_row_open(*anchor);
     for (auto& axis : anchor->axes) leave_open(*axis);
-    anchor->note += (anchor->note.empty() ? "" : "; ") + ("not decided: " + work.out.doubts.front());
+    anchor->note += (anchor->note.empty() ? "" : "; ") + why;
   }
 }
 
@@ -115,7 +119,7 @@ void take_doubts_of_panels(Work& work) {
   for (auto& panel : work.out.panels) {
     panel->verdict = ToleranceVerdict::undecided;
     leave_row_open(*panel);
-    panel->reason = "not decided: " + work.out.doubts.front();
+    panel->decided_by = "doubt", panel->reason = "not decided: " + ifc::in_words(*work.out.doubts.front());
     for (auto* length : {panel->out_of_plane.get(), panel->sideways.get(), panel->vertical.get(), panel->tilt.get(),
                          panel->warp.get(), panel->misfit.get(), panel->corner.get()})
       leave_open(*length);
@@ -126,11 +130,10 @@ void take_doubts_of_panels(Work& work) {
 
 /// What was asked for an anchor or a panel and cannot be judged leaves it undecided at best, at any tolerance.
 template <typename Case, typename Row>
-void refuse(const Case& asked, Row& row, std::map<std::string, Request>& requests, bool panel) {
-  for (const std::string& text : asked.refused) {
-    Request& request = requests[text];
-    request.asked = text.substr(0, text.find(": ")), request.by = "design";
-    request.not_judged = text.substr(std::min(text.size(), text.find(": ") + 2));
+void refuse(const Case& asked, Row& row, std::map<std::pair<std::string, std::string>, Request>& requests, bool panel) {
+  for (const ifc::NotApplied& refusal : asked.refused) {
+    Request& request = requests[{refusal.asked, refusal.reason}];
+    request.asked = refusal.asked, request.by = refusal.by, request.not_judged = refusal.reason;
     ++(panel ? request.panels : request.anchors);
   }
   if (asked.refused.empty()) return;
@@ -138,13 +141,15 @@ void refuse(const Case& asked, Row& row, std::map<std::string, Request>& request
   if (row.verdict == ToleranceVerdict::pass) row.verdict = ToleranceVerdict::undecided, row.decided_by = "not_judged";
 }
 
+std::string in_words(const ifc::NotApplied& refusal) { return "not judged: " + refusal.asked + ": " + refusal.reason; }
+
 /// Before panels are judged: none is better than its anchors.
 void refuse_anchors(Work& work) {
   for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
     AnchorDeviationT& row = *work.out.anchors[i];
     refuse(work.inputs.anchors[i], row, work.refused, false);
-    for (const std::string& text : work.inputs.anchors[i].refused)
-      row.note += (row.note.empty() ? "not judged: " : "; not judged: ") + text;
+    for (const ifc::NotApplied& refusal : work.inputs.anchors[i].refused)
+      row.note += (row.note.empty() ? "" : "; ") + in_words(refusal);
   }
 }
 
@@ -156,7 +161,7 @@ void list_requests(Work& work) {
   for (auto& row : work.out.panels) {
     const PanelCase& panel = *panels.at(row->guid);
     refuse(panel, *row, work.refused, true);
-    if (row->decided_by == "not_judged") row->reason = "not judged: " + panel.refused.front();
+    if (row->decided_by == "not_judged") row->reason = in_words(panel.refused.front());
     judged.insert(row->guid);
   }
   std::vector<Request> all = work.inputs.requests;
@@ -173,8 +178,6 @@ void list_requests(Work& work) {
     to->asked = request.asked, to->by = request.by, to->not_judged = request.not_judged;
     to->anchors = request.anchors, to->panels = request.panels;
     work.out.not_judged += !request.not_judged.empty();
-    if (!request.not_judged.empty())
-      work.out.warnings.push_back("Not judged: " + request.asked + ": " + request.not_judged + ".");
     work.out.requests.push_back(std::move(to));
   }
 }
@@ -361,8 +364,9 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
   Work work{inputs, options, {}, {}, {}};
   work.out.tau = options.tau, work.out.risk = options.risk;
   work.out.mounting = inputs.mounting;
-  work.out.misfits = inputs.misfits, work.out.misfit_factor = inputs.misfit_factor;
-  for (const std::string& misfit : inputs.misfits) work.out.warnings.push_back(misfit);
+  work.out.misfit_factor = inputs.misfit_factor;
+  for (const MeasurementDoubtT& misfit : inputs.misfits)
+    work.out.misfits.push_back(std::make_unique<MeasurementDoubtT>(misfit));
   work.out.design_file = inputs.design_file;
   for (const ifc::Facade& facade : inputs.facades) work.out.facades.push_back(ifc::to_artifact(facade));
   judge_anchors(work);

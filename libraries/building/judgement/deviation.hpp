@@ -28,7 +28,7 @@ struct AnchorCase {
   Eigen::Vector3d target_offset = Eigen::Vector3d::Zero();
   ifc::FacadeFrame facade;  ///< which way it faces: in_plane, out_of_plane and orders are told in it
   Tolerances tolerances;
-  std::vector<std::string> refused;  ///< what was asked for it and cannot be judged: then it does not pass
+  std::vector<ifc::NotApplied> refused;  ///< what was asked for it and cannot be judged: then it does not pass
   /// Of the anchor against the plate that was measured [m²]; see mounting.hpp.
   Eigen::Matrix3d mounting = Eigen::Matrix3d::Zero();
 };
@@ -42,7 +42,7 @@ struct PanelCase {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  ///< [m]
   Tolerances tolerances;
   ifc::FacadeFrame facade = {};
-  std::vector<std::string> refused = {};
+  std::vector<ifc::NotApplied> refused = {};
 };
 
 /// Something that was asked for: a rule, a property of the design, panels. What cannot be judged says why; then nothing
@@ -61,11 +61,11 @@ struct DeviationInputs {
   std::string design_file;
   std::vector<Request> requests;  ///< beside what anchors and panels hold in `refused`
   std::string mounting;           ///< what the anchors' `mounting` is, in words
-  std::vector<std::string>
-      doubts;  ///< why the measurement is not to be trusted: then nothing is decided, and no order given
-  /// What the measurement's model does not hold, in words with the command that mends it; the model's covariance is
-  /// multiplied with `misfit_factor` already, which the residuals say.
-  std::vector<std::string> misfits;
+  /// Why the measurement is not to be trusted: then nothing is decided, and no order given.
+  std::vector<MeasurementDoubtT> doubts;
+  /// What the measurement's model does not hold; the model's covariance is multiplied with `misfit_factor` already,
+  /// which the residuals say.
+  std::vector<MeasurementDoubtT> misfits;
   double misfit_factor = 1;
 };
 

@@ -62,8 +62,6 @@ void take_surfaces(SurfaceJudgementT surfaces, DeviationT& deviation) {
     copy->asked = "surfaces, " + request->asked, copy->by = request->by, copy->panels = request->panels;
     copy->not_judged = request->not_judged;
     deviation.not_judged += !request->not_judged.empty();
-    if (!request->not_judged.empty())
-      deviation.warnings.push_back("Not judged: " + copy->asked + ": " + copy->not_judged + ".");
     deviation.requests.push_back(std::move(copy));
   }
   take_into_floors(surfaces, deviation);

@@ -9,6 +9,9 @@
 #include <map>
 #include <set>
 
+#include "base/text/text.hpp"
+#include "building/ifc/surface_words.hpp"
+#include "building/judgement/figures.hpp"
 #include "geometry/statistics.hpp"
 #include "plumbline/failure.hpp"
 
@@ -37,16 +40,44 @@ EpochItem item_of(const AnchorDeviationT& anchor) {
   return item;
 }
 
+bool is_open(const PanelJointT& joint) { return joint.change && is_open(joint.change->verdict); }
+
 EpochItem item_of(const PanelDeviationT& panel) {
-  return {"panel",     panel.name.empty() ? panel.guid : panel.name,
-          panel.guid,  panel.facade ? panel.facade->facade : "",
-          panel.floor, panel.verdict};
+  EpochItem item{"panel",     panel.name.empty() ? panel.guid : panel.name,
+                 panel.guid,  panel.facade ? panel.facade->facade : "",
+                 panel.floor, panel.verdict};
+  for (const auto& limit : panel.limits) item.limits[limit->axis] = {limit->above, limit->below};
+  for (const auto& joint : panel.joints)
+    if (is_open(*joint)) {
+      ToleranceVerdict& worst = item.open_joints[joint->panel];
+      worst = std::max(worst, joint->change->verdict);
+    }
+  return item;
+}
+
+/// One quantity; `topic` tells joints apart whose neighbours share a name.
+EpochItem item_of(const SurfaceVerdictT& verdict, const std::string& topic, const std::map<std::string, int>& floors) {
+  EpochItem item;
+  item.kind = verdict.second.empty() ? "surface" : "joint", item.guid = verdict.guid, item.topic = topic;
+  item.quantity = ifc::quantity_of(verdict);
+  item.id = verdict.panel + (verdict.second.empty() ? "" : " | " + verdict.second) + ", " + item.quantity;
+  if (const auto floor = floors.find(verdict.guid); floor != floors.end()) item.floor = floor->second;
+  item.verdict = verdict.verdict;
+  if (verdict.verdict != ToleranceVerdict::not_measured) item.value = verdict.value;
+  item.limits[item.quantity] = {verdict.upper, -verdict.lower};
+  return item;
 }
 
 std::vector<EpochItem> items_of(const DeviationT& deviation) {
   std::vector<EpochItem> items;
   for (const auto& anchor : deviation.anchors) items.push_back(item_of(*anchor));
   for (const auto& panel : deviation.panels) items.push_back(item_of(*panel));
+  if (!deviation.surfaces) return items;
+  std::map<std::string, int> floors;  // by GlobalId
+  for (const auto& panel : deviation.panels) floors[panel->guid] = panel->floor;
+  const std::vector<std::string> topics = ifc::topics_of(*deviation.surfaces);
+  for (std::size_t i = 0; i < topics.size(); ++i)
+    items.push_back(item_of(*deviation.surfaces->verdicts[i], topics[i], floors));
   return items;
 }
 
@@ -55,13 +86,14 @@ class Known {
  public:
   explicit Known(const std::vector<EpochItem>& items) {
     for (const EpochItem& item : items) {
-      if (!item.guid.empty()) by_guid_.try_emplace({item.kind, item.guid}, &item);
+      if (!item.guid.empty()) by_guid_.try_emplace({item.kind, element_of(item)}, &item);
       by_id_.try_emplace({item.kind, item.id}, &item);
     }
   }
   const EpochItem* find(const EpochItem& item) const {
     if (!item.guid.empty())
-      if (const auto found = by_guid_.find({item.kind, item.guid}); found != by_guid_.end()) return found->second;
+      if (const auto found = by_guid_.find({item.kind, element_of(item)}); found != by_guid_.end())
+        return found->second;
     const auto found = by_id_.find({item.kind, item.id});
     // One name on two elements is two things.
     if (found == by_id_.end() || (!item.guid.empty() && !found->second->guid.empty())) return nullptr;
@@ -69,6 +101,8 @@ class Known {
   }
 
  private:
+  static std::string element_of(const EpochItem& item) { return item.guid + "/" + item.topic + "/" + item.quantity; }
+
   std::map<std::pair<std::string, std::string>, const EpochItem*> by_guid_, by_id_;
 };
 
@@ -98,9 +132,42 @@ ChangeKind change_of(const EpochItem& before, ToleranceVerdict after) {
                                                     : ChangeKind::settled;
 }
 
+/// Joints of a panel that were open and that this campaign did not judge: the neighbour was not measured again.
+std::map<std::string, ToleranceVerdict> joints_left_open(const EpochItem& before, const DeviationT& after) {
+  if (before.open_joints.empty()) return {};
+  std::map<std::string, ToleranceVerdict> left = before.open_joints;
+  for (const auto& panel : after.panels)
+    if (panel->guid == before.guid)
+      for (const auto& joint : panel->joints)
+        if (joint->change && joint->change->verdict != ToleranceVerdict::not_measured) left.erase(joint->panel);
+  return left;
+}
+
+ToleranceVerdict worst_of(const std::map<std::string, ToleranceVerdict>& joints) {
+  ToleranceVerdict worst = ToleranceVerdict::not_measured;
+  for (const auto& [panel, verdict] : joints) worst = std::max(worst, verdict);
+  return worst;
+}
+
+/// What passes with a joint that is still open closes nothing.
+void keep_open(const std::map<std::string, ToleranceVerdict>& joints, const Known& known, AsBuiltChangeT& change) {
+  if (joints.empty() || change.after != ToleranceVerdict::pass) return;
+  std::vector<std::string> names;
+  for (const auto& [guid, verdict] : joints) {
+    EpochItem neighbour{"panel", guid, guid, ""};
+    const EpochItem* found = known.find(neighbour);
+    names.push_back(found ? found->id : guid);
+  }
+  change.change = ChangeKind::unseen;
+  change.note = "its joint to " + list_of(names, 3) + (names.size() > 1 ? " were" : " was") +
+                " open and not measured again, because the neighbour was not";
+}
+
 std::unique_ptr<AsBuiltChangeT> change_between(const EpochItem* before, const EpochItem& after, ChangeKind change) {
   auto out = std::make_unique<AsBuiltChangeT>();
-  out->kind = after.kind, out->id = after.id, out->guid = after.guid;
+  out->kind = after.kind, out->id = after.id, out->guid = after.guid, out->topic = after.topic;
+  out->value = after.value;
+  if (before) out->value_before = before->value;
   out->floor = after.floor, out->facade = after.facade;
   out->before = before ? before->verdict : ToleranceVerdict::not_measured;
   out->after = after.verdict, out->change = change;
@@ -172,8 +239,19 @@ void test_movements(const std::vector<Pair>& pairs, AsBuiltChangesT& out) {
                            " anchors have moved is not tested: their covariance is not known in both campaigns");
 }
 
+/// "3 anchors", "1 panel"; of surfaces and joints the limits are counted.
+std::string counted(const std::string& kind, std::size_t n) {
+  static const std::map<std::string, std::string> one = {{"surface", "limit of surfaces"},
+                                                         {"joint", "limit of joints"}};
+  static const std::map<std::string, std::string> many = {{"surface", "limits of surfaces"},
+                                                          {"joint", "limits of joints"}};
+  const auto& words = n == 1 ? one : many;
+  const auto word = words.find(kind);
+  return std::to_string(n) + " " + (word != words.end() ? word->second : kind + (n == 1 ? "" : "s"));
+}
+
 void compare_judgements(const EpochRecord& before, const DeviationT& after, std::size_t other_design,
-                        std::size_t other_limits, AsBuiltChangesT& out) {
+                        std::map<std::string, std::size_t> other_limits, AsBuiltChangesT& out) {
   if (!after.doubts.empty())
     out.warnings.push_back(
         "this campaign's measurement is not to be trusted: what was in order is open for that alone, and nothing "
@@ -184,11 +262,15 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
         "the campaign before was judged by {:.4g} mm and a risk of {:.3g}, this one by {:.4g} mm and {:.3g}: a verdict "
         "may have changed for that alone",
         1e3 * before.tau, before.risk, 1e3 * after.tau, after.risk));
-  } else if (other_limits > 0) {
-    out.warnings.push_back(std::to_string(other_limits) +
-                           " anchors are held against other tolerances than in the campaign before: their verdicts may "
-                           "have changed for that alone");
+    other_limits.erase("anchor"), other_limits.erase("panel");  // it says so of all of them
   }
+  std::vector<std::string> held;
+  std::size_t n = 0;
+  for (const auto& [kind, count] : other_limits) held.push_back(counted(kind, count)), n += count;
+  if (n > 0)
+    out.warnings.push_back(text::join(held) + (n == 1 ? " is" : " are") +
+                           " held against other tolerances than in the campaign before: verdicts may have changed for "
+                           "that alone");
   if (other_design > 0)
     out.warnings.push_back(std::to_string(other_design) +
                            " anchors have another place in the design than in the campaign before: their verdicts may "
@@ -206,12 +288,18 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
   for (EpochItem& item : record.items) {
     const EpochItem* earlier = known.find(item);
     if (earlier) met.insert(earlier);
+    if (earlier && item.kind == "panel") {
+      const auto left = joints_left_open(*earlier, deviation);
+      item.open_joints.insert(left.begin(), left.end());
+      if (item.verdict == ToleranceVerdict::pass) item.verdict = std::max(item.verdict, worst_of(left));
+    }
     item.was_open = item.open() || (earlier && earlier->was_open);
     const bool is_measured = item.verdict != ToleranceVerdict::not_measured;
     if (is_measured && deviation.doubts.empty()) continue;
     item.position = earlier ? earlier->position : nowhere.position;
     item.covariance = earlier ? earlier->covariance : nowhere.covariance;
     if (!is_measured && earlier) item.verdict = earlier->verdict, item.limits = earlier->limits;
+    if (!is_measured && earlier) item.value = earlier->value;
   }
   // A panel without a measured anchor is not judged, and not forgotten either.
   if (before)
@@ -226,15 +314,18 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   const Known known(before.items);
   std::set<const EpochItem*> met;
   std::vector<Pair> pairs;
-  std::size_t other_design = 0, other_limits = 0;
+  std::size_t other_design = 0;
+  std::map<std::string, std::size_t> other_limits;  // by kind
   for (const EpochItem& now : items_of(after)) {
     const EpochItem* earlier = known.find(now);
     if (earlier) met.insert(earlier);
     const ChangeKind change = earlier ? change_of(*earlier, now.verdict) : ChangeKind::added;
     out.changes.push_back(change_between(earlier, now, change));
-    if (!earlier || now.kind != "anchor") continue;
+    if (!earlier) continue;
+    if (now.verdict != ToleranceVerdict::not_measured && is_judged_otherwise(*earlier, now)) ++other_limits[now.kind];
+    if (now.kind == "panel") keep_open(joints_left_open(*earlier, after), known, *out.changes.back());
+    if (now.kind != "anchor") continue;
     if ((earlier->design - now.design).norm() > kSameDesign) ++other_design;
-    other_limits += is_judged_otherwise(*earlier, now);
     if (earlier->position.allFinite() && now.position.allFinite())
       pairs.push_back({out.changes.back().get(), now.position - earlier->position,
                        Eigen::Matrix3d(earlier->covariance + now.covariance)});
@@ -246,9 +337,10 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     if (met.contains(&item)) continue;
     EpochItem gone = item;
     gone.verdict = ToleranceVerdict::not_measured;
-    // Panels are judged only where an anchor was measured.
+    // Panels are judged only where an anchor was measured, surfaces where somebody looked at them.
+    gone.value = std::numeric_limits<double>::quiet_NaN();
     out.changes.push_back(
-        change_between(&item, gone, item.kind == "panel" ? ChangeKind::unseen : ChangeKind::left_out));
+        change_between(&item, gone, item.kind == "anchor" ? ChangeKind::left_out : ChangeKind::unseen));
   }
   test_movements(pairs, out);
   compare_judgements(before, after, other_design, other_limits, out);

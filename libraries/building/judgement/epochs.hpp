@@ -12,9 +12,10 @@
 
 namespace plumbline::judgement {
 
-/// An anchor or panel as a campaign left it. Lengths in m, in the frame of the design.
+/// An anchor or panel as a campaign left it, or one quantity of a panel's surface or of a joint. Lengths in m, in the
+/// frame of the design.
 struct EpochItem {
-  std::string kind, id, guid, facade;  ///< kind: "anchor" or "panel"
+  std::string kind, id, guid, facade;  ///< as in AsBuiltChange
   int floor = 0;
   ToleranceVerdict verdict = ToleranceVerdict::not_measured;
   bool was_open = false;  ///< some campaign up to this one found it failing or undecided
@@ -22,6 +23,10 @@ struct EpochItem {
   Eigen::Vector3d position = design;                                   ///< nan: not measured, or a panel
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Constant(design.x());  ///< nan: unknown
   std::map<std::string, std::array<double, 2>> limits = {};            ///< by axis: above and below [m]; empty: unknown
+  std::string topic = {}, quantity = {};  ///< of a surface or joint; topic: as in AsBuiltChange
+  double value = design.x();              ///< of a surface or joint; nan: not judged
+  /// Of a panel: its joints that failed or were undecided, by the neighbour's GlobalId.
+  std::map<std::string, ToleranceVerdict> open_joints = {};
   bool open() const { return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided; }
 };
 
@@ -32,15 +37,17 @@ struct EpochRecord {
   std::vector<EpochItem> items;
 };
 
-/// What the campaign leaves behind. What it did not measure keeps the verdict that `before` knew (null: no campaign
-/// before), so that nothing open is lost in a campaign that looked at one floor only; and places of a measurement that
-/// is not to be trusted are left to `before`: nothing is compared with them.
+/// What the campaign leaves behind. A panel that passes is left open by a joint that was open and was not judged again,
+/// because its neighbour was not measured. What the campaign did not measure keeps the verdict that `before` knew
+/// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
+/// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr);
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
 /// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
 /// of all by the same, that is taken away and told: it is the control or the frame. Throws BadInput if no
-/// anchor is in both: it is a record of another building.
+/// anchor is in both: it is a record of another building. A panel that passes is not mended by it while a joint that
+/// was open is not judged again.
 AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch);
 
 /// "3 mended, 1 opened again, 2 still open, 1 not measured again"; what does not occur is left out; "nothing has

@@ -268,6 +268,15 @@ void fill_fixings(const PanelCase& panel, const DeviationInputs& inputs,
   }
 }
 
+void fill_limits(const Tolerances& tolerances, PanelDeviationT& out) {
+  for (const auto& [axis, tolerance] : tolerances) {
+    auto limit = std::make_unique<PanelLimitT>();
+    limit->axis = name_of(axis), limit->above = tolerance.value, limit->below = tolerance.lower();
+    limit->source = tolerance.source;
+    out.limits.push_back(std::move(limit));
+  }
+}
+
 /// A panel that faces nowhere that is known is not left out: it is listed, and undecided.
 void fill_unknown(PanelDeviationT& out) {
   out.shift.setConstant(nan), out.rotation.setConstant(nan);
@@ -498,6 +507,7 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
     auto out = std::make_unique<PanelDeviationT>();
     out->guid = panel.guid, out->name = panel.name, out->instance = panel.instance;
     out->storey_guid = panel.storey_guid, out->facade = ifc::to_artifact(panel.facade);
+    fill_limits(panel.tolerances, *out);
     fill_fixings(panel, inputs, judged, panel.facade, *out);
     if (panel.facade.known()) {
       panels.emplace_back(panel, inputs, deviations.subset(own), options);

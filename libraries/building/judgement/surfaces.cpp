@@ -186,8 +186,10 @@ class Judge {
     verdict->length = asked.limit.length, verdict->lower = asked.limit.lower, verdict->upper = asked.limit.upper;
     return verdict;
   }
-  static std::unique_ptr<SurfaceVerdictT> started(const Asked& asked, const JointFiguresT& joint) {
+  std::unique_ptr<SurfaceVerdictT> started(const Asked& asked, const JointFiguresT& joint) const {
     auto verdict = started(asked);
+    if (joint.first_panel >= 0 && static_cast<size_t>(joint.first_panel) < surfaces_.panels.size())
+      verdict->guid = surfaces_.panels[static_cast<size_t>(joint.first_panel)]->face->guid;
     verdict->panel = joint.first, verdict->second = joint.second, verdict->looked_at = joint.looked_at;
     return verdict;
   }

@@ -113,7 +113,10 @@ bool same_name(const std::string& a, const char* b) {
 /// The set's words about a tolerance, which ask for nothing.
 bool is_description(const std::string& name) { return name == "ToleranceDescription" || name == "ToleranceBasis"; }
 
-void add_design(const ifc::Property& property, Tolerances& tolerances, std::map<std::string, Axis>& open) {
+/// What the design asks for in vain: the property and the reason, with the axis that a rule may give instead.
+using Open = std::map<std::pair<std::string, std::string>, Axis>;
+
+void add_design(const ifc::Property& property, Tolerances& tolerances, Open& open) {
   static const std::map<std::string, Axis> names = {{"HorizontalTolerance", Axis::horizontal},
                                                     {"VerticalTolerance", Axis::vertical},
                                                     {"OrthogonalTolerance", Axis::out_of_plane},
@@ -123,7 +126,8 @@ void add_design(const ifc::Property& property, Tolerances& tolerances, std::map<
                     value = property.text.empty() ? "" : " '" + property.text + "'";
   const auto axis = names.find(property.name);
   if (axis == names.end()) {
-    open.emplace(name + value + ": nothing here measures it", Axis::joint);  // of no anchor: no rule takes its place
+    open.emplace(std::pair(name + value, "nothing here measures it"),
+                 Axis::joint);  // of no anchor: no rule takes its place
     return;
   }
   std::string reason;
@@ -131,7 +135,7 @@ void add_design(const ifc::Property& property, Tolerances& tolerances, std::map<
     tolerance->source = "design: " + name;
     tolerances[axis->second] = *tolerance;
   } else {
-    open.emplace(name + value + ": " + reason, axis->second);
+    open.emplace(std::pair(name + value, reason), axis->second);
   }
 }
 
@@ -171,7 +175,7 @@ Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& e
   Tolerances tolerances;
   for (const Axis axis : {Axis::horizontal, Axis::vertical}) tolerances[axis] = {table.tau, "default"};
   tolerances[Axis::joint] = {2 * table.tau, "default: twice the tolerance"};
-  std::map<std::string, Axis> open;     // by what the design asks for in vain
+  Open open;
   std::map<Axis, std::size_t> rule_of;  // the rule that holds
   if (table.from_design && element.properties)
     for (const ifc::Property& property : *element.properties) add_design(property, tolerances, open);
@@ -193,7 +197,7 @@ Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& e
   if (findings)
     for (const auto& [axis, rule] : rule_of) findings->in_force.push_back(rule);
   if (findings)
-    for (const auto& [text, axis] : open) findings->refused.push_back(text);
+    for (const auto& [refusal, axis] : open) findings->refused.push_back({refusal.first, "design", refusal.second});
   return tolerances;
 }
 

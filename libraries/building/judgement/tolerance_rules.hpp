@@ -54,8 +54,8 @@ struct ToleranceFindings {
   std::vector<std::size_t> rules;     ///< those that select it
   std::vector<std::size_t> in_force;  ///< those that give it a limit, or say that an axis is not judged
   std::map<std::size_t, std::size_t>
-      widened;                       ///< rules whose limit a later one, the second, replaces by a wider one or none
-  std::vector<std::string> refused;  ///< what the design asks for and cannot be judged, with the reason
+      widened;                           ///< rules whose limit a later one, the second, replaces by a wider one or none
+  std::vector<ifc::NotApplied> refused;  ///< what the design asks for and cannot be judged, with the reason
 };
 
 /// A property of Pset_Tolerance that is no length (a number without unit, a text, a kind that nothing measures) is not

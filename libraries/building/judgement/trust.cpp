@@ -1,7 +1,5 @@
 #include "building/judgement/trust.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,29 +8,26 @@ namespace {
 
 std::string text_of(const flatbuffers::String* text) { return text ? text->str() : std::string(); }
 
-/// "the standard deviations are multiplied by 1.3 for it"
-std::string larger(double factor) {
-  return fmt::format("; all standard deviations are {:.3g} times as large for it", std::sqrt(factor));
+MeasurementDoubtT finding(MeasurementPart part, DoubtGrade grade, std::string reason) {
+  MeasurementDoubtT found;
+  found.part = part, found.grade = grade, found.reason = std::move(reason);
+  return found;
 }
 
-/// A group of observations that contradicts the rest proves the block wrong. A test of what the camera model leaves out
-/// is of no group.
-bool tests_observations(const Block& block, const BlockTest& test) {
-  for (const auto* group : *block.groups())
-    if (group->name()->str() == test.group()->str()) return true;
-  return false;
+/// Of what the camera model leaves out: the command.
+void say_what_mends(const BlockTest& test, MeasurementDoubtT& misfit) {
+  if (test.kind() == BlockTestKind::principal_points) {
+    misfit.mend = "block.with.image_principal_point_sigma=0.5";
+    misfit.mend_note = "px; 0.1 to 1 for lenses that are focused or stabilised between images";
+  } else if (test.kind() == BlockTestKind::distances) {
+    misfit.mend = "block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2]";
+  }
 }
 
-/// The whole command.
-std::string mend_of(const BlockTest& test) {
-  const std::string group = test.group()->str();
-  if (group == "one principal point")
-    return ". To mend it, run again with \"block.with.image_principal_point_sigma=0.5\" (px; 0.1 to 1 for lenses that "
-           "are "
-           "focused or stabilised between images).";
-  if (group.starts_with("distortion at all distances"))
-    return ". To mend it, run again with \"block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2]\".";
-  return ".";
+void take_misfit(MeasurementDoubtT misfit, double variance_factor, Trust& trust) {
+  trust.factor = std::max(trust.factor, variance_factor);
+  misfit.factor = std::sqrt(variance_factor);
+  trust.misfits.push_back(std::move(misfit));
 }
 
 }  // namespace
@@ -43,26 +38,27 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     const auto* statistics = network->statistics();
     const bool tested =
         text_of(network->validity()) == "doubtful" && statistics && statistics->degrees_of_freedom() > 0;
-    const std::string words = "the survey: " + text_of(network->verdict() ? network->verdict() : network->validity());
+    const std::string reason = text_of(network->verdict() ? network->verdict() : network->validity());
     const double factor =
         tested && !network->scaled_with_sigma0() ? std::max(std::pow(statistics->sigma0(), 2), 1.0) : 1;
     if (!tested || !std::isfinite(factor))
-      trust.doubts.push_back(words);
+      trust.doubts.push_back(finding(MeasurementPart::survey, DoubtGrade::doubt, reason));
     else
-      trust.factor = std::max(trust.factor, factor), trust.misfits.push_back(words + larger(factor) + ".");
+      take_misfit(finding(MeasurementPart::survey, DoubtGrade::misfit, reason), factor, trust);
   }
   if (!block || !block->tests()) return trust;
   for (const auto* test : *block->tests()) {
     if (test->passed()) continue;
-    const std::string words = "the image block: " + text_of(test->words() ? test->words() : test->group());
-    // By how much is not known: no factor makes up for it.
-    if (tests_observations(*block, *test) || !std::isfinite(test->variance_factor())) {
-      trust.doubts.push_back(words);
+    const std::string reason = text_of(test->words() ? test->words() : test->group());
+    // A group of observations that contradicts the rest proves the block wrong. What the camera model leaves out does
+    // so where nobody knows by how much: no factor makes up for it.
+    if (test->kind() == BlockTestKind::observations || !std::isfinite(test->variance_factor())) {
+      trust.doubts.push_back(finding(MeasurementPart::image_block, DoubtGrade::doubt, reason));
       continue;
     }
-    const double factor = std::max(1.0, test->variance_factor());
-    trust.factor = std::max(trust.factor, factor);
-    trust.misfits.push_back(words + larger(factor) + mend_of(*test));
+    MeasurementDoubtT misfit = finding(MeasurementPart::image_block, DoubtGrade::misfit, reason);
+    say_what_mends(*test, misfit);
+    take_misfit(std::move(misfit), std::max(1.0, test->variance_factor()), trust);
   }
   return trust;
 }

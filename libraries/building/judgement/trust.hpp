@@ -1,19 +1,19 @@
 // Whether the measurement behind a judgement stands: one law for anchors, panels and surfaces.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "artifacts/block.hpp"
+#include "artifacts/deviation.hpp"
 #include "artifacts/survey_network.hpp"
 
 namespace plumbline::judgement {
 
 struct Trust {
   /// Why the measurement is not to be trusted: then nothing is decided.
-  std::vector<std::string> doubts;
-  /// What of its model does not hold, in words with the command that mends it: uncertainties are larger for it.
-  std::vector<std::string> misfits;
+  std::vector<MeasurementDoubtT> doubts;
+  /// What of its model does not hold, with the command that mends it: uncertainties are larger for it.
+  std::vector<MeasurementDoubtT> misfits;
   double factor = 1;  ///< by which all covariances are to be multiplied for the misfits
 };
 

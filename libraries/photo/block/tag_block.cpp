@@ -247,13 +247,18 @@ void fill_unknowns(const TagStart& start, const TagModel& model, const bundle::L
     result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j)) = model.state.plates[j].position + model.origin;
   }
   result.anchor_covariance = solved.variance * cofactors.joint(plate_blocks(model, layout))(rows, rows);
+  // Batches as they were printed, then the same of each further camera that has insets of its own.
+  int last = 0;
+  for (const auto& plate : model.problem.plates) last = std::max(last, plate.batch);
+  const auto printed = static_cast<size_t>(last) + 1;
   for (size_t b = 0; b < model.problem.batches.size(); ++b) {
     const auto sigma = [&](Kind kind) {
       const int id = layout.block({kind, static_cast<int>(b)});
       return layout.size(id) > 0 ? std::sqrt(solved.variance * cofactors.own(id)(0, 0)) : 0.0;
     };
     result.batches.push_back({model.problem.batches[b].name, model.state.scales[b], sigma(Kind::scale),
-                              model.state.insets[b], sigma(Kind::inset)});
+                              model.state.insets[b], sigma(Kind::inset), model.problem.batches[b % printed].name,
+                              static_cast<int>(b / printed)});
   }
   result.images_per_plate.assign(start.plates.size(), 0);
   for (const auto& term : model.problem.image_tags) ++result.images_per_plate[static_cast<size_t>(term.plate)];

@@ -157,7 +157,9 @@ struct WithheldControl {
 
 /// A global test: the variance of a group of observations against what was assumed of it before the adjustment.
 struct GroupTest {
+  enum class Kind { observations, principal_points, distances };  ///< the last two: what the camera model leaves out
   std::string group;
+  Kind kind = Kind::observations;
   double factor = 1;  ///< estimated over assumed variance
   double limit = 1;   ///< the test fails above it
   bool passed = true;
@@ -176,6 +178,8 @@ struct TagBatch {
   std::string name;
   double scale = 1, scale_sigma = 0;  ///< estimated tag size over nominal
   double inset = 0, inset_sigma = 0;  ///< [px]
+  std::string batch = {};             ///< its name without the camera
+  int camera = 0;
 };
 
 struct AdjustedTagCamera {

@@ -22,9 +22,10 @@ constexpr size_t most_images = 300;      ///< with a principal point each: the c
 constexpr double least_redundancy = 30;  ///< left by the larger model, so that its variance is known
 
 /// The score test of what `explained` has beyond the model, against the variance that would be left.
-GroupTest model_test(const std::string& name, double explained, double freedom, const TagBlockResult& result) {
+GroupTest model_test(GroupTest::Kind kind, const std::string& name, double explained, double freedom,
+                     const TagBlockResult& result) {
   GroupTest test;
-  test.group = name;
+  test.group = name, test.kind = kind;
   test.factor =
       explained / freedom / ((result.weighted_sum_of_squares - explained) / (result.degrees_of_freedom - freedom));
   test.limit = chi_squared_quantile(1 - test_level, freedom) / freedom;
@@ -37,7 +38,8 @@ void add_distance_terms(const bundle::ScoreTest& score, int index, const std::st
   const auto explained = score.by(bundle::Kind::camera, index);
   if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
   const std::string of = camera.empty() ? "" : " of " + camera;
-  GroupTest test = model_test("distortion at all distances" + of, explained.decrease, 2, result);
+  GroupTest test =
+      model_test(GroupTest::Kind::distances, "distortion at all distances" + of, explained.decrease, 2, result);
   if (!test.passed)
     test.words = "the lens' distortion" + of + " changes with the distance" +
                  fmt::format(" (test value {:.1f}, at most {:.1f})", test.factor, test.limit) +
@@ -49,7 +51,8 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
   const auto explained = score.by(bundle::Kind::shift);
   if (!std::isfinite(explained.decrease)) return;
   const auto freedom = static_cast<double>(explained.step.size());
-  GroupTest test = model_test("one principal point", explained.decrease, freedom, result);
+  GroupTest test =
+      model_test(GroupTest::Kind::principal_points, "one principal point", explained.decrease, freedom, result);
   const std::string figure =
       fmt::format(" (test value {:.1f}, at most {:.1f}), rms {:.2g} px: set image_principal_point_sigma", test.factor,
                   test.limit, std::sqrt(explained.step.squaredNorm() / freedom));

@@ -8,6 +8,7 @@
 #include "build/evaluate/design_input.hpp"
 #include "build/evaluate/metrics.hpp"
 #include "build/evaluate/point_input.hpp"
+#include "building/ifc/doubt_words.hpp"
 #include "building/judgement/surfaces.hpp"
 #include "building/judgement/trust.hpp"
 
@@ -34,6 +35,9 @@ void EvaluateDeviation::run(Context& context) {
   DeviationT result = judgement::judge_deviations(inputs, {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
   if (surface_judgement) judgement::take_surfaces(surface_judgement.unpack(), result);
+  for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));
+  for (const auto& request : result.requests)
+    if (!request->not_judged.empty()) context.warn("Not judged: " + request->asked + ": " + request->not_judged + ".");
   for (const std::string& warning : result.warnings) context.warn(warning);
   context.metric("anchors_passed", result.passed, "1");
   context.metric("anchors_undecided", result.undecided, "1");

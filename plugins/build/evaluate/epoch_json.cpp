@@ -26,8 +26,14 @@ Json to_json(const EpochItem& item) {
   Json out = {{"kind", item.kind},        {"id", item.id},         {"guid", item.guid},
               {"floor", item.floor},      {"facade", item.facade}, {"verdict", EnumNameToleranceVerdict(item.verdict)},
               {"was_open", item.was_open}};
-  if (item.kind != "anchor") return out;
-  out["design"] = list(item.design), out["position"] = list(item.position), out["covariance"] = list(item.covariance);
+  if (item.kind == "anchor")
+    out["design"] = list(item.design), out["position"] = list(item.position), out["covariance"] = list(item.covariance);
+  if (!item.topic.empty()) out["topic"] = item.topic, out["quantity"] = item.quantity, out["value"] = item.value;
+  if (!item.open_joints.empty()) {
+    Json joints = Json::object();
+    for (const auto& [panel, verdict] : item.open_joints) joints[panel] = EnumNameToleranceVerdict(verdict);
+    out["open_joints"] = joints;
+  }
   Json limits = Json::object();
   for (const auto& [axis, limit] : item.limits) limits[axis] = Json::array({limit[0], limit[1]});
   out["limits"] = limits;
@@ -42,6 +48,9 @@ Json to_json(const AsBuiltChangeT& change) {
           {"before", EnumNameToleranceVerdict(change.before)},
           {"after", EnumNameToleranceVerdict(change.after)},
           {"change", EnumNameChangeKind(change.change)},
+          {"note", change.note},
+          {"value_before", change.value_before},
+          {"value", change.value},
           {"moved", change.moved},
           {"movement", list(change.movement)},
           {"u", change.u}};
@@ -67,16 +76,23 @@ Eigen::Matrix3d matrix(const nlohmann::json& value) {
   return c;
 }
 
+ToleranceVerdict verdict_of(const nlohmann::json& from, const std::string& id) {
+  const auto word = from.get<std::string>();
+  for (const ToleranceVerdict verdict :
+       {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
+    if (word == EnumNameToleranceVerdict(verdict)) return verdict;
+  throw std::runtime_error("the verdict of '" + id + "' is '" + word + "'");
+}
+
 EpochItem item_of(const nlohmann::json& from) {
   EpochItem item;
   item.kind = from.at("kind").get<std::string>(), item.id = from.at("id").get<std::string>();
   item.guid = from.value("guid", ""), item.facade = from.value("facade", ""), item.floor = from.value("floor", 0);
-  const auto word = from.at("verdict").get<std::string>();
-  bool known = false;
-  for (const ToleranceVerdict verdict :
-       {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
-    if (word == EnumNameToleranceVerdict(verdict)) item.verdict = verdict, known = true;
-  if (!known) throw std::runtime_error("the verdict of '" + item.id + "' is '" + word + "'");
+  item.verdict = verdict_of(from.at("verdict"), item.id);
+  item.topic = from.value("topic", ""), item.quantity = from.value("quantity", "");
+  item.value = number(from.value("value", nlohmann::json()));
+  if (const auto joints = from.find("open_joints"); joints != from.end() && joints->is_object())
+    for (const auto& joint : joints->items()) item.open_joints[joint.key()] = verdict_of(joint.value(), item.id);
   item.was_open = from.value("was_open", item.open());
   item.design = vector(from.value("design", nlohmann::json())),
   item.position = vector(from.value("position", nlohmann::json())),

@@ -7,6 +7,7 @@
 #include "base/text/text.hpp"
 #include "base/text/xml_text.hpp"
 #include "build/evaluate/metrics.hpp"
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/worst_first.hpp"
 
@@ -67,8 +68,9 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"plumbline\">\n";
   if (deviation) {
     std::vector<Case> anchors, panels, doubts;
-    for (const std::string& doubt : deviation->doubts)
-      doubts.push_back({doubt.substr(0, doubt.find(": ")), "not to be trusted, " + doubt, ToleranceVerdict::undecided});
+    for (const auto& doubt : deviation->doubts)
+      doubts.push_back(
+          {ifc::name_of(doubt->part), "not to be trusted, " + ifc::in_words(*doubt), ToleranceVerdict::undecided});
     if (!doubts.empty()) text += suite("measurement", doubts);
     for (const auto& a : deviation->anchors) anchors.push_back({a->id, words_of(*a), a->verdict});
     for (const auto& p : deviation->panels)

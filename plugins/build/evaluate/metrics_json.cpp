@@ -3,6 +3,7 @@
 
 #include "build/evaluate/long_lists.hpp"
 #include "build/evaluate/metrics.hpp"
+#include "building/ifc/doubt_words.hpp"
 
 namespace plumbline::judgement {
 
@@ -106,6 +107,7 @@ Json to_json(const FloorDeviationT& f);
 Json to_json(const PanelFixingT& f);
 Json to_json(const PanelJointT& j);
 Json to_json(const JudgementRequestT& r);
+Json to_json(const MeasurementDoubtT& d);
 
 template <typename T>
 Json list(const std::vector<std::unique_ptr<T>>& items) {
@@ -218,6 +220,14 @@ Json to_json(const FacadeFrameT* f) {
           {"note", f->note}};
 }
 
+Json to_json(const MeasurementDoubtT& d) {
+  return {{"part", EnumNameMeasurementPart(d.part)},
+          {"grade", EnumNameDoubtGrade(d.grade)},
+          {"reason", d.reason},
+          {"factor", d.factor},
+          {"mend", d.mend}};
+}
+
 Json to_json(const JudgementRequestT& r) {
   return {{"asked", r.asked}, {"by", r.by}, {"anchors", r.anchors}, {"panels", r.panels}, {"not_judged", r.not_judged}};
 }
@@ -273,6 +283,8 @@ Json to_json(const DeviationT* d) {
           {"pass_together", d->pass_together},
           {"not_judged", d->not_judged},
           {"requests", list(d->requests)},
+          {"doubts", list(d->doubts)},
+          {"misfits", list(d->misfits)},
           {"common_shift", d->common_shift ? d->common_shift->words : ""},
           {"floors", list(d->floors)},
           {"anchors", place_of_list("anchors")}};
@@ -306,9 +318,12 @@ std::string metrics_json(const AccuracyT& accuracy, const DeviationT* deviation)
                         {"fail", c ? c->failed : 0},
                         {"not_measured", c ? c->anchors_listed - c->anchors : 0}};
   std::vector<std::string> warnings = accuracy.warnings;
-  if (deviation)
-    for (const std::string& doubt : deviation->doubts) warnings.insert(warnings.begin(), "Not to be trusted, " + doubt);
-  if (deviation) warnings.insert(warnings.end(), deviation->warnings.begin(), deviation->warnings.end());
+  if (deviation) {
+    for (const auto& doubt : deviation->doubts)
+      warnings.insert(warnings.begin(), "Not to be trusted, " + ifc::in_words(*doubt));
+    for (const auto& misfit : deviation->misfits) warnings.push_back(ifc::in_words(*misfit));
+    warnings.insert(warnings.end(), deviation->warnings.begin(), deviation->warnings.end());
+  }
   const Json document = {{"format", "plumbline-metrics/2"},
                          {"units", {{"length", "m"}, {"angle", "rad"}, {"covariance", "m2"}, {"probability", "1"}}},
                          {"tau", accuracy.tau},

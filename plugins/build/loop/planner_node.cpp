@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "building/ifc/doubt_words.hpp"
 #include "loop/gate/gate.hpp"
 #include "loop/state/control_change.hpp"
 #include "loop/state/plan_artifact.hpp"
@@ -113,12 +114,16 @@ void PlannerNode::run(Context& context) {
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";
   // A measurement that contradicts itself proves nothing, here neither.
   if (is_in_doubt) {
-    for (const auto* doubt : *deviation->doubts()) result.doubts.push_back(doubt->str());
+    for (const auto* doubt : *deviation->doubts()) {
+      MeasurementDoubtT one;
+      doubt->UnPackTo(&one);
+      result.doubts.push_back(ifc::in_words(one));
+    }
     result.hold += result.go, result.go = 0;
     for (auto& panel : result.panels)
       if (panel->gate == GateDecision::go) {
         panel->gate = GateDecision::hold;
-        panel->reason = "the measurement is in doubt: " + deviation->doubts()->Get(0)->str() + "; " + panel->reason;
+        panel->reason = "the measurement is in doubt: " + result.doubts.front() + "; " + panel->reason;
       }
   }
   for (const std::string& relaxed : result.relaxations) context.warn(relaxed);

@@ -329,6 +329,8 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
   for (const auto& batch : result.batches) {
     auto entry = std::make_unique<BlockBatchT>();
     entry->name = batch.name;
+    entry->batch = batch.batch;
+    if (batch.camera > 0) entry->camera = block_.cameras[static_cast<size_t>(batch.camera)].name;
     entry->tag_scale = batch.scale;
     entry->tag_scale_sigma = batch.scale_sigma;
     entry->corner_inset = batch.inset;
@@ -382,6 +384,9 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     for (const auto& test : *tests) {
       auto entry = std::make_unique<BlockTestT>();
       entry->group = test.group;
+      entry->kind = test.kind == GroupTest::Kind::principal_points ? BlockTestKind::principal_points
+                    : test.kind == GroupTest::Kind::distances      ? BlockTestKind::distances
+                                                                   : BlockTestKind::observations;
       entry->variance_factor = test.factor;
       entry->limit = test.limit;
       entry->passed = test.passed;

@@ -41,7 +41,13 @@ int rank_of(const AsBuiltChangeT& c) {
   }
 }
 
+std::string kind_of(const AsBuiltChangeT& c) {
+  return c.kind == "anchor" ? "Anchor " : c.kind == "panel" ? "Panel " : c.kind == "surface" ? "Surface " : "Joint ";
+}
+
 std::string movement_of(const AsBuiltChangeT& c) {
+  if (!c.topic.empty() && std::isfinite(c.value_before) && std::isfinite(c.value))
+    return mm(c.value_before, 1) + " → " + mm(c.value, 1) + "\u00A0mm";
   if (!c.movement.allFinite()) return unknown;
   std::string text = mm(c.movement.norm(), 1);
   if (std::isfinite(c.u)) text += " ± " + mm(c.u, 1);
@@ -76,16 +82,17 @@ void write_changes(Markup& html, const AsBuiltChangesT& changes) {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
     table_head(html, {left("Where"), "Floor", left("Before"), left("Now"), left("What became of it"),
-                      left("Movement (x, y, z)")});
+                      left("Movement (x, y, z), or the value")});
     Scope body(html, "tbody");
     for (std::size_t i = 0; i < listed; ++i) {
       const AsBuiltChangeT& c = *rows[i];
       const PlacedRow row(html, c.floor, c.facade, c.after);
-      html.element("th", {{"scope", "row"}}, (c.kind == "anchor" ? "Anchor " : "Panel ") + c.id);
+      html.element("th", {{"scope", "row"}}, kind_of(c) + c.id);
       html.element("td", {{"data-head", "Floor"}}, c.floor > 0 ? std::to_string(c.floor) : unknown);
       verdict_cell(html, c.before);
       verdict_cell(html, c.after);
-      html.element("td", {{"class", "text"}}, judgement::words_of(c.change));
+      html.element("td", {{"class", "text"}},
+                   std::string(judgement::words_of(c.change)) + (c.note.empty() ? "" : ": " + c.note));
       html.element("td", {{"class", "words"}}, movement_of(c));
     }
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "building/ifc/doubt_words.hpp"
 #include "building/judgement/worst_first.hpp"
 
 namespace plumbline::report {
@@ -188,7 +189,8 @@ class Maker {
     for (const auto& r : deviation_.requests)
       sheet.rows.push_back(
           {r->asked, r->by, static_cast<double>(r->anchors), static_cast<double>(r->panels), r->not_judged});
-    for (const std::string& doubt : deviation_.doubts) sheet.rows.push_back({std::string(), "", nan, nan, doubt});
+    for (const auto& doubt : deviation_.doubts)
+      sheet.rows.push_back({std::string(), "", nan, nan, ifc::in_words(*doubt)});
     return sheet;
   }
 

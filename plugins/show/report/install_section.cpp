@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/deviation.hpp"
@@ -317,7 +318,7 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
 std::vector<std::string> confidence_of(const ReportInput& input) {
   const DeviationT& d = *input.deviation;
   std::vector<std::string> lines;
-  for (const std::string& doubt : d.doubts) lines.push_back("Not to be trusted, " + doubt + ".");
+  for (const auto& doubt : d.doubts) lines.push_back("Not to be trusted, " + ifc::in_words(*doubt) + ".");
   std::string sure = "Pass means that all that is judged of it is within tolerance at once, with a probability of " +
                      percent(1 - d.risk) + " or more; fail, with one of " + percent(d.risk) + " or less.";
   sure +=

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
@@ -101,8 +102,8 @@ void write_sheet(Markup& html, const Sheet& sheet, const ReportInput& input, std
     html.element("p", {{"class", "soft"}},
                  input.title + (input.subtitle.empty() ? "" : ", " + input.subtitle) + "; tolerance " +
                      tolerance(deviation.tau) + "; sheet " + std::to_string(number) + " of " + std::to_string(of));
-    for (const std::string& doubt : deviation.doubts)
-      html.element("p", {{"class", "warnings"}}, "Not to be trusted, " + doubt + ".");
+    for (const auto& doubt : deviation.doubts)
+      html.element("p", {{"class", "warnings"}}, "Not to be trusted, " + ifc::in_words(*doubt) + ".");
   }
   const FacadeT* facade = nullptr;
   for (const auto& one : deviation.facades)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epochs.hpp"
 #include "show/report/sections.hpp"
@@ -100,7 +101,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   for (const auto& panel : deviation.panels) ++panels[static_cast<int>(panel->verdict)];
   const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
   std::string text;
-  for (const std::string& doubt : deviation.doubts) text += "NOT TO BE TRUSTED, " + doubt + "\n";
+  for (const auto& doubt : deviation.doubts) text += "NOT TO BE TRUSTED, " + ifc::in_words(*doubt) + "\n";
   text += std::string("Installation: ") + verdict_of(deviation.verdict) + ". Anchors against the design: " +
           counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
   if (!deviation.panels.empty())
@@ -112,7 +113,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     text += since(*changes) + ": " + judgement::words_of_changes(*changes) + ".\n";
     for (const std::string& warning : changes->warnings) text += "Note: " + warning + ".\n";
   }
-  for (const std::string& misfit : deviation.misfits) text += "LESS CERTAIN, " + misfit + "\n";
+  for (const auto& misfit : deviation.misfits) text += "LESS CERTAIN, " + ifc::in_words(*misfit) + "\n";
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) text += "NOT JUDGED: " + request->asked + ": " + request->not_judged + "\n";
   int listed = 0;
@@ -133,12 +134,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
-  for (const std::string& warning : deviation.warnings) {
-    const auto& misfits = deviation.misfits;
-    const bool told =
-        warning.starts_with("Not judged: ") || std::find(misfits.begin(), misfits.end(), warning) != misfits.end();
-    if (!told) text += "Note: " + warning + "\n";
-  }
+  for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
   text += row("Anchors and panels pass from a probability of {:.4g} % on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));
   if (deviation.pass_together > 0)

@@ -62,7 +62,7 @@ class Converter {
     for (const auto& pose : in_.poses.poses) poses_[pose->path] = pose.get();
     for (const auto& plate : in_.plates.plates) plates_[{plate->tag_family, plate->tag_id}] = plate.get();
     for (const auto& anchor : in_.block.anchors) anchors_[anchor->anchor] = anchor.get();
-    for (const auto& batch : in_.block.batches) batches_[batch->name] = batch.get();
+    for (const auto& batch : in_.block.batches) batches_[{batch->batch, batch->camera}] = batch.get();
     for (const auto& item : in_.block.rejected) rejected_.insert({item->path, item->anchor});
     for (const ImageTagsT& image : in_.observations) photographs_.push_back(photograph_of(image));
     if (std::none_of(photographs_.begin(), photographs_.end(), [](const Photograph& p) { return p.used > 0; }))
@@ -92,7 +92,7 @@ class Converter {
   }
 
   double inset_of(const PlateT& plate, size_t camera) const {
-    const auto own = batches_.find(camera == 0 ? plate.batch : plate.batch + " in " + given_[camera].id);
+    const auto own = batches_.find({plate.batch, camera == 0 ? "" : given_[camera].id});
     return own == batches_.end() || !std::isfinite(own->second->corner_inset) ? 0 : own->second->corner_inset;
   }
 
@@ -118,7 +118,7 @@ class Converter {
     const auto point = points_.find(seen.plate->anchor);
     const auto anchor = anchors_.find(seen.plate->anchor);
     if (point == points_.end() || anchor == anchors_.end()) return std::nullopt;
-    const auto batch = batches_.find(seen.plate->batch);
+    const auto batch = batches_.find({seen.plate->batch, ""});
     const double scale = batch == batches_.end() ? 1 : batch->second->tag_scale;
     const RigidTransform world_from_plate{anchor->second->rotation, point->second->position};
     const CompleteCamera& lens = lenses_[photograph.camera];
@@ -159,8 +159,7 @@ class Converter {
                     {"rms_px", rms_of(own)}};
       add_interior(in_.block, given_.size() > 1 ? given_[c].id : "", entry);
       for (const auto& batch : in_.block.batches)
-        if (!entry.contains("corner_inset") &&
-            (c == 0 ? batch->name.find(" in ") == std::string::npos : batch->name.ends_with(" in " + given_[c].id)))
+        if (!entry.contains("corner_inset") && batch->camera == (c == 0 ? "" : given_[c].id))
           entry["corner_inset"] = batch->corner_inset, entry["corner_inset_sigma"] = batch->corner_inset_sigma;
       list.push_back(entry);
     }
@@ -259,8 +258,8 @@ class Converter {
   std::map<std::string, const PoseT*> poses_;
   std::map<std::pair<std::string, int>, const PlateT*> plates_;
   std::map<std::string, const BlockAnchorT*> anchors_;
-  std::map<std::string, const BlockBatchT*> batches_;
-  std::set<std::pair<std::string, std::string>> rejected_;  ///< image, anchor
+  std::map<std::pair<std::string, std::string>, const BlockBatchT*> batches_;  // by batch and further camera
+  std::set<std::pair<std::string, std::string>> rejected_;                     ///< image, anchor
   std::vector<Photograph> photographs_;
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "building/ifc/doubt_words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
@@ -184,7 +185,9 @@ void write_warnings(Markup& html, const ReportInput& input) {
   // A datum that does not fit explains what follows; then the design, then the measurement.
   std::vector<std::string> warnings;
   if (input.deviation) {
-    warnings = input.deviation->warnings;
+    warnings = ifc::in_words(input.deviation->misfits);
+    const auto& told = input.deviation->warnings;
+    warnings.insert(warnings.end(), told.begin(), told.end());
     const CommonShiftT* shift = input.deviation->common_shift.get();
     if (shift && shift->significant) {
       std::erase(warnings, shift->words);

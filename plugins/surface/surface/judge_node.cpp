@@ -7,6 +7,7 @@
 #include <map>
 
 #include "base/text/text.hpp"
+#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/enlarged_surfaces.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/surfaces.hpp"
@@ -77,8 +78,9 @@ void JudgeSurfaces::run(Context& context) {
   SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk);
   result.covariance_factor = trust.factor;
   if (!trust.doubts.empty()) judgement::leave_open(result);
-  for (const std::string& doubt : trust.doubts) context.warn("not to be trusted, and nothing is decided: " + doubt);
-  for (const std::string& misfit : trust.misfits) context.warn(misfit);
+  for (const MeasurementDoubtT& doubt : trust.doubts)
+    context.warn("not to be trusted, and nothing is decided: " + ifc::in_words(doubt));
+  for (const MeasurementDoubtT& misfit : trust.misfits) context.warn(ifc::in_words(misfit));
   int open = 0;
   for (const auto& request : result.requests)
     if (!request->not_judged.empty())

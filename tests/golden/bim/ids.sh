@@ -13,6 +13,16 @@ for file in "$data"/ifc/*.ifc; do [ -f "$file" ] && set -- "$@" "$file"; done
 "$make" "$work" "$@"
 check() { /usr/bin/python3 "$source/ids/check_ids.py" "$schemas" "$@"; }
 [ ! -d "$data/ids/testcases" ] || check --cases "$data/ids/testcases"
+# The acceptance: accepted is what passes, and nothing of which a part was not judged.
+mkdir "$work/acceptance"
+mv "$work"/accepted.* "$work"/*not_judged.ifc "$work/acceptance"
+check "$work/acceptance/accepted.ids" "$work/acceptance/accepted.ifc"
+for file in "$work"/acceptance/*not_judged.ifc; do
+  if check "$work/acceptance/accepted.ids" "$file" > "$work/refused.txt"; then
+    echo "$file: accepted although something in it was not judged"
+    exit 1
+  fi
+done
 for ids in "$work"/*.ids; do
   check "$ids" "${ids%.ids}.two_epochs.ifc"
   if check "$ids" "${ids%.ids}.design.ifc" > "$work/design.txt"; then

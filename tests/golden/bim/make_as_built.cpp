@@ -13,6 +13,7 @@
 #include "building/ifc/as_built_ifc.hpp"
 #include "building/ifc/ids.hpp"
 #include "building/ifc/installation_ifc.hpp"
+#include "building/judgement/surfaces.hpp"
 
 namespace {
 
@@ -58,6 +59,29 @@ bool parallel(const ifc::Element& element) {
           element.project_from_element.rotation.toRotationMatrix().cwiseAbs().array())
              .abs()
              .maxCoeff() < 1e-6;
+}
+
+/// Everything in order, and of it nothing or one thing not judged: the acceptance accepts the first alone.
+void make_accepted(const std::filesystem::path& out, const step::File& file) {
+  const ifc::Design design = ifc::read_design(file, {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const ifc::Element& element : design.elements)
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(1e-4, 1e-4, 1e-4);
+  DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {0, -1, 0});
+  const AccuracyT accuracy = test::residuals(deviation, 0.00005);
+  std::ofstream(out / "accepted.ids") << ifc::write_ids(design, deviation, {"", "2026-05-12", true});
+  const auto write = [&](const std::string& name) {
+    std::ofstream(out / name, std::ios::binary)
+        << ifc::enriched(file, ifc::write_as_built(file, design, deviation, accuracy, {}));
+  };
+  write("accepted.ifc");
+  SurfaceJudgementT surfaces;
+  surfaces.requests.push_back(std::make_unique<JudgementRequestT>());
+  surfaces.requests[0]->asked = "*: flatness(1m)=3mm", surfaces.requests[0]->not_judged = "nobody looked at it";
+  judgement::take_surfaces(std::move(surfaces), deviation);
+  write("not_judged.ifc");
+  deviation.panels.clear(), deviation.verdict = ToleranceVerdict::pass;
+  write("panel_not_judged.ifc");
 }
 
 void make(const std::filesystem::path& out, const std::string& name, const step::File& file) {
@@ -115,6 +139,7 @@ int main(int count, char** arguments) {
     std::filesystem::create_directories(out);
     for (const char* schema : {"IFC2X3", "IFC4", "IFC4X3"})
       make(out, std::string("small_") + schema, step::File(test::small_building(schema), schema));
+    make_accepted(out, step::File(test::small_building("IFC4"), "accepted"));
     for (int i = 2; i < count; ++i) {
       const std::filesystem::path path = arguments[i];
       make(out, path.stem().string(), step::File::read(path.string()));

@@ -6,6 +6,7 @@
 
 #include "building/ifc/design.hpp"
 #include "building/judgement/deviation.hpp"
+#include "doubt.hpp"
 #include "facing.hpp"
 #include "geometry/panel_fit.hpp"
 
@@ -16,7 +17,7 @@ namespace plumbline::test {
 inline DeviationT judged(const ifc::Design& design, const std::map<std::string, Eigen::Vector3d>& deviations,
                          const Eigen::Vector3d& sigma, const Eigen::Vector3d& normal,
                          const judgement::ToleranceTable& tolerances = {},
-                         const std::vector<std::string>& doubts = {}) {
+                         const std::vector<MeasurementDoubtT>& doubts = {}) {
   judgement::DeviationInputs inputs;
   inputs.design_file = design.file_name, inputs.doubts = doubts;
   for (const ifc::Element& element : design.elements) {

@@ -281,14 +281,51 @@ TEST(Bcf, WhatWasMendedIsClosedAndWhatNobodyMeasuredAgainStaysOpen) {
   EXPECT_NE(comment(next.at(topic_of.at("11vctVUKr0kugbFTf53O9L") + "/markup.bcf")), comment(mended));
 }
 
+/// A topic of a surface is closed when all that was open of it was measured again and keeps its limits.
+TEST(Bcf, TopicsOfSurfacesAndJointsAreClosedByMeasuringAgain) {
+  const std::string panel = "3avctVUKr0kugbFTf53O9L";
+  const auto files_after = [&](ChangeKind flatness, ChangeKind twist, ChangeKind step) {
+    AsBuiltChangesT changes;
+    changes.before = "2026-04", changes.after = "2026-05", changes.compared = true;
+    const auto add = [&](const std::string& topic, const std::string& id, ChangeKind change) {
+      changes.changes.push_back(std::make_unique<AsBuiltChangeT>());
+      AsBuiltChangeT& one = *changes.changes.back();
+      one.kind = topic == "surface" ? "surface" : "joint", one.topic = topic, one.id = id, one.guid = panel;
+      one.before = ToleranceVerdict::fail, one.change = change;
+      one.after = change == ChangeKind::unseen ? ToleranceVerdict::not_measured : ToleranceVerdict::pass;
+    };
+    add("surface", "Panel 1, flatness(1m)", flatness), add("surface", "Panel 1, twist", twist);
+    add("joint/Panel 2", "Panel 1 | Panel 2, step", step);
+    std::map<std::string, std::string> by_title;
+    for (const auto& [name, content] : example(false, &changes))
+      if (name.ends_with("markup.bcf")) {
+        const std::size_t at = content.find("<Title>") + 7;
+        by_title[content.substr(at, content.find("</Title>") - at)] = content;
+      }
+    return by_title;
+  };
+  auto both = files_after(ChangeKind::mended, ChangeKind::mended, ChangeKind::unseen);
+  const std::string& closed = both["Surface of panel Panel 1, flatness(1m): mended"];
+  EXPECT_NE(closed.find("TopicStatus=\"Closed\""), std::string::npos) << closed;
+  EXPECT_NE(closed.find("Panel 1, twist: 2026-04: fail; 2026-05: pass."), std::string::npos) << closed;
+  EXPECT_NE(both["Joint Panel 1 | Panel 2, step: was open, and was not measured again"].find("TopicStatus=\"Open\""),
+            std::string::npos);
+  EXPECT_NE(both.begin()->first.find("Anchor"), std::string::npos) << "what fails now has its topics as before";
+  auto half = files_after(ChangeKind::mended, ChangeKind::unseen, ChangeKind::settled);
+  const std::string& open = half["Surface of panel Panel 1, twist: was open, and was not measured again"];
+  EXPECT_NE(open.find("TopicStatus=\"Open\""), std::string::npos) << "half of it is no reason to close it";
+  EXPECT_NE(half["Joint Panel 1 | Panel 2, step: in order, was undecided"].find("TopicStatus=\"Closed\""),
+            std::string::npos);
+}
+
 TEST(Bcf, ADoubtHasATopicAndItsAnchorsSayWhy) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
   for (const Element& element : design.elements)
     if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0, 0.009);
   const std::string doubt = "the survey: station 3 contradicts itself";
-  const DeviationT deviation =
-      test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0}, {}, {doubt});
+  const DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0}, {},
+                                            {test::doubt("station 3 contradicts itself")});
   BcfOptions options;
   options.project_guid = design.project_guid;
   const auto files = unzipped(

@@ -387,6 +387,34 @@ TEST(Panels, WhatHangsAtAnchorsWithoutAWordIsNotPassedOver) {
             "");
 }
 
+/// Precast walls behind which base plates of no said kind lie: the walls are the panels, and not the plates.
+TEST(Panels, AWallBeforeItsBasePlateIsThePanel) {
+  std::string bytes = small_building("IFC4", plate_at_anchor(200, ",$"));
+  for (const auto& [from, to] :
+       {std::pair{"IFCCURTAINWALL(", "IFCBUILDINGELEMENTPROXY("}, {"#228=IFCPLATE(", "#228=IFCWALL("}})
+    bytes.replace(bytes.find(from), std::string(from).size(), to);
+  // One wall does not say which way it faces; then it is not judged, and that is told.
+  const Design open = read(bytes);
+  EXPECT_TRUE(std::any_of(open.not_applied.begin(), open.not_applied.end(),
+                          [](const NotApplied& n) { return n.asked == "walls at anchors (Panel 1)"; }));
+  AnchorRule faces;
+  faces.facades = {parse_facade_rule("*: azimuth=90deg")};
+  const Design before = read(bytes, faces);
+  EXPECT_TRUE(named(before, "Panel 1").is_panel);
+  EXPECT_FALSE(named(before, "Base").is_panel) << "a part of the fixing, behind the wall";
+  EXPECT_TRUE(before.not_applied.empty());
+  // A wall behind its anchors is what they are fixed to; the small plate may be a panel then.
+  std::string behind = bytes;
+  behind.replace(behind.find("(3000.,-100.,0.)"), 16, "(3000.,100.,0.)");
+  const Design on_it = read(behind, faces);
+  EXPECT_FALSE(named(on_it, "Panel 1").is_panel);
+  EXPECT_TRUE(named(on_it, "Base").is_panel);
+  // The user's word goes before.
+  AnchorRule rule;
+  rule.panels = {"class=IfcPlate"};
+  EXPECT_FALSE(named(read(bytes, rule), "Panel 1").is_panel);
+}
+
 TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
   const std::string crs = "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,#501);#501=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);";
   const Design good =

@@ -145,8 +145,8 @@ TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
   EXPECT_TRUE(findings.refused.empty());
   EXPECT_FALSE(found(property(set, out, "4.", 4, "IFCREAL"), findings).contains(Axis::out_of_plane));
   ASSERT_EQ(findings.refused.size(), 1u);
-  EXPECT_EQ(findings.refused[0],
-            "Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL, a number without a unit; expected a length");
+  EXPECT_EQ(findings.refused[0].asked, "Pset_Tolerance.OrthogonalTolerance '4.'");
+  EXPECT_EQ(findings.refused[0].reason, "it is an IFCREAL, a number without a unit; expected a length");
   findings = {};
   bounded.name = "HorizontalTolerance";
   found(bounded, findings);
@@ -161,7 +161,7 @@ TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
       EXPECT_FALSE(found(property(set, out, text, number, kind), findings).contains(Axis::out_of_plane))
           << kind << " '" << text << "'";
       ASSERT_EQ(findings.refused.size(), 1u) << kind;
-      EXPECT_NE(findings.refused[0].find(kind), std::string::npos) << findings.refused[0];
+      EXPECT_NE(findings.refused[0].reason.find(kind), std::string::npos) << findings.refused[0].reason;
     }
   }
   findings = {};
@@ -200,7 +200,7 @@ TEST(Requests, WhatIsNotJudgedForbidsReady) {
   EXPECT_EQ(result.not_judged, 1);
   EXPECT_EQ(result.passed, 9);
   inputs.requests.clear();
-  inputs.anchors[4].refused = {"Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL"};
+  inputs.anchors[4].refused = {{"Pset_Tolerance.OrthogonalTolerance '4.'", "design", "it is an IFCREAL"}};
   result = judge_deviations(inputs, {});
   EXPECT_EQ(result.anchors[4]->verdict, ToleranceVerdict::undecided);
   EXPECT_NE(result.anchors[4]->note.find("IFCREAL"), std::string::npos);

@@ -159,7 +159,8 @@ TEST(AsBuiltEpochs, OtherTolerancesDesignsAndBuildingsAreTold) {
   other.push_back(anchor("Z", kPass, kThere));
   const EpochRecord before = record_of(campaign(std::move(may)), "May");
   DeviationT after = campaign(std::move(june));
-  after.tau = 3 * mm, after.anchors[0]->design.x() += 0.02, after.doubts = {"the block contradicts itself"};
+  after.tau = 3 * mm, after.anchors[0]->design.x() += 0.02,
+  after.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("the block contradicts itself")));
   const AsBuiltChangesT changes = compare_epochs(before, after, "");
   ASSERT_EQ(changes.warnings.size(), 3u);
   EXPECT_NE(changes.warnings[1].find("judged by 5 mm and a risk of 0.05, this one by 3 mm"), std::string::npos);
@@ -182,14 +183,122 @@ TEST(AsBuiltEpochs, OtherLimitsOfARuleAreTold) {
   EXPECT_TRUE(compare_epochs(before, same, "June").warnings.empty());
   const AsBuiltChangesT changes = compare_epochs(before, loosened, "June");
   ASSERT_EQ(changes.warnings.size(), 1u);
-  EXPECT_NE(changes.warnings[0].find("1 anchors are held against other tolerances"), std::string::npos);
+  EXPECT_NE(changes.warnings[0].find("1 anchor is held against other tolerances"), std::string::npos);
+}
+
+std::unique_ptr<PanelJointT> joint(const std::string& to, ToleranceVerdict verdict) {
+  auto out = std::make_unique<PanelJointT>();
+  out->panel = "guid-" + to, out->name = to, out->side = "right";
+  out->change = std::make_unique<JudgedLengthT>();
+  out->change->verdict = verdict;
+  return out;
+}
+
+/// Anchors of a panel alone say nothing of its joint: that is open until both sides were measured again.
+TEST(AsBuiltEpochs, AJointOfWhichOneSideWasMeasuredAgainIsNotMended) {
+  const auto facade = [](std::vector<std::pair<std::string, ToleranceVerdict>> panels, ToleranceVerdict between) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", kPass, kThere));
+    DeviationT deviation = campaign(std::move(anchors));
+    for (const auto& [name, verdict] : panels) {
+      deviation.panels.push_back(panel(name, verdict));
+      if (panels.size() == 2) deviation.panels.back()->joints.push_back(joint(name == "P" ? "Q" : "P", between));
+    }
+    return deviation;
+  };
+  const DeviationT may = facade({{"P", kFail}, {"Q", kFail}}, kFail), one_side = facade({{"P", kPass}}, kNone),
+                   both = facade({{"P", kPass}, {"Q", kPass}}, kPass);
+  const EpochRecord first = record_of(may, "May");
+  const AsBuiltChangesT half = compare_epochs(first, one_side, "June");
+  EXPECT_EQ(of(half, "P").change, ChangeKind::unseen);
+  EXPECT_NE(of(half, "P").note.find("its joint to Q was open and not measured again"), std::string::npos)
+      << of(half, "P").note;
+  // Nor in the next campaign, if that looks at one side, too.
+  const EpochRecord second = record_of(one_side, "June", &first);
+  EXPECT_EQ(second.items[1].verdict, kFail);
+  EXPECT_EQ(of(compare_epochs(second, one_side, "July"), "P").change, ChangeKind::unseen);
+  EXPECT_EQ(of(compare_epochs(second, both, "July"), "P").change, ChangeKind::mended);
+  EXPECT_EQ(record_of(both, "July", &second).items[1].verdict, kPass);
+}
+
+TEST(AsBuiltEpochs, OtherTolerancesOfPanelsAreTold) {
+  const auto held_to = [](double limit) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", kPass, kThere));
+    DeviationT deviation = campaign(std::move(anchors));
+    deviation.panels.push_back(panel("P", kPass));
+    deviation.panels[0]->limits.push_back(std::make_unique<PanelLimitT>());
+    deviation.panels[0]->limits[0]->axis = "joint";
+    deviation.panels[0]->limits[0]->above = deviation.panels[0]->limits[0]->below = limit;
+    return deviation;
+  };
+  const DeviationT may = held_to(4 * mm), june = held_to(9 * mm);
+  EXPECT_TRUE(compare_epochs(record_of(may, "May"), may, "June").warnings.empty());
+  const AsBuiltChangesT changes = compare_epochs(record_of(may, "May"), june, "June");
+  ASSERT_EQ(changes.warnings.size(), 1u);
+  EXPECT_NE(changes.warnings[0].find("1 panel is held against other tolerances"), std::string::npos)
+      << changes.warnings[0];
+}
+
+/// Surfaces and joints: each quantity by itself, neighbours that share a name apart, and what nobody looked at again.
+TEST(AsBuiltEpochs, SurfacesAndJointsAreComparedQuantityByQuantity) {
+  struct Seen {
+    std::string second;
+    int item;
+    std::string quantity;
+    ToleranceVerdict verdict;
+    double value, upper;
+  };
+  const auto surfaces = [](const std::vector<Seen>& all) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", kPass, kThere));
+    DeviationT deviation = campaign(std::move(anchors));
+    deviation.surfaces = std::make_unique<SurfaceJudgementT>();
+    for (const Seen& seen : all) {
+      auto verdict = std::make_unique<SurfaceVerdictT>();
+      verdict->panel = "P", verdict->guid = "guid-P", verdict->second = seen.second, verdict->item = seen.item;
+      verdict->quantity = seen.quantity, verdict->verdict = seen.verdict, verdict->value = seen.value;
+      verdict->upper = seen.upper, verdict->lower = -INFINITY;
+      deviation.surfaces->verdicts.push_back(std::move(verdict));
+    }
+    return deviation;
+  };
+  const DeviationT may = surfaces({{"", 0, "flatness", kFail, 6 * mm, 3 * mm},
+                                   {"", 0, "twist", kFail, 5 * mm, 3 * mm},
+                                   {"Q", 4, "step", kPass, 1 * mm, 2 * mm},
+                                   {"Q", 5, "step", kFail, 4 * mm, 2 * mm}});
+  const DeviationT june = surfaces({{"", 0, "flatness", kPass, 2 * mm, 3 * mm},
+                                    {"", 0, "twist", kNone, NAN, 3 * mm},
+                                    {"Q", 4, "step", kFail, 3 * mm, 2 * mm},
+                                    {"Q", 5, "step", kPass, 4 * mm, 5 * mm}});
+  const EpochRecord first = record_of(may, "May");
+  const AsBuiltChangesT changes = compare_epochs(first, june, "June");
+  const auto at = [&](const std::string& topic, const std::string& id) -> const AsBuiltChangeT& {
+    for (const auto& change : changes.changes)
+      if (change->topic == topic && change->id == id) return *change;
+    throw std::runtime_error(topic);
+  };
+  EXPECT_EQ(at("surface", "P, flatness").change, ChangeKind::mended);
+  EXPECT_EQ(at("surface", "P, flatness").value_before, 6 * mm);
+  EXPECT_EQ(at("surface", "P, flatness").value, 2 * mm);
+  EXPECT_EQ(at("surface", "P, twist").change, ChangeKind::unseen);
+  EXPECT_EQ(at("joint/Q", "P | Q, step").change, ChangeKind::opened);
+  EXPECT_EQ(at("joint/Q/1", "P | Q, step").change, ChangeKind::mended);
+  ASSERT_EQ(changes.warnings.size(), 1u);
+  EXPECT_NE(changes.warnings[0].find("1 limit of joints is held against other"), std::string::npos)
+      << changes.warnings[0];
+  const EpochRecord second = record_of(june, "June", &first);
+  EXPECT_EQ(second.items[2].verdict, kFail) << "the twist that nobody measured again";
+  EXPECT_EQ(second.items[2].value, 5 * mm);
+  const DeviationT july = surfaces({});
+  EXPECT_EQ(of(compare_epochs(second, july, "July"), "P, twist").change, ChangeKind::unseen);
 }
 
 TEST(AsBuiltEpochs, AMeasurementInDoubtLeavesNoPlaceToCompareWith) {
   std::vector<std::unique_ptr<AnchorDeviationT>> may, june;
   may.push_back(anchor("A", kFail, kThere)), june.push_back(anchor("A", kOpen, kThere + Eigen::Vector3d(0.1, 0, 0)));
   DeviationT doubtful = campaign(std::move(june));
-  doubtful.doubts = {"the block contradicts itself"};
+  doubtful.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("the block contradicts itself")));
   const EpochRecord first = record_of(campaign(std::move(may)), "May"), second = record_of(doubtful, "June", &first);
   EXPECT_EQ(second.items[0].position, first.items[0].position);
   EXPECT_FALSE(record_of(doubtful, "June").items[0].position.allFinite());
@@ -200,6 +309,7 @@ TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   anchors.push_back(anchor("A", kFail, {1.0 / 3, -2e-7, 5})), anchors.push_back(anchor("B \xff", kNone, kThere));
   DeviationT may = campaign(std::move(anchors));
   may.panels.push_back(panel("P", kOpen));
+  may.panels[0]->joints.push_back(joint("Q", kFail));
   may.anchors[0]->axes.push_back(std::make_unique<JudgedAxisT>());
   may.anchors[0]->axes[0]->axis = "vertical", may.anchors[0]->axes[0]->above = 3 * mm;
   may.anchors[0]->axes[0]->below = 1.0 / 3;
@@ -218,6 +328,8 @@ TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   EXPECT_EQ(read.items[0].limits, written.items[0].limits);
   EXPECT_TRUE(read.items[0].was_open && read.items[0].verdict == kFail && read.items[2].kind == "panel");
   EXPECT_FALSE(read.items[1].position.allFinite());
+  EXPECT_EQ(read.items[2].open_joints, written.items[2].open_joints);
+  EXPECT_EQ(read.items[2].open_joints.count("guid-Q"), 1u);
   const auto refused = [&](const std::string& text) {
     try {
       read_epoch(file(text));

@@ -113,7 +113,7 @@ TEST(Junit, ADoubtIsAnEntryOfItsOwnAndAnchorsSayWhy) {
   DeviationT deviation = built();
   const AccuracyT accuracy = evaluate_accuracy(everything(), {});
   EXPECT_EQ(junit_xml(accuracy, &deviation).find("testsuite name=\"measurement\""), std::string::npos);
-  deviation.doubts = {"the survey: station 3 contradicts itself"};
+  deviation.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("station 3 contradicts itself")));
   deviation.anchors[4]->verdict = ToleranceVerdict::undecided;
   deviation.anchors[4]->note = "not decided: the survey: station 3 contradicts itself";
   const std::string xml = junit_xml(accuracy, &deviation);

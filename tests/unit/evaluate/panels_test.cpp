@@ -181,7 +181,7 @@ TEST(Panels, ATiltIsHeldAgainstTheMiddleOfTwoSides) {
 TEST(Panels, NonePassesOnAnAnchorOfWhichSomethingIsNotJudged) {
   DeviationInputs inputs = facade(4);
   ASSERT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::pass);
-  inputs.anchors[2].refused = {"Pset_Tolerance.OrthogonalTolerance '4.': it is an IFCREAL"};
+  inputs.anchors[2].refused = {{"Pset_Tolerance.OrthogonalTolerance '4.'", "design", "it is an IFCREAL"}};
   const DeviationT result = judge_deviations(inputs, {});
   EXPECT_EQ(result.anchors[2]->verdict, ToleranceVerdict::undecided);
   EXPECT_EQ(result.panels[0]->verdict, ToleranceVerdict::undecided);
@@ -198,8 +198,8 @@ TEST(Panels, TurningPointsSayTheVerdictWhereMoreThanNumbersHoldsItDown) {
   };
   DeviationInputs inputs = facade(4);
   inputs.model.positions[0].z() += 9 * mm;
-  inputs.anchors[1].refused = {"a: b"};
-  inputs.panels[0].refused = {"c: d"};
+  inputs.anchors[1].refused = {{"a", "design", "b"}};
+  inputs.panels[0].refused = {{"c", "design", "d"}};
   DeviationT result = judge_deviations(inputs, {});
   EXPECT_EQ(slider(*result.anchors[1], 0.005), ToleranceVerdict::undecided);
   EXPECT_EQ(slider(*result.anchors[1], 1), ToleranceVerdict::undecided) << "at no tolerance";
@@ -209,7 +209,7 @@ TEST(Panels, TurningPointsSayTheVerdictWhereMoreThanNumbersHoldsItDown) {
   DeviationInputs missing = facade(4);
   missing.model.positions[2].setConstant(std::nan(""));
   EXPECT_EQ(slider(*judge_deviations(missing, {}).panels[0], 1), ToleranceVerdict::undecided);
-  inputs.doubts = {"the survey: contradicts itself"};
+  inputs.doubts = {test::doubt("contradicts itself")};
   result = judge_deviations(inputs, {});
   for (const double tau : {0.001, 0.005, 0.02, 1.0}) {
     for (const auto& anchor : result.anchors) EXPECT_EQ(slider(*anchor, tau), ToleranceVerdict::undecided) << tau;
@@ -221,7 +221,7 @@ TEST(Panels, TurningPointsSayTheVerdictWhereMoreThanNumbersHoldsItDown) {
 TEST(Panels, DoubtsReachEveryAxisAndLength) {
   DeviationInputs inputs = facade(4);
   inputs.model.positions[0].z() += 9 * mm;
-  inputs.doubts = {"the survey: contradicts itself"};
+  inputs.doubts = {test::doubt("contradicts itself")};
   const DeviationT result = judge_deviations(inputs, {});
   for (const auto& anchor : result.anchors) {
     for (const auto& axis : anchor->axes)

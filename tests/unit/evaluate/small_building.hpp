@@ -9,9 +9,12 @@
 
 #include <cmath>
 
+#include "../bim/doubt.hpp"
 #include "building/judgement/accuracy.hpp"
 
 namespace plumbline::judgement::test {
+
+using plumbline::test::doubt;
 
 inline constexpr double mm = 1e-3;
 

@@ -26,7 +26,7 @@ struct SurfaceCase {
   DeviationT deviation;
   SurfaceJudgementT surfaces;
 
-  explicit SurfaceCase(const std::vector<std::string>& doubts = {}) {
+  explicit SurfaceCase(const std::vector<MeasurementDoubtT>& doubts = {}) {
     std::map<std::string, Eigen::Vector3d> deviations;
     for (const ifc::Element& element : design.elements) {
       if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(1e-4, 1e-4, 1e-4);
@@ -131,7 +131,7 @@ TEST(SurfaceAgreement, OneOnNoFloorThatIsKnownIsToldBesideTheFloors) {
 }
 
 TEST(SurfaceAgreement, ADoubtfulMeasurementShowsNoSurfaceToBeInOrderOrOutOfIt) {
-  SurfaceCase facade({"the image block: group tags contradicts the rest"});
+  SurfaceCase facade({test::doubt("group tags contradicts the rest", MeasurementPart::image_block)});
   facade.add(ToleranceVerdict::pass), facade.add(ToleranceVerdict::fail);
   const auto out = facade.outputs();
   EXPECT_EQ(facade.deviation.verdict, ToleranceVerdict::undecided);

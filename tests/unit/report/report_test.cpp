@@ -10,6 +10,7 @@
 #include <limits>
 #include <regex>
 
+#include "../bim/doubt.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/deviation.hpp"
 #include "example.hpp"
@@ -98,7 +99,7 @@ TEST(Report, TheSliderDecidesNothingThatMoreThanNumbersHoldsDown) {
   for (auto& panel : input.deviation->panels)
     panel->verdict = ToleranceVerdict::undecided, panel->tau_pass = std::numeric_limits<double>::infinity(),
     panel->tau_fail = 0;
-  input.deviation->doubts = {"the survey: contradicts itself"};
+  input.deviation->doubts.push_back(std::make_unique<MeasurementDoubtT>(plumbline::test::doubt("contradicts itself")));
   const std::string doubted = slider_says(render_report(input), "1 19.9");
   EXPECT_FALSE(contains(doubted, "\u00A0pass") || contains(doubted, "\u00A0fail")) << doubted;
 }
