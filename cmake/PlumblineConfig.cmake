@@ -18,6 +18,7 @@ find_package(OpenCV QUIET MODULE COMPONENTS core imgproc calib3d aruco)  # of Pl
 set(CMAKE_MODULE_PATH ${plumbline_module_path})
 if(PkgConfig_FOUND)
   pkg_check_modules(LIBEXIF QUIET IMPORTED_TARGET libexif)  # of Plumbline::images
+  pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)      # of Plumbline::loop
 endif()
 get_filename_component(PLUMBLINE_PREFIX ${CMAKE_CURRENT_LIST_DIR}/../../.. ABSOLUTE)
 set(PLUMBLINE_SCHEMA_DIR ${PLUMBLINE_PREFIX}/share/plumbline/schemas/artifacts)

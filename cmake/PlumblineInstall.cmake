@@ -9,14 +9,15 @@ target_include_directories(plumbline_testing INTERFACE
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
 foreach(name contract artifacts node folder_files text control geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block markers detect judgement pose surface
-             registration register_core adjust_core artifact_conversions runtime testing)
+             registration register_core adjust_core loop loop_nodes artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})
   endif()
   set_target_properties(plumbline_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS plumbline_${name} EXPORT PlumblineTargets ARCHIVE DESTINATION lib COMPONENT Development)
 endforeach()
-# What is said and stated of a result in all adjusters, and in all registrars: theirs is only the way to it.
+# What is said and stated of a result in all adjusters, and in all registrars: theirs is only the way to it. loop_nodes: likewise of planners
+# and models of robots.
 set_target_properties(plumbline_adjust_core PROPERTIES EXPORT_NAME adjuster)
 set_target_properties(plumbline_register_core PROPERTIES EXPORT_NAME registrar)
 set_target_properties(plumbline-typegen PROPERTIES EXPORT_NAME typegen)
@@ -28,10 +29,12 @@ install(DIRECTORY framework/include/plumbline DESTINATION include COMPONENT Deve
 install(DIRECTORY ${PROJECT_BINARY_DIR}/framework/include/plumbline_artifacts/artifacts DESTINATION include COMPONENT Development ${headers})
 install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
 install(DIRECTORY plugins/place/adjust plugins/place/register DESTINATION include/plumbline/libraries/place COMPONENT Development ${headers})
+install(FILES plugins/build/loop/facade_input.hpp plugins/build/loop/planner_node.hpp plugins/build/loop/robot_node.hpp
+  DESTINATION include/plumbline/libraries/build/loop COMPONENT Development)
 install(DIRECTORY tests/support/ DESTINATION include/plumbline/testing COMPONENT Development ${headers})
 install(DIRECTORY schemas/artifacts DESTINATION share/plumbline/schemas COMPONENT Development)
 # The kits, and what they draw and read.
-foreach(file adjuster.cpp detector.cpp pose_initialiser.cpp registrar.cpp survey_adjuster.cpp survey_reader.cpp survey_writer.cpp
+foreach(file adjuster.cpp detector.cpp gate.cpp planner.cpp pose_initialiser.cpp registrar.cpp robot.cpp survey_adjuster.cpp survey_reader.cpp survey_writer.cpp
              triangulator.cpp tag36h11_cells.cpp)
   list(APPEND kit_files tests/conformance/${file})
 endforeach()

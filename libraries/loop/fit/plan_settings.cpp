@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "base/text/text.hpp"
 #include "loop/fit/settings_program.hpp"
@@ -22,7 +23,7 @@ constexpr double kTold = 0.01;
 std::string millimetres(double metres) { return text::format_fixed(1e3 * metres, 1); }
 
 /// Every limit there is: ranges of brackets, then judged values less their guard band.
-std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& program, Fit& fit) {
+std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& program, const Fit& fit) {
   std::vector<Limit> limits;
   for (std::size_t b = 0; b < facade.brackets.size(); ++b)
     for (int k = 0; program.is_set(b) && k < 3; ++k)
@@ -30,9 +31,8 @@ std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& progra
           {static_cast<int>(b), k, -1, 1e3 * facade.brackets[b].type.low[k], 1e3 * facade.brackets[b].type.high[k]});
   for (std::size_t v = 0; v < fit.judged.size(); ++v) {
     const JudgedValue& value = fit.judged[v];
-    const double half = 0.5 * (value.high - value.low), wanted = facade.errors.guard_factor * fit.values[v].u;
-    const double guard = std::min(wanted, kLargestGuard * half);
-    fit.values[v].guarded = wanted <= kLargestGuard * half;
+    const double half = 0.5 * (value.high - value.low);
+    const double guard = std::min(facade.errors.guard_factor * fit.values[v].u, kLargestGuard * half);
     limits.push_back({-1, -1, static_cast<int>(v), 1e3 * (value.low + guard), 1e3 * (value.high - guard)});
   }
   return limits;
@@ -152,6 +152,8 @@ void add_uncertainties(const Facade& facade, Fit& fit) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto i = static_cast<Eigen::Index>(v - begin);
       fit.values[v].u = std::sqrt(std::max(0.0, covariance(i, i)));
+      fit.values[v].guarded = facade.errors.guard_factor * fit.values[v].u <=
+                              kLargestGuard * 0.5 * (fit.judged[v].high - fit.judged[v].low);
     }
   }
 }
@@ -164,6 +166,27 @@ Eigen::VectorXd movements(const Facade& facade, const PanelPose& pose, const std
     moved[i] = held.direction.dot(bracket.deviation + bracket.axes * settings[held.bracket]);
   }
   return moved;
+}
+
+/// What is judged, with its uncertainty; nothing is set yet.
+Fit judged_fit(const Facade& facade) {
+  Fit fit;
+  for (const Panel& panel : facade.panels) fit.poses.push_back(pose_of(panel, facade.brackets));
+  fit.judged = judged_values(facade, fit.poses, fit.notes);
+  add_uncertainties(facade, fit);
+  return fit;
+}
+
+/// Settings, twists and values from what is asked for.
+void take_settings(const Facade& facade, Fit& fit) {
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+    const Bracket& bracket = facade.brackets[b];
+    fit.settings.push_back(bracket.measured() && !bracket.fixed ? settable(bracket.type, fit.asked[b])
+                                                                : Eigen::Vector3d::Zero());
+  }
+  for (const PanelPose& pose : fit.poses) fit.twists.push_back(pose.solve * movements(facade, pose, fit.settings));
+  const std::vector<double> values = values_of(facade, fit, fit.settings);
+  for (std::size_t v = 0; v < values.size(); ++v) fit.values[v].value = values[v];
 }
 
 }  // namespace
@@ -191,10 +214,7 @@ std::vector<double> values_of(const Facade& facade, const Fit& fit, const std::v
 }
 
 Fit plan_settings(const Facade& facade, const FitWeights& weights) {
-  Fit fit;
-  for (const Panel& panel : facade.panels) fit.poses.push_back(pose_of(panel, facade.brackets));
-  fit.judged = judged_values(facade, fit.poses, fit.notes);
-  add_uncertainties(facade, fit);
+  Fit fit = judged_fit(facade);
   const SettingsProgram program(facade, fit.poses, fit.judged, weights);
   const std::vector<Limit> limits = limits_of(facade, program, fit);
   note_what_is_missing(facade, fit);
@@ -202,15 +222,34 @@ Fit plan_settings(const Facade& facade, const FitWeights& weights) {
   const ConvexOptimum optimum = optimum_of(program, limits, working, fit.solves);
   fit.objective = 1e-6 * optimum.value;
   gather_relaxations(facade, program, working, optimum, fit);
-  for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
+  for (std::size_t b = 0; b < facade.brackets.size(); ++b)
+    fit.asked.push_back(facade.brackets[b].measured() ? program.setting(b, optimum.x)
+                                                      : Eigen::Vector3d::Constant(kUnknown));
+  take_settings(facade, fit);
+  return fit;
+}
+
+Fit fit_of_settings(const Facade& facade, const std::vector<Eigen::Vector3d>& asked) {
+  if (asked.size() != facade.brackets.size())
+    throw std::invalid_argument(std::to_string(asked.size()) + " settings for " +
+                                std::to_string(facade.brackets.size()) + " brackets");
+  Fit fit = judged_fit(facade);
+  note_what_is_missing(facade, fit);
+  for (std::size_t b = 0; b < asked.size(); ++b) {
     const Bracket& bracket = facade.brackets[b];
-    fit.asked.push_back(bracket.measured() ? program.setting(b, optimum.x) : Eigen::Vector3d::Constant(kUnknown));
-    fit.settings.push_back(bracket.measured() && !bracket.fixed ? settable(bracket.type, fit.asked[b])
-                                                                : Eigen::Vector3d::Zero());
+    const bool is_set = bracket.measured() && !bracket.fixed;
+    fit.asked.push_back(is_set               ? asked[b]
+                        : bracket.measured() ? Eigen::Vector3d::Zero()
+                                             : Eigen::Vector3d::Constant(kUnknown));
+    for (int k = 0; is_set && k < 3; ++k) {
+      const double limit = std::clamp(asked[b][k], bracket.type.low[k], bracket.type.high[k]);
+      if (1e3 * std::abs(asked[b][k] - limit) < kTold) continue;
+      Relaxation relaxed{static_cast<int>(b), k, -1, asked[b][k], limit, {}};
+      relaxed.words = range_words(facade, relaxed);
+      fit.relaxations.push_back(std::move(relaxed));
+    }
   }
-  for (const PanelPose& pose : fit.poses) fit.twists.push_back(pose.solve * movements(facade, pose, fit.settings));
-  const std::vector<double> values = values_of(facade, fit, fit.settings);
-  for (std::size_t v = 0; v < values.size(); ++v) fit.values[v].value = values[v];
+  take_settings(facade, fit);
   return fit;
 }
 

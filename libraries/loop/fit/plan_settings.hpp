@@ -50,6 +50,12 @@ struct Fit {
 /// broken, which has the same optimum. Throws what minimise() throws.
 Fit plan_settings(const Facade& facade, const FitWeights& weights = {});
 
+/// The same of settings that were chosen in another way: `asked` by bracket along right, up, out [m], brought within
+/// range and into steps; of what was not measured or is not set any more it is not looked at. Where a range does not
+/// reach what is asked for, that is a relaxation; that limits are broken is left to the gate. Throws
+/// std::invalid_argument for another number of settings than brackets.
+Fit fit_of_settings(const Facade& facade, const std::vector<Eigen::Vector3d>& asked);
+
 /// The values of the facade when the brackets are set by `settings`, for a planned or any other choice [m].
 std::vector<double> values_of(const Facade& facade, const Fit& fit, const std::vector<Eigen::Vector3d>& settings);
 

@@ -21,10 +21,22 @@ struct ControlChange {
 /// last campaign did not have is `added` when it is there again, and `moved` too if it is elsewhere than before.
 ControlChange control_change(const ControlMarks& before, const ControlMarks& now);
 
-/// What the state keeps: the marks of this campaign, and those of before that it does not have, as `missing`.
+/// What the state keeps: the marks of this campaign, and those of before that it does not have, as `missing`. A place
+/// within a micrometre of the one before stays that one, so that such steps do not add up unseen.
 ControlMarks kept_control(const ControlMarks& before, const ControlMarks& now);
 
 /// "the control is not that of the campaigns before: CP3 by 4.0 mm; CP5 was not in them".
 std::string words_of(const ControlChange& change);
+
+/// How far this campaign's control is from each of LoopState::controls, in their order: what single campaigns moved by
+/// little adds up.
+std::vector<ControlChange> changes_since(const LoopStateT& state, const ControlMarks& now);
+
+/// "the control moved in steps since this was released or verified: CP3 by 0.6 mm".
+std::string words_since(const ControlChange& change);
+
+/// Items that rest on something and do not say on which control rest on LoopState::control from now on; sets that
+/// nothing rests on any more leave LoopState::controls.
+void note_control(LoopStateT& state);
 
 }  // namespace plumbline::loop

@@ -57,6 +57,7 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
                                         because.at, because.why, because.rests_on},
                                        journal_head(state.journal)));
   item.status = to, item.why = because.why;
+  if (to == ItemStatus::planned || to == ItemStatus::rejected) item.control = 0;
   if (!because.by.empty()) item.by = because.by;
   if (!because.at.empty()) item.at = because.at;
 }

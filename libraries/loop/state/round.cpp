@@ -48,6 +48,7 @@ void Round::run() {
     for (auto& item : state_.items)
       if (item->status != ItemStatus::executed) note_basis(*item);
   }
+  note_control(state_);
   state_.basis = plan_.basis;
 }
 
@@ -70,11 +71,15 @@ void Round::hold_everything(const std::string& why) {
 }
 
 void Round::take_control() {
-  const ControlChange change = control_change(state_.control, plan_.control);
+  const ControlChange last = control_change(state_.control, plan_.control);
+  const std::vector<ControlChange> since = changes_since(state_, plan_.control);
   if (!plan_.control.empty()) state_.control = kept_control(state_.control, plan_.control);
-  if (change.largest <= kOtherResult * options_.setting_tolerance) return;
-  const std::string why = words_of(change);
+  const double least = kOtherResult * options_.setting_tolerance;
   for (auto& item : state_.items) {
+    const ControlChange* steps = item->control > 0 ? &since.at(static_cast<std::size_t>(item->control - 1)) : nullptr;
+    if (last.largest <= least && !(steps && steps->largest > least)) continue;
+    const std::string why = last.largest > least ? words_of(last) : words_since(*steps);
+    item->control = 0;
     if (item->status == ItemStatus::released)
       recall_item(*item, "stale: " + why);
     else if (item->kind == "bracket" && item->status == ItemStatus::verified)

@@ -22,6 +22,7 @@ class Round {
   /// Nothing is verified, done again or released; what waits to be judged says why.
   void hold_everything(const std::string& why);
   /// Control that has other coordinates than for the campaigns before: where everything was measured, it is no more.
+  /// Likewise of single items, where steps that are each too small add up since they were released or verified.
   void take_control();
   /// What this campaign read is known from now on.
   void take_readings();

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "loop/fit/facade.hpp"
+#include "loop/state/control_change.hpp"
 #include "loop/state/hash.hpp"
 #include "loop/state/journal.hpp"
 #include "loop/state/machine.hpp"
@@ -15,7 +16,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr int kVersion = 3, kOldest = 2;  ///< of version 2 control and readings are not known
+/// Of version 2 control and readings are not known; of version 3 not on which control single items rest.
+constexpr int kVersion = 4, kOldest = 2;
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -46,6 +48,23 @@ Eigen::Vector3d numbers_of(const Json& list) {
   return v;
 }
 
+Json json_of(const ControlMarks& marks) {
+  Json list = Json::array();
+  for (const auto& mark : marks)
+    list.push_back({{"id", mark->id}, {"place", numbers_or_null(mark->place)}, {"missing", mark->missing}});
+  return list;
+}
+
+ControlMarks marks_of(const Json& list) {
+  ControlMarks marks;
+  for (const Json& mark : list) {
+    auto out = std::make_unique<ControlMarkT>();
+    mark.at("id").get_to(out->id), out->place = numbers_of(mark.at("place")), mark.at("missing").get_to(out->missing);
+    marks.push_back(std::move(out));
+  }
+  return marks;
+}
+
 Json json_of(const LoopItemT& item) {
   return {{"id", item.id},
           {"kind", item.kind},
@@ -65,7 +84,8 @@ Json json_of(const LoopItemT& item) {
           {"basis", item.basis},
           {"jobs", item.jobs},
           {"unset", item.unset},
-          {"waited", item.waited}};
+          {"waited", item.waited},
+          {"control", item.control}};
 }
 
 ItemStatus status_of(const std::string& name) {
@@ -85,6 +105,7 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   json.at("hangs").get_to(item->hangs), json.at("seen").get_to(item->seen);
   json.at("basis").get_to(item->basis), json.at("jobs").get_to(item->jobs);
   if (json.contains("unset")) json.at("unset").get_to(item->unset), json.at("waited").get_to(item->waited);
+  item->control = json.value("control", 0);
   if (item->unset.size() != 0 && item->unset.size() != 3)
     throw std::runtime_error("where " + item->id + " stands unset has not three numbers");
   return item;
@@ -128,9 +149,9 @@ std::string state_json(const LoopStateT& state) {
            {"items", Json::array()},
            {"journal", state.journal}};
   for (const auto& item : state.items) out["items"].push_back(json_of(*item));
-  out["control"] = Json::array(), out["readings"] = state.readings;
-  for (const auto& mark : state.control)
-    out["control"].push_back({{"id", mark->id}, {"place", numbers_or_null(mark->place)}, {"missing", mark->missing}});
+  out["control"] = json_of(state.control), out["readings"] = state.readings;
+  out["controls"] = Json::array();
+  for (const auto& set : state.controls) out["controls"].push_back(json_of(set->marks));
   if (state.estimate) out["estimate"] = json_of(*state.estimate);
   // As it is read back: what is no UTF-8 was replaced on the way.
   out = Json::parse(dumped(out));
@@ -141,14 +162,19 @@ std::string state_json(const LoopStateT& state) {
 
 namespace {
 
-/// Control and readings of the campaigns.
+/// Control and readings of the campaigns. Of a file that does not say which control an item rests on, it is the last.
 void take_what_it_rests_on(const Json& json, LoopStateT& state) {
   json.at("readings").get_to(state.readings);
-  for (const Json& mark : json.at("control")) {
-    auto out = std::make_unique<ControlMarkT>();
-    mark.at("id").get_to(out->id), out->place = numbers_of(mark.at("place")), mark.at("missing").get_to(out->missing);
-    state.control.push_back(std::move(out));
+  state.control = marks_of(json.at("control"));
+  if (!json.contains("controls")) return note_control(state);
+  for (const Json& marks : json.at("controls")) {
+    state.controls.push_back(std::make_unique<ControlSetT>());
+    state.controls.back()->marks = marks_of(marks);
   }
+  for (const auto& item : state.items)
+    if (item->control < 0 || static_cast<std::size_t>(item->control) > state.controls.size())
+      throw std::runtime_error(item->kind + " " + item->id + " rests on control " + std::to_string(item->control) +
+                               " of " + std::to_string(state.controls.size()));
 }
 
 }  // namespace
@@ -176,7 +202,7 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     if (json.contains("estimate")) state.estimate = estimate_of(json["estimate"]);
     json.at("journal").get_to(state.journal);
     for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
-    if (json["plumbline_loop_state"] == kVersion) take_what_it_rests_on(json, state);
+    if (json["plumbline_loop_state"] != kOldest) take_what_it_rests_on(json, state);
     check_items(state);
     return state;
   } catch (const nlohmann::json::exception& error) {

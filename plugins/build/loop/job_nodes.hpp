@@ -1,4 +1,4 @@
-// write.job, read.actuals, simulate.robots: to robots and back.
+// write.job, read.actuals, simulate.site: to robots and back.
 #pragma once
 
 #include "artifacts/actuals.hpp"
@@ -40,28 +40,6 @@ struct ReadActuals : Node {
   Param<std::string> format{"format", "json", one_of("json", "hilti", "trimble", "leica"), "who wrote it"};
   Param<std::string> frame_name{"frame", "building", one_of("building"), "frame of its places"};
   Out<Actuals> actuals{"actuals", frame("frame=building"), "the reports"};
-  void run(Context& context) override;
-};
-
-struct SimulateRobots : Node {
-  static constexpr Info info{"simulate.robots", "", 2,
-                             "Robots that do a job with their errors and faults, on a site whose truth only they move"};
-  In<File> job{"job", "job.json"};
-  In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are"};
-  Param<double> repeatability{"repeatability", 0.0003, "m", between(0, 0.1), "of the arm, each setting and direction"};
-  Param<double> station_sigma{"station_sigma", 0.0003, "m", between(0, 0.1),
-                              "of the base's place: common to one floor and round"};
-  Param<double> slip_share{"slip_share", 0.02, "1", between(0, 1), "of brackets that slip on tightening"};
-  Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far"};
-  Param<double> did_nothing{"did_nothing", 0.0, "1", between(0, 1),
-                            "share of items reported done that were not touched"};
-  Param<double> off_8mm{"off_8mm", 0.0, "1", between(0, 1), "share of brackets set 8 mm aside"};
-  Param<double> wrong_side{"wrong_side", 0.0, "1", between(0, 1), "share of brackets set the other way"};
-  Param<double> wrong_item{"wrong_item", 0.0, "1", between(0, 1), "share of items where another one is worked on"};
-  Param<double> skipped{"skipped", 0.0, "1", between(0, 1), "share of items that are skipped, and reported so"};
-  Param<double> old_revision{"old_revision", 0.0, "1", between(0, 1), "share of reports that name the revision before"};
-  Out<Points> moved{"truth", frame("frame=?F"), "hooks as they are afterwards"};
-  Out<Actuals> actuals{"actuals", frame("frame=?F"), "what the robots report"};
   void run(Context& context) override;
 };
 

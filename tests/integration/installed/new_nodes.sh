@@ -19,7 +19,7 @@ mkdir taken && touch taken/file
 refused "is there already" new metric taken
 
 templates=$(ls "$prefix/share/plumbline/templates")
-[[ $(wc -w <<<"$templates") -eq 8 ]]
+[[ $(wc -w <<<"$templates") -eq 10 ]]
 # An asserting build of the kits, not an optimised one: it takes a third of the compiler's time.
 {
   echo 'cmake_minimum_required(VERSION 3.25)'
@@ -36,7 +36,7 @@ cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1
 cmake --build build -j2
 ctest --test-dir build --output-on-failure -j2 | tee kit.log
 # Each kit ran over its node, and no other.
-for node in detect_own_detector pose_own_pose_solver adjust_own_adjuster register_own_registrar read_own_survey_reader write_own_writer; do
+for node in detect_own_detector pose_own_pose_solver adjust_own_adjuster register_own_registrar read_own_survey_reader write_own_writer plan_own_planner simulate_own_robot; do
   grep -q "$node" kit.log || { echo "no test ran $node"; exit 1; }
 done
 for template in $templates; do

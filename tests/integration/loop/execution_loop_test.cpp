@@ -41,6 +41,54 @@ TEST(ExecutionLoop, AllPanelsHangAndAreVerified) {
   }
 }
 
+/// Planner, gate and robots are exchanged by one word each; in processes of their own nodes give the same bytes.
+TEST(ExecutionLoop, PlannerGateAndRobotsAreExchangedByOneWordEach) {
+  const Program plumbline;
+  const std::vector<std::string> small = {"floors=1", "columns=2"};
+  std::map<std::string, std::string> journals;
+  for (const std::string& word :
+       {std::string(), std::string("plan.use=plan.centred"), std::string("gate.use=gate.guard_band"),
+        std::string("robots.use=simulate.fitters")}) {
+    std::vector<std::string> words = small;
+    if (!word.empty()) words.push_back(word);
+    const Answer answer = run(plumbline, words);
+    ASSERT_EQ(answer.code, 0) << word << "\n" << answer.err;
+    const auto metrics = last_metrics(plumbline.work() / "out/run.jsonl", "release");
+    EXPECT_EQ(metrics.at("panels_verified"), metrics.at("panels")) << word;
+    EXPECT_GE(metrics.at("panels"), 1);
+    journals[word] = read_file(plumbline.work() / "out/journal.jsonl");
+  }
+  EXPECT_NE(journals["plan.use=plan.centred"], journals[""]);
+  EXPECT_TRUE(contains(journals["robots.use=simulate.fitters"], "\"fitters\""));
+  const Program alone;
+  std::filesystem::create_directories(alone.folder.path() / "lib/plumbline");
+  std::filesystem::copy_file(PLUMBLINE_WORKER, alone.folder.path() / "lib/plumbline/plumbline-worker");
+  std::vector<std::string> words = small;
+  words.push_back("--isolate");
+  const Answer apart = run(alone, words);
+  ASSERT_EQ(apart.code, 0) << apart.err;
+  EXPECT_EQ(read_file(alone.work() / "out/journal.jsonl"), journals[""]);
+}
+
+/// A cell of a bench may be a loop, and what is compared a planner.
+TEST(ExecutionLoop, ABenchComparesPlannersOverWholeLoops) {
+  const Program plumbline;
+  std::string bench = read_file(std::string(source_dir()) + "/benchmarks/loop/loop_planners.yaml");
+  const auto put = [&](const std::string& from, const std::string& to) {
+    ASSERT_NE(bench.find(from), std::string::npos) << from;
+    bench.replace(bench.find(from), from.size(), to);
+  };
+  put("../../pipelines", std::string(source_dir()) + "/pipelines");
+  put("seeds: 1-8", "seeds: 1-2");
+  put("{floors: 3}", "{floors: 1, columns: 2}");
+  plumbline.write("bench.yaml", bench);
+  const Answer answer = plumbline({"bench", "bench.yaml", "--out", "out"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const std::string table = read_file(plumbline.work() / "out/bench.csv");
+  for (const char* planner : {"plan.installation", "plan.centred"}) EXPECT_TRUE(contains(table, planner)) << table;
+  EXPECT_FALSE(contains(table, "failed")) << table;
+}
+
 /// One set of readings, u about 1.5 mm at limits of 5 mm: campaigns are combined until they do.
 TEST(ExecutionLoop, AWeakSurveyCostsRoundsAndNotPanels) {
   const Program plumbline;

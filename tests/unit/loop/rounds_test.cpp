@@ -191,6 +191,44 @@ TEST(Rounds, ControlWithOtherCoordinatesRecallsWhatIsReleased) {
   }
 }
 
+/// Steps that are each below a tenth of the tolerance add up: what is out is held against the control it was released
+/// on, what was released later against the later one.
+TEST(Rounds, SmallStepsOfControlAddUpSinceTheRelease) {
+  LoopStateT state;
+  InstallationPlanT first = make_plan("first"), second = plan_after_setting(0);
+  for (InstallationPlanT* plan : {&first, &second}) plan->control.push_back(mark("CP3", 3));
+  next_plan(state, first);
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, second);
+  ASSERT_EQ(item(state, "p0").status, ItemStatus::released);
+  std::vector<bool> out;
+  for (int step = 1; step <= 6; ++step) {
+    InstallationPlanT plan = plan_after_setting(0, "step " + std::to_string(step));
+    plan.control.push_back(mark("CP3", 3 + 0.0002 * step));
+    next_plan(state, std::move(plan));
+    out.push_back(item(state, "p0").status == ItemStatus::released);
+  }
+  EXPECT_EQ(out, (std::vector<bool>{true, false, true, true, false, true})) << "recalled each time 0.4 mm are reached";
+  std::string journal;
+  for (const std::string& line : state.journal) journal += line + "\n";
+  EXPECT_NE(journal.find("stale: the control moved in steps since this was released or verified: CP3 by 0.4 mm"),
+            std::string::npos)
+      << journal;
+  EXPECT_EQ(state.controls.size(), 1u) << "nothing rests on the earlier ones any more";
+}
+
+TEST(ControlChange, StepsBelowAMicrometreAddUp) {
+  ControlMarks kept;
+  std::vector<bool> told;
+  for (int step = 0; step < 4; ++step) {
+    ControlMarks now;
+    now.push_back(mark("CP1", 3 + 0.7e-6 * step));
+    told.push_back(!control_change(kept, now).none());
+    kept = kept_control(kept, now);
+  }
+  EXPECT_EQ(told, (std::vector<bool>{false, false, true, false}));
+}
+
 TEST(ControlChange, NamesWhatMovedWhatIsNewAndWhatIsMissing) {
   ControlMarks before, now;
   for (const char* id : {"CP1", "CP2", "CP3"}) before.push_back(mark(id, 3));

@@ -19,6 +19,11 @@ LoopStateT some_state() {
   close_round(state);
   state.readings = {"00aa", "11bb"};
   state.control.push_back(std::make_unique<ControlMarkT>());
+  state.controls.push_back(std::make_unique<ControlSetT>());
+  state.controls[0]->marks.push_back(std::make_unique<ControlMarkT>());
+  state.controls[0]->marks[0]->id = "CP1", state.controls[0]->marks[0]->place = {1.25, 2.5, 3.0625};
+  for (auto& item : state.items)
+    if (item->status == ItemStatus::verified) item->control = 1;
   state.control[0]->id = "CP1", state.control[0]->place = {1.25, 2.5, 3.125}, state.control[0]->missing = true;
   return state;
 }
@@ -44,6 +49,9 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
   EXPECT_EQ(read.readings, state.readings);
   ASSERT_EQ(read.control.size(), 1u);
   EXPECT_EQ(read.control[0]->place, state.control[0]->place);
+  ASSERT_EQ(read.controls.size(), 1u);
+  EXPECT_EQ(read.controls[0]->marks[0]->place, state.controls[0]->marks[0]->place);
+  EXPECT_EQ(read.items[0]->control, 1);
   EXPECT_EQ(read.items[0]->unset, state.items[0]->unset);
   EXPECT_EQ(read.items[0]->unset.size(), 3u);
   for (LoopStateT* s : {&state, &read}) accept_item(*s, "CP3"), next_plan(*s, plan_after_setting(0, "third"));

@@ -1,6 +1,7 @@
-#include "build/loop/plan_node.hpp"
+#include "build/loop/planner_node.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "loop/gate/gate.hpp"
 #include "loop/state/control_change.hpp"
@@ -9,7 +10,7 @@
 
 namespace plumbline::loop {
 
-FacadeRules PlanInstallation::rules() {
+FacadeRules PlannerNode::rules() {
   FacadeRules rules;
   for (const std::string& text : *brackets) rules.brackets.push_back(parse_bracket_rule(text));
   for (const std::string& text : *hooks) rules.hooks.push_back(parse_hook_rule(text));
@@ -32,8 +33,7 @@ FacadeRules PlanInstallation::rules() {
 
 /// This campaign and those before as one estimate, where they rest on the same control and have no reading in common;
 /// else this one alone, and why.
-RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopStateT* before,
-                                                       InstallationPlanT& result) {
+RoundsEstimate PlannerNode::with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result) {
   std::vector<std::string> said;
   if (control)
     for (const auto& point : control.unpack().points)
@@ -66,7 +66,21 @@ RoundsEstimate PlanInstallation::with_campaigns_before(FacadeInput& input, LoopS
   return rounds;
 }
 
-void PlanInstallation::run(Context& context) {
+namespace {
+
+/// How far corners of panels hang from the design, each direction, root mean square [m]: as planned, or where they hang
+/// as measured; nan: none is told.
+double rms_corner(const InstallationPlanT& plan) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& length : plan.lengths)
+    if (length->quantity == "corner" && std::isfinite(length->value)) sum += length->value * length->value, ++count;
+  return count > 0 ? std::sqrt(sum / count) : kUnknown;
+}
+
+}  // namespace
+
+void PlannerNode::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
   std::vector<std::string> known;
@@ -88,7 +102,7 @@ void PlanInstallation::run(Context& context) {
   InstallationPlanT told;
   RoundsEstimate rounds;
   if (!is_in_doubt) rounds = with_campaigns_before(input, state ? &before : nullptr, told);
-  const Fit fit = plan_settings(input.facade, {*pose_weight, *gap_weight, *step_weight, *setting_weight});
+  const Fit fit = settings(input.facade);
   const std::vector<PanelGate> gates =
       judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
@@ -111,6 +125,7 @@ void PlanInstallation::run(Context& context) {
   context.metric("panels_go", result.go, "1");
   context.metric("panels_hold", result.hold, "1");
   context.metric("panels_no_go", result.no_go, "1");
+  context.metric("rms_corner", rms_corner(result), "m");
   context.metric("relaxations", static_cast<double>(result.relaxations.size()), "1");
   table.commit(text_file("settings.csv", "text/csv", settings_csv(result)));
   words.commit(text_file("installation.txt", "text/plain", installation_words(result)));

@@ -1,0 +1,65 @@
+#include "build/loop/robot_models.hpp"
+
+#include "geometry/random.hpp"
+
+namespace plumbline::loop {
+namespace {
+
+/// Who hangs a panel sees it to a millimetre.
+Eigen::Vector3d seen_panel(const Job& job, const JobItem& item, Random& own) {
+  return job.origin + item.target + own.normal3(0.001);
+}
+
+}  // namespace
+
+Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed) {
+  const JobItem& item = todo.items[index];
+  Random luck(seed, "fault " + item.id), station(seed, "station", static_cast<std::uint64_t>(item.floor));
+  Random own(seed, "setting " + item.id);
+  Deed deed = asked(item);
+  const bool is_bracket = item.kind == "bracket";
+  bool untouched = false;
+  deed.is_fault = true;
+  if (luck.uniform() < *skipped) {
+    deed.outcome = "skipped", untouched = true;
+  } else if (luck.uniform() < *old_revision) {
+    deed.revision -= 1;
+  } else if (luck.uniform() < *did_nothing) {
+    untouched = true;
+  } else if (is_bracket && luck.uniform() < *off_8mm) {
+    deed.moved.x() += 0.008;
+  } else if (is_bracket && luck.uniform() < *wrong_side) {
+    deed.moved = -deed.moved;
+  } else if (is_bracket && luck.uniform() < *wrong_item) {
+    deed.where = todo.items[(index + 1) % todo.items.size()].id;
+  } else {
+    deed.is_fault = false;
+  }
+  if (untouched) {
+    deed.where.clear();
+    return deed;
+  }
+  if (is_bracket) {
+    deed.moved += station.normal3(*station_sigma) + own.normal3(*repeatability);
+    if (own.uniform() < *slip_share) deed.moved += own.normal3(*slip_sigma);
+  } else {
+    deed.measured = seen_panel(todo, item, own);
+  }
+  return deed;
+}
+
+Deed SimulateFitters::work(const Job& todo, std::size_t index, std::uint64_t seed) {
+  const JobItem& item = todo.items[index];
+  Random own(seed, "hand " + item.id);
+  Deed deed = asked(item);
+  deed.by = "fitters";
+  if (item.kind != "bracket") {
+    deed.measured = seen_panel(todo, item, own);
+    return deed;
+  }
+  if (*division > 0) deed.moved = *division * (deed.moved / *division).array().round().matrix();
+  deed.moved += own.normal3(*hand_sigma);
+  return deed;
+}
+
+}  // namespace plumbline::loop

@@ -1,0 +1,38 @@
+// simulate.robots and simulate.fitters: who does a job, simulated.
+#pragma once
+
+#include "build/loop/robot_node.hpp"
+
+namespace plumbline::loop {
+
+struct SimulateRobots : RobotNode {
+  static constexpr Info info{"simulate.robots", "robot", 2,
+                             "Robots that do a job with their errors and faults, on a site whose truth only they move"};
+  Param<double> repeatability{"repeatability", 0.0003, "m", between(0, 0.1), "of the arm, each setting and direction"};
+  Param<double> station_sigma{"station_sigma", 0.0003, "m", between(0, 0.1),
+                              "of the base's place: common to one floor and round"};
+  Param<double> slip_share{"slip_share", 0.02, "1", between(0, 1), "of brackets that slip on tightening"};
+  Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far"};
+  Param<double> did_nothing{"did_nothing", 0.0, "1", between(0, 1),
+                            "share of items reported done that were not touched"};
+  Param<double> off_8mm{"off_8mm", 0.0, "1", between(0, 1), "share of brackets set 8 mm aside"};
+  Param<double> wrong_side{"wrong_side", 0.0, "1", between(0, 1), "share of brackets set the other way"};
+  Param<double> wrong_item{"wrong_item", 0.0, "1", between(0, 1), "share of items where another one is worked on"};
+  Param<double> skipped{"skipped", 0.0, "1", between(0, 1), "share of items that are skipped, and reported so"};
+  Param<double> old_revision{"old_revision", 0.0, "1", between(0, 1), "share of reports that name the revision before"};
+
+ protected:
+  Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
+};
+
+struct SimulateFitters : RobotNode {
+  static constexpr Info info{"simulate.fitters", "robot", 1,
+                             "Fitters who set brackets by hand to the marks of a rule, and see what they hang"};
+  Param<double> division{"division", 0.001, "m", between(0, 0.1), "of the rule: settings are rounded to it; 0: not"};
+  Param<double> hand_sigma{"hand_sigma", 0.0005, "m", between(0, 0.1), "of each setting and direction"};
+
+ protected:
+  Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
+};
+
+}  // namespace plumbline::loop

@@ -1,0 +1,41 @@
+#include "build/loop/robot_node.hpp"
+
+#include "build/loop/file_content.hpp"
+#include "loop/fit/facade.hpp"
+
+namespace plumbline::loop {
+
+Deed RobotNode::asked(const JobItem& item) {
+  Deed deed;
+  if (item.kind == "bracket") deed.where = item.id, deed.moved = item.setting;
+  deed.by = "robot-" + std::to_string(1 + item.floor % 2), deed.revision = item.revision;
+  deed.measured.setConstant(kUnknown);
+  return deed;
+}
+
+void RobotNode::run(Context& context) {
+  const Job todo = read_job(content_of(*job, context));
+  PointsT site = truth.unpack();
+  std::map<std::string, PointT*> point;
+  for (const auto& p : site.points) point[p->id] = p.get();
+  const std::uint64_t seed = context.seed();
+  ActualsT reports;
+  int faults = 0;
+  for (std::size_t i = 0; i < todo.items.size(); ++i) {
+    const Deed deed = work(todo, i, seed);
+    faults += deed.is_fault;
+    if (const auto hook = point.find(deed.where); hook != point.end())
+      hook->second->position += todo.items[i].design_rotation * deed.moved;
+    auto report = std::make_unique<ActualT>();
+    report->item = todo.items[i].id, report->job = todo.id, report->revision = deed.revision;
+    report->outcome = deed.outcome, report->by = deed.by, report->measured = deed.measured;
+    report->sigma.setConstant(kUnknown), report->setting.setConstant(kUnknown);
+    reports.items.push_back(std::move(report));
+  }
+  context.metric("done", static_cast<double>(todo.items.size()), "1");
+  context.metric("faults", faults, "1");
+  moved.commit(site);
+  actuals.commit(reports);
+}
+
+}  // namespace plumbline::loop

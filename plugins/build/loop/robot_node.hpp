@@ -1,0 +1,40 @@
+// What all models of robots have in common: they do a job on a site whose truth only they move, and report. Theirs is
+// only what they do to an item and say of it.
+#pragma once
+
+#include <map>
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
+#include "loop/job/job.hpp"
+#include "plumbline/node.hpp"
+
+namespace plumbline::loop {
+
+/// What is done for one item of a job, and what is said of it.
+struct Deed {
+  std::string where;                                ///< id of the hook that is moved; empty: none
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();  ///< by how much in truth, along the item's right, up, out [m]
+  std::string outcome = "done";                     ///< reported: done, failed or skipped
+  std::string by = "robot-1";                       ///< reported
+  int revision = 0;                                 ///< reported: of the item as it was released
+  Eigen::Vector3d measured;                         ///< reported, in the root frame [m]; nan: not measured
+  bool is_fault = false;                            ///< not what was asked for, and not told
+};
+
+struct RobotNode : Node {
+  In<File> job{"job", "job.json"};
+  In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are"};
+  Out<Points> moved{"truth", frame("frame=?F"), "hooks as they are afterwards"};
+  Out<Actuals> actuals{"actuals", frame("frame=?F"), "what the robots report"};
+  void run(Context& context) override;
+
+ protected:
+  /// A deed that does what the item asks for, without errors and without having measured anything.
+  static Deed asked(const JobItem& item);
+  /// `seed`: of the node, for Random(seed, stream).
+  virtual Deed work(const Job& todo, std::size_t item, std::uint64_t seed) = 0;
+};
+
+}  // namespace plumbline::loop

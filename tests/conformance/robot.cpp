@@ -1,0 +1,144 @@
+// What every model of a robot must do: work on what the job names and on nothing else, about as far as it asks, and
+// report on each item once.
+#include <cmath>
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/points.hpp"
+#include "node_harness.hpp"
+#include "parameter_effects.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::test;
+using Eigen::Vector3d;
+
+std::string pose(const std::string& place) {
+  // right, up, out of a facade that faces -y: a quarter turn about x.
+  return R"({"position": [)" + place + R"(], "orientation": [0.707106781186547524, 0, 0, 0.707106781186547524]})";
+}
+
+/// Two brackets, moved by 4 mm up and 6 mm out, and by 3 mm to the left, and a panel.
+FileT make_job(bool empty = false) {
+  const auto item = [](const std::string& id, const std::string& more, const std::string& design,
+                       const std::string& target) {
+    return R"({"id": ")" + id +
+           R"(", "storey": 1, "revision": 2, "dependsOn": [], "frame": "building", "designPose": )" + pose(design) +
+           R"(, "targetPose": )" + pose(target) +
+           R"(, "toleranceZone": {"right": 0.003, "up": 0.003, "out": 0.003}, "gate": {"verdict": "GO", )"
+           R"("reason": "p 0.99", "probability": 0.99}, )" +
+           more + "}";
+  };
+  const std::string bracket = R"("kind": "bracket", "operation": "setBracket", "setting": )";
+  const std::string items =
+      item("b0", bracket + R"({"right": 0, "up": 0.004, "out": 0.006})", "0, 0, 0", "0, -0.006, 0.004") + ", " +
+      item("b1", bracket + R"({"right": -0.003, "up": 0, "out": 0})", "2, 0, 0", "1.997, 0, 0") + ", " +
+      item("p0", R"("kind": "panel", "operation": "placePanel")", "1, 0, -1", "1, 0, -1");
+  std::string identity = "1e-6";
+  for (int i = 1; i < 36; ++i) identity += i % 7 == 0 ? ", 1e-6" : ", 0";
+  const std::string text =
+      R"({"jobId": "job-1", "revision": 2, "units": {"length": "m", "angle": "rad"}, "sources": {"basis": "abc"}, )"
+      R"("frames": [{"name": "building", "origin": [100, 200, 30], "orientation": [0, 0, 0, 1], )"
+      R"("robotInFrameCovariance": [)" +
+      identity + R"(]}], "assumedRobot": {"settingSigma": 0.0005, "stationSigma": 0.0003}, "items": [)" +
+      (empty ? "" : items) + "]}";
+  FileT file;
+  file.name = "job.json", file.media_type = "application/json", file.content.assign(text.begin(), text.end());
+  return file;
+}
+
+PointsT make_truth() {
+  PointsT truth;
+  for (const auto& [id, x] : {std::pair{"b0", 100.0}, {"b1", 102.0}, {"b2", 104.0}}) {
+    auto point = std::make_unique<PointT>();
+    point->id = id, point->position = {x, 200, 30}, point->sigma.setZero();
+    truth.points.push_back(std::move(point));
+  }
+  return truth;
+}
+
+class Robot : public testing::TestWithParam<std::string> {
+ protected:
+  static NodeHarness prepared(const FileT& job, uint64_t seed = 1) {
+    NodeHarness node(GetParam());
+    node.input<File>("job", job);
+    node.input<Points>("truth", make_truth());
+    node.seed(seed);
+    return node;
+  }
+  static NodeHarness done(const FileT& job, uint64_t seed = 1) {
+    NodeHarness node = prepared(job, seed);
+    node.run();
+    return node;
+  }
+};
+
+TEST_P(Robot, MovesWhatTheJobNamesAboutAsFarAsItAsks) {
+  const PointsT before = make_truth();
+  const Vector3d asked[] = {{0, -0.006, 0.004}, {-0.003, 0, 0}, {0, 0, 0}};
+  Vector3d mean[3] = {Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const PointsT after = done(make_job(), seed).output<Points>("truth");
+    ASSERT_EQ(after.points.size(), 3u);
+    for (size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(after.points[i]->id, before.points[i]->id);
+      mean[i] += (after.points[i]->position - before.points[i]->position) / 20;
+    }
+    EXPECT_EQ(after.points[2]->position, before.points[2]->position) << "b2 is not in the job";
+  }
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_LT((mean[i] - asked[i]).cwiseAbs().maxCoeff(), 0.002) << before.points[i]->id << ": " << mean[i].transpose();
+}
+
+TEST_P(Robot, ReportsOnEachItemOnceWithItsJobAndRevision) {
+  const ActualsT reports = done(make_job()).output<Actuals>("actuals");
+  ASSERT_EQ(reports.items.size(), 3u);
+  std::set<std::string> ids;
+  for (const auto& report : reports.items) {
+    ids.insert(report->item);
+    EXPECT_EQ(report->job, "job-1");
+    EXPECT_EQ(report->revision, 2);
+    EXPECT_TRUE(report->outcome == "done" || report->outcome == "failed" || report->outcome == "skipped");
+    EXPECT_FALSE(report->by.empty());
+    if (report->item == "p0" && report->outcome == "done") {
+      const Vector3d target(101, 200, 29);
+      EXPECT_LT((report->measured - target).norm(), 0.03) << "where it hangs, in the root frame";
+      EXPECT_GT((report->measured - target).norm(), 1e-6) << "measured, not the target's own number";
+    }
+  }
+  EXPECT_EQ(ids, (std::set<std::string>{"b0", "b1", "p0"}));
+}
+
+TEST_P(Robot, DoesNothingByAnEmptyJobAndRefusesNone) {
+  const NodeHarness node = done(make_job(true));
+  EXPECT_TRUE(node.output<Actuals>("actuals").items.empty());
+  const PointsT after = node.output<Points>("truth"), before = make_truth();
+  for (size_t i = 0; i < 3; ++i) EXPECT_EQ(after.points.at(i)->position, before.points[i]->position);
+  FileT none = make_job();
+  none.content = {'{', '}'};
+  EXPECT_THROW(done(none), NodeFailed);
+}
+
+TEST_P(Robot, DrawsItsErrorsFromTheSeed) {
+  const NodeHarness a = done(make_job(), 3), b = done(make_job(), 3), other = done(make_job(), 4);
+  EXPECT_EQ(a.output_bytes("truth"), b.output_bytes("truth"));
+  EXPECT_EQ(a.output_bytes("actuals"), b.output_bytes("actuals"));
+  EXPECT_NE(a.output_bytes("truth"), other.output_bytes("truth"));
+}
+
+TEST_P(Robot, EveryParameterHasItsEffect) {
+  const auto situation = [](const std::string& name, const std::string& value) -> Situation {
+    return [=] {
+      NodeHarness node = prepared(make_job());
+      if (!name.empty() && node.has_parameter(name, value)) node.set(name, value);
+      return node;
+    };
+  };
+  EXPECT_EQ(parameters_at_fault({situation("", ""), situation("slip_share", "1")}), "");
+}
+
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Robot);
+INSTANTIATE_TEST_SUITE_P(Role, Robot, testing::ValuesIn(kinds_of_role("robot")), test_name);
+
+}  // namespace
