@@ -95,8 +95,8 @@ TEST(MarkerBlock, TriesAFisheyeWhereBrownsModelDoesNotAdjust) {
   InteriorOrientation wide = true_fisheye();
   wide.fx = wide.fy = 150;
   int thrown = 0, taken = 0;
-  for (int photographs = 3; photographs <= 5; ++photographs)
-    for (unsigned seed = 1; seed <= 4; ++seed) {
+  for (int photographs = 3; photographs <= 5 && taken == 0; ++photographs)
+    for (unsigned seed = 1; seed <= 4 && taken == 0; ++seed) {
       Scene fisheye = scene(0.1, seed, photographs, wide, 0.25);
       fisheye.block.cameras[0].camera.lens = LensModel::brown;
       try {
