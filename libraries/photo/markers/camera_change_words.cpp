@@ -204,11 +204,13 @@ std::vector<std::string> warnings_of(const CameraTruth& truth) {
   const double hidden = hidden_focus_change(truth);
   constexpr double worth_telling = 0.02;
   if (!scatter.empty() && hidden > 0)
-    return {scatter + printed(". A focus or zoom that changed among them by less than about %.2g %% is hidden by it",
-                              100 * hidden)};
+    return {scatter +
+            fmt::format(". A focus or zoom that changed among them by less than about {:.2g} % is hidden by it",
+                        100 * hidden)};
   if (!scatter.empty()) return {scatter};
   if (hidden < worth_telling) return {};
-  return {printed("the photographs do not tell whether focus or zoom changed among them by less than about %.2g %%",
+  return {
+      fmt::format("the photographs do not tell whether focus or zoom changed among them by less than about {:.2g} %",
                   100 * hidden)};
 }
 
