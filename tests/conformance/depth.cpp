@@ -1,4 +1,4 @@
-// What every node of the role depth, and dense.import, which gives the same, must do: points on the faces of a design
+// What every node of the role depth must do: points on the faces of a design
 // with true standard deviations, random and common, holes where nothing can be known, and words where it cannot work.
 // Nodes that take photographs get those of a simulated facade, nodes that take a file a scan of the same facade.
 #include <cmath>
@@ -178,17 +178,12 @@ TEST_P(Depth, WithoutFacesOrCovarianceItSaysWhatToConnect) {
   for (auto& element : bare.elements) element->is_panel = false;
   EXPECT_NE(refusal(prepared(&bare, facade().poses)).find("panel"), std::string::npos);
   NodeHarness node = prepared(&facade().design, facade().poses);
-  if (!node.has_input("poses")) return;
+  if (node.has_parameter("file", "")) return;  // a scan needs none
   PosesT without = facade().poses;
   without.joint_covariance.clear();
   EXPECT_NE(refusal(prepared(&facade().design, without)).find("joint_orientations"), std::string::npos);
 }
 
-std::vector<std::string> kinds() {
-  std::vector<std::string> all = kinds_of_role("depth");
-  all.push_back("dense.import");
-  return all;
-}
-INSTANTIATE_TEST_SUITE_P(Kinds, Depth, testing::ValuesIn(kinds()), test_name);
+INSTANTIATE_TEST_SUITE_P(Kinds, Depth, testing::ValuesIn(kinds_of_role("depth")), test_name);
 
 }  // namespace

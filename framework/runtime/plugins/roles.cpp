@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -30,6 +31,7 @@ std::vector<RolePort> read_ports(const YAML::Node& map, const std::string& where
     port.type = text_of(entry.second, "type", "");
     port.frames = text_of(entry.second, "frames", "");
     port.doc = text_of(entry.second, "doc", "");
+    port.may_lack = text_of(entry.second, "may_lack", "false") == "true";
     const std::string cardinality = text_of(entry.second, "cardinality", "one");
     while (port.cardinality < 4 && cardinality != cardinalities[port.cardinality]) ++port.cardinality;
     if (port.type.empty()) throw std::runtime_error(where + ": port '" + port.name + "' has no type");
@@ -69,7 +71,7 @@ bool same_ports(const std::vector<RolePort>& a, const std::vector<RolePort>& b) 
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i)
     if (a[i].name != b[i].name || a[i].type != b[i].type || a[i].frames != b[i].frames ||
-        a[i].cardinality != b[i].cardinality)
+        a[i].cardinality != b[i].cardinality || a[i].may_lack != b[i].may_lack)
       return false;
   return true;
 }
@@ -94,6 +96,7 @@ class Comparison {
       const plumbline_port* found = nullptr;
       for (uint32_t i = 0; i < count; ++i)
         if (port.name == ports[i]->name) found = ports[i];
+      if (!found && port.may_lack) continue;
       if (!found)
         return "it has no " + what + " '" + port.name + "' (" + port.type + ", " + cardinalities[port.cardinality] +
                ")";
@@ -178,6 +181,12 @@ void Roles::add(const std::string& yaml, const std::string& where) {
   const auto [earlier, fresh] = roles_.emplace(role.name, role);
   if (!fresh && !(same_ports(role.inputs, earlier->second.inputs) && same_ports(role.outputs, earlier->second.outputs)))
     throw std::runtime_error(where + ": the role '" + role.name + "' is declared already, with other ports; rename it");
+}
+
+bool Roles::may_lack(const plumbline_node& node, const std::string& input) const {
+  const auto role = roles_.find(node.role ? node.role : "");
+  return role != roles_.end() && std::any_of(role->second.inputs.begin(), role->second.inputs.end(),
+                                             [&](const RolePort& port) { return port.name == input && port.may_lack; });
 }
 
 std::string Roles::problem_of(const plumbline_node& node) const {

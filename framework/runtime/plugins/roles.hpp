@@ -14,6 +14,9 @@ namespace plumbline::runtime {
 struct RolePort {
   std::string name, type, frames, doc;
   uint32_t cardinality = PLUMBLINE_ONE;
+  /// A kind may do without this input: a scan needs no photographs. What a pipeline connects to it is left out then, so
+  /// that the kinds are swapped by one word.
+  bool may_lack = false;
 };
 
 /// What `plumbline bench` computes of a node of the role by a node that belongs to neither of those it compares.
@@ -39,6 +42,9 @@ class Roles {
   void add(const std::filesystem::path& file);
 
   const std::map<std::string, Role>& all() const { return roles_; }
+
+  /// Whether the node's role has that input and lets its kinds do without it.
+  bool may_lack(const plumbline_node& node, const std::string& input) const;
 
   /// Why a node has not the ports of the role it claims, naming the port; "" if it has, or claims none. Frame variables
   /// may be named otherwise.

@@ -8,10 +8,22 @@ namespace {
 
 constexpr double kStep = 1e-4;  // of coordinates in LAS [m]
 constexpr size_t kHeader = 375, kRecordHeader = 54, kExtraBytes = 192, kPoint = 30 + sizeof(float);
-// What is written is in metres, in a frame of its own.
-constexpr char kSystem[] =
-    "LOCAL_CS[\"survey frame\",LOCAL_DATUM[\"survey frame\",0],UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]],"
-    "AXIS[\"X\",EAST],AXIS[\"Y\",NORTH]]";
+constexpr size_t kLongestName = 200;
+
+/// What is written is in metres, in a frame that no registry knows: its name is all there is to say. Which way its axes
+/// point is not said, as a scanner's or a building's point anywhere.
+std::string system_of(const std::string& frame) {
+  return "LOCAL_CS[\"" + frame + "\",LOCAL_DATUM[\"" + frame +
+         "\",0],UNIT[\"metre\",1,AUTHORITY[\"EPSG\",\"9001\"]],AXIS[\"X\",OTHER],AXIS[\"Y\",OTHER]]";
+}
+
+std::string checked(const std::string& frame, const std::string& path) {
+  if (frame.size() <= kLongestName && frame.find_first_of("\"\n\r") == std::string::npos)
+    return frame.empty() ? "frame not stated" : frame;
+  throw CloudError(path + ": the name of the frame has " + std::to_string(frame.size()) +
+                   " characters, or a quotation mark or a line break among them; a cloud holds one of up to " +
+                   std::to_string(kLongestName) + " without");
+}
 
 template <typename T>
 void put(std::string& bytes, size_t at, T value) {
@@ -30,12 +42,12 @@ std::string record(const char* user, std::uint16_t id, const std::string& conten
 }
 
 /// Before the points: the system's text and what the extra bytes of each point are.
-std::string records() {
+std::string records(const std::string& frame) {
   std::string sigma(kExtraBytes, '\0');
   sigma[2] = 9;  // a 32-bit float
   put_text(sigma, 4, "sigma");
   put_text(sigma, 160, "1 sigma along the normal, m");
-  return record("LASF_Projection", 2112, std::string(kSystem, sizeof kSystem)) + record("LASF_Spec", 4, sigma);
+  return record("LASF_Projection", 2112, system_of(frame) + '\0') + record("LASF_Spec", 4, sigma);
 }
 
 std::string las_header(std::uint64_t points, const Eigen::Vector3d& offset, const Eigen::Vector3d& low,
@@ -60,18 +72,23 @@ std::string las_header(std::uint64_t points, const Eigen::Vector3d& offset, cons
 
 }  // namespace
 
-CloudWriter::CloudWriter(const std::string& path, CloudFormat format, std::uint64_t count, const Eigen::Vector3d& near)
-    : path_(path), format_(format), file_(path, std::ios::binary | std::ios::trunc), announced_(count) {
+CloudWriter::CloudWriter(const std::string& path, CloudFormat format, std::uint64_t count, const Eigen::Vector3d& near,
+                         const std::string& frame)
+    : path_(path),
+      format_(format),
+      frame_(checked(frame, path)),
+      file_(path, std::ios::binary | std::ios::trunc),
+      announced_(count) {
   offset_ = near.array().round();
   if (format_ == CloudFormat::las) {
-    write(std::string(kHeader, '\0') + records());  // the header is known at the end
+    write(std::string(kHeader, '\0') + records(frame_));  // the header is known at the end
     return;
   }
-  write(
-      "ply\nformat binary_little_endian 1.0\ncomment unit: m\ncomment sigma: standard deviation along the surface's "
-      "normal\nelement vertex " +
-      std::to_string(count) +
-      "\nproperty double x\nproperty double y\nproperty double z\nproperty float sigma\nend_header\n");
+  write("ply\nformat binary_little_endian 1.0\ncomment unit: m\ncomment frame: " + frame_ +
+        "\ncomment sigma: standard deviation along the surface's "
+        "normal\nelement vertex " +
+        std::to_string(count) +
+        "\nproperty double x\nproperty double y\nproperty double z\nproperty float sigma\nend_header\n");
 }
 
 void CloudWriter::write(const std::string& bytes) {
@@ -109,7 +126,7 @@ void CloudWriter::finish() {
                      " were announced");
   if (format_ == CloudFormat::las) {
     file_.seekp(0);
-    write(las_header(written_, offset_, low_, high_, kHeader + records().size()));
+    write(las_header(written_, offset_, low_, high_, kHeader + records(frame_).size()));
   }
   file_.close();
   if (!file_) throw CloudError(path_ + " cannot be written: is the disk full?");

@@ -14,7 +14,6 @@
 namespace plumbline::surface {
 namespace {
 
-constexpr size_t kMostCells = 8'000'000;
 constexpr double kLeastPoints = 12;  // of a cell with its neighbours
 constexpr size_t kNone = std::numeric_limits<size_t>::max();
 
@@ -75,9 +74,9 @@ void PlaneFinder::add(const Eigen::Vector3d& point) {
   // Places 2^21 cells apart have one key: in 200 km nothing lies so far apart.
   const auto [found, added] = number_of_.emplace(key_of(place), cells_.size());
   if (added) {
-    if (cells_.size() == kMostCells)
-      throw std::length_error("the cloud takes more than " + std::to_string(kMostCells) + " cells of " +
-                              std::to_string(options_.cell) + " m; take larger ones");
+    if (cells_.size() == options_.most_cells)
+      throw std::length_error("the cloud takes more than " + std::to_string(options_.most_cells) + " cells of " +
+                              std::to_string(options_.cell) + " m; take larger ones, or allow more memory");
     cells_.push_back({place, {}});
   }
   Cell& cell = cells_[found->second];
@@ -136,12 +135,14 @@ FoundPlane PlaneFinder::outline(const std::vector<size_t>& members, const Fit& a
   const FacadePlane frame = facade_plane(all.centre, all.normal);
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e300), high = -low;
   std::vector<Eigen::Vector2d> places;
+  places.reserve(members.size());
   for (const size_t member : members) {
     const Sums& of = cells_[member].sums;
     places.push_back(frame.local(middle(cells_[member]) + of.first / of.count).head<2>());
     low = low.cwiseMin(places.back()), high = high.cwiseMax(places.back());
   }
   std::vector<std::pair<long, long>> covered;  // a plane that lies on the border of cells has two for each place
+  covered.reserve(places.size());
   for (const Eigen::Vector2d& at : places)
     covered.emplace_back(std::lround((at.x() - low.x()) / options_.cell),
                          std::lround((at.y() - low.y()) / options_.cell));
@@ -159,6 +160,7 @@ FoundPlane PlaneFinder::outline(const std::vector<size_t>& members, const Fit& a
 std::vector<FoundPlane> PlaneFinder::planes() const {
   const std::vector<Fit> local = fits_of_cells();
   std::vector<size_t> seeds, plane_of(cells_.size(), kNone);
+  seeds.reserve(cells_.size());
   for (size_t c = 0; c < cells_.size(); ++c)
     if (local[c].flat) seeds.push_back(c);
   std::stable_sort(seeds.begin(), seeds.end(), [&](size_t a, size_t b) { return local[a].rms < local[b].rms; });

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <unordered_map>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct PlaneOptions {
   double roughness = 0.006;  ///< rms of the points of a cell and its 26 neighbours about a plane: noise and relief [m]
   double angle = 0.09;       ///< of a cell's plane to that of all [rad]
   double least_area = 1;     ///< of a plane, in cells that have points [m²]
+  size_t most_cells = 4'000'000;  ///< that may have points; PlaneFinder::kBytesOfCell each
 };
 
 /// A rectangle about the cells of a plane, upright where the plane is.
@@ -30,9 +32,12 @@ struct FoundPlane {
 
 class PlaneFinder {
  public:
+  /// What a cell takes at most, from the first point to the last plane, if all of them lie on one.
+  static constexpr size_t kBytesOfCell = 384;
+
   /// Throws std::invalid_argument for options that are no lengths and angles above zero.
   explicit PlaneFinder(const PlaneOptions& options);
-  /// Throws std::length_error if the cloud takes more than eight million cells (about 1 GB).
+  /// Throws std::length_error if the cloud takes more than PlaneOptions::most_cells.
   void add(const Eigen::Vector3d& point);
   /// The largest first. The order of the points changes nothing but rounding and the order of planes of one size.
   std::vector<FoundPlane> planes() const;
@@ -60,7 +65,7 @@ class PlaneFinder {
   std::vector<size_t> around(const Cell& cell) const;  ///< the cells that have points, itself too
   Eigen::Vector3d middle(const Cell& cell) const;
   PlaneOptions options_;
-  std::vector<Cell> cells_;
+  std::deque<Cell> cells_;  ///< which grows without a copy of all that is there
   std::unordered_map<std::uint64_t, size_t> number_of_;
 };
 

@@ -9,40 +9,13 @@
 
 #include "plumbline/stop.hpp"
 #include "surface/dense/edge_profile.hpp"
+#include "surface/dense/joint_places.hpp"
 
 namespace plumbline::surface {
 namespace {
 
 constexpr double kSamples = 2;  // of a profile for one pixel on the ground
 constexpr double kWindow = 6;   // half the window of an edge's fit [px]
-
-/// One edge of a joint in the joint's own plane: u of its place is looked for around `nominal`.
-struct EdgeLine {
-  double nominal = 0;  ///< [m]
-  const PanelFace* face = nullptr;
-  const PanelSurface* surface = nullptr;
-};
-
-/// Height of the panel's surface over the joint's plane at a place of that plane, and its variance by the panel's
-/// random part; the design's height where the panel has no figures.
-struct EdgeHeight {
-  double height = 0;
-  Vector6 base = Vector6::Zero();
-  bool measured = false;
-};
-
-EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, double v) {
-  const Eigen::Vector3d on_face = line.face->plane.local(plane.world({u, v, 0}));
-  EdgeHeight result;
-  Eigen::Vector3d place(on_face.x(), on_face.y(), 0);
-  if (line.surface && line.surface->not_measured.empty()) {
-    result.measured = true;
-    result.base = line.surface->base(on_face.x(), on_face.y());
-    place.z() = result.base.dot(line.surface->form);
-  }
-  result.height = plane.local(line.face->plane.world(place)).z();
-  return result;
-}
 
 /// Mean grey values across the joint in one photograph, from `from` on and `step` apart. What lies left of the joint's
 /// middle is taken at one height, what lies right of it at another, because each edge is its panel's.
@@ -227,73 +200,8 @@ JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& 
   const double common = orientations.size() > 0 ? (row * orientations.matrix * row.transpose())(0) : 0;
   station.width_sigma = std::sqrt(a.variance + b.variance + common);
   station.views = std::min(a.views, b.views);
-  const EdgeHeight of_a = height_at(line_a, joint.plane, a.u, along), of_b = height_at(line_b, joint.plane, b.u, along);
-  station.step = station.step_sigma = std::numeric_limits<double>::quiet_NaN();
-  if (!of_a.measured || !of_b.measured) return station;
-  station.step = of_b.height - of_a.height;
-  const PanelSurface &sa = *line_a.surface, &sb = *line_b.surface;
-  const Eigen::Index rank = std::max(sa.form_factor.cols(), sb.form_factor.cols());
-  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Zero(rank);
-  factor.head(sb.form_factor.cols()) += of_b.base.transpose() * sb.form_factor;
-  factor.head(sa.form_factor.cols()) -= of_a.base.transpose() * sa.form_factor;
-  station.step_sigma = std::sqrt(of_a.base.dot(sa.form_random * of_a.base) + of_b.base.dot(sb.form_random * of_b.base) +
-                                 factor.squaredNorm());
+  add_step(station, line_a, line_b, joint.plane, a.u, b.u);
   return station;
-}
-
-/// Median of the slopes of pairs, and of the offsets (Theil 1950, Sen 1968): a line that a third of false places
-/// leaves.
-Eigen::Vector2d robust_line(const std::vector<double>& x, const std::vector<double>& y) {
-  const auto median = [](std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values.empty() ? 0.0 : 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-  };
-  std::vector<double> slopes, offsets;
-  for (size_t i = 0; i < x.size(); ++i)
-    for (size_t j = 0; j < i; ++j) slopes.push_back((y[i] - y[j]) / (x[i] - x[j]));
-  const double slope = median(slopes);
-  for (size_t i = 0; i < x.size(); ++i) offsets.push_back(y[i] - slope * x[i]);
-  return {median(offsets), slope};
-}
-
-/// Both edges at a station: places and variances of their random part.
-struct EdgePair {
-  double u[2], variance[2];
-};
-
-/// Leaves out stations whose edges are not on the lines of the others, within a bow of 1.5 mm: grain that looked like
-/// an edge. Grain that merely shifts an edge does so in all photographs alike, which no fit shows; what it does is seen
-/// in how the stations scatter about the line, and the random part is widened to that.
-void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges) {
-  std::vector<double> along;
-  for (const JointStation& station : measured.stations) along.push_back(station.along);
-  std::vector<char> straight(edges.size(), 1);
-  double factor[2];
-  for (int e : {0, 1}) {
-    std::vector<double> places, sizes;
-    for (const EdgePair& pair : edges) places.push_back(pair.u[e]);
-    const Eigen::Vector2d line = robust_line(along, places);
-    for (size_t s = 0; s < edges.size(); ++s) {
-      const double off = std::abs(places[s] - line(0) - line(1) * along[s]);
-      if (off > 0.0015)
-        straight[s] = 0;
-      else
-        sizes.push_back(off / std::sqrt(edges[s].variance[e]));
-    }
-    std::sort(sizes.begin(), sizes.end());
-    const double scatter = sizes.size() > 4 ? 1.4826 * sizes[sizes.size() / 2] : 1;
-    factor[e] = std::max(1.0, scatter * scatter);
-  }
-  std::vector<JointStation> kept;
-  for (size_t s = 0; s < edges.size(); ++s) {
-    if (!straight[s]) continue;
-    JointStation station = measured.stations[s];
-    double variance = station.width_sigma * station.width_sigma;
-    for (int e : {0, 1}) variance += (factor[e] - 1) * edges[s].variance[e];
-    station.width_sigma = std::sqrt(variance);
-    kept.push_back(station);
-  }
-  measured.stations = std::move(kept);
 }
 
 }  // namespace
@@ -338,10 +246,7 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
                             const OrientationCovariance& orientations, const JointOptions& options) {
   MeasuredJoint measured;
   const bool dark = joint_is_dark(joint, views);
-  const auto line = [&](size_t face, double nominal) {
-    return EdgeLine{nominal, &faces[face], face < surfaces.size() ? &surfaces[face] : nullptr};
-  };
-  const EdgeLine a = line(joint.face_a, -0.5 * joint.width), b = line(joint.face_b, 0.5 * joint.width);
+  const auto [a, b] = edge_lines(joint, faces, surfaces);
   const Station station(joint, a, b, dark, views, orientations, options);
   const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));
   int one_edge = 0;
@@ -364,19 +269,9 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
                      : "its edges show in fewer than " + std::to_string(options.min_views) + " photographs";
     return measured;
   }
-  keep_straight(measured, edges);
-  const auto& stations = measured.stations;
-  if (2 * static_cast<int>(stations.size()) < measured.stations_looked_at) {
-    measured.not_measured = "two straight edges show at " + std::to_string(stations.size()) + " of " +
-                            std::to_string(measured.stations_looked_at) + " places along it";
-    measured.stations.clear();
-    return measured;
-  }
-  for (size_t s = 0; s < stations.size(); ++s) {
-    if (stations[s].width < stations[measured.narrowest].width) measured.narrowest = s;
-    if (stations[s].width > stations[measured.widest].width) measured.widest = s;
-    if (!(std::abs(stations[s].step) <= std::abs(stations[measured.largest_step].step))) measured.largest_step = s;
-  }
+  constexpr double bow = 0.0015;  // of an edge: grain that looked like one lies further off [m]
+  keep_straight(measured, edges, bow);
+  sum_up(measured, "two straight edges show");
   return measured;
 }
 

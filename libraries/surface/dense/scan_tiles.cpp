@@ -24,9 +24,10 @@ std::uint64_t key_of(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 }  // namespace
 
-ScanTiles::ScanTiles(const std::vector<PanelFace>& faces, double reach, double edge, Sink sink)
-    : faces_(faces), reach_(reach), sink_(std::move(sink)) {
+ScanTiles::ScanTiles(const std::vector<PanelFace>& faces, double reach, double edge, Sink sink, double beyond)
+    : faces_(faces), reach_(reach), beyond_(beyond), sink_(std::move(sink)) {
   if (!(reach > 0) || !(edge > 0)) throw std::invalid_argument("reach and edge of tiles must be lengths above zero");
+  if (!(beyond >= 0)) throw std::invalid_argument("how far points may lie beside a face must be a length");
   for (const PanelFace& face : faces_) cell_ = std::max(cell_, std::max(face.width, face.height) / kMostCells);
   for (size_t f = 0; f < faces_.size(); ++f) {
     const PanelFace& face = faces_[f];
@@ -51,7 +52,7 @@ ScanTiles::ScanTiles(const std::vector<PanelFace>& faces, double reach, double e
 
 void ScanTiles::index(size_t f) {
   const PanelFace& face = faces_[f];
-  const Eigen::Vector3d half(0.5 * face.width, 0.5 * face.height, reach_);
+  const Eigen::Vector3d half(0.5 * face.width + beyond_, 0.5 * face.height + beyond_, reach_);
   const Eigen::Vector3d box = face.plane.axes.cwiseAbs() * half;
   const Eigen::Vector3d low = face.plane.origin - box, high = face.plane.origin + box;
   // Of a large slanted face the box holds cells far off its plane: those are left out.
@@ -71,11 +72,14 @@ std::optional<ScanTiles::Hit> ScanTiles::nearest(const Eigen::Vector3d& point) c
       key_of(cell_number(point.x(), cell_), cell_number(point.y(), cell_), cell_number(point.z(), cell_)));
   if (found == faces_by_cell_.end()) return std::nullopt;
   std::optional<Hit> best;
+  double least = 0;
   for (size_t f : found->second) {
     const Eigen::Vector3d local = faces_[f].plane.local(point);
-    if (std::abs(local.x()) > 0.5 * faces_[f].width || std::abs(local.y()) > 0.5 * faces_[f].height) continue;
-    if (!(std::abs(local.z()) <= reach_)) continue;
-    if (!best || std::abs(local.z()) < std::abs(best->local.z())) best = Hit{f, local};
+    const double beside_u = std::max(0.0, std::abs(local.x()) - 0.5 * faces_[f].width),
+                 beside_v = std::max(0.0, std::abs(local.y()) - 0.5 * faces_[f].height);
+    if (beside_u > beyond_ || beside_v > beyond_ || !(std::abs(local.z()) <= reach_)) continue;
+    const double distance = std::hypot(beside_u, beside_v, local.z());
+    if (!best || distance < least) best = Hit{f, local}, least = distance;
   }
   return best;
 }

@@ -27,10 +27,10 @@ class ScanTiles {
  public:
   /// Takes some points of a tile and a scan, in the order in which they came.
   using Sink = std::function<void(size_t tile, size_t scan, const std::vector<MeasuredPoint>& points)>;
-  /// Points belong to a face if they lie over its rectangle and within `reach` [m] of it; of several faces to the one
-  /// they are nearest to. Tiles are at most `edge` [m] wide and high. Throws std::invalid_argument for edges or reaches
-  /// that are no lengths.
-  ScanTiles(const std::vector<PanelFace>& faces, double reach, double edge, Sink sink);
+  /// Points belong to a face if they lie over its rectangle, or no more than `beyond` [m] beside it, and within `reach`
+  /// [m] of it; of several faces to the one they are nearest to. Tiles are at most `edge` [m] wide and high; those at a
+  /// border take what lies beside the face. Throws std::invalid_argument for edges or reaches that are no lengths.
+  ScanTiles(const std::vector<PanelFace>& faces, double reach, double edge, Sink sink, double beyond = 0);
 
   /// Whether the point lies on a face.
   bool add(const Eigen::Vector3d& point, double sigma, size_t scan = 0);
@@ -58,7 +58,7 @@ class ScanTiles {
 
   std::vector<PanelFace> faces_;
   std::vector<Layout> layouts_;
-  double reach_, cell_ = 1;
+  double reach_, beyond_, cell_ = 1;
   std::unordered_map<std::uint64_t, std::vector<size_t>> faces_by_cell_;
   std::vector<ScanTile> tiles_;
   std::vector<std::vector<MeasuredPoint>> waiting_;  ///< all tiles of the first scan, then of the next

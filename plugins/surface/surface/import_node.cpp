@@ -201,12 +201,14 @@ void ImportCloud::run(Context& context) {
   // Further than `search` by its noise: a panel there would lose the points beyond it, and be pulled inside.
   const bool apart = *scan_sigma > 0 || *scan_turn_sigma > 0;
   size_t width = 0;  // of the numbering: tiles of a scan
-  ScanTiles tiles(faces.faces, *search + 6 * *noise, *tile,
-                  [&](size_t t, size_t scan, const std::vector<MeasuredPoint>& some) {
-                    MeasuredTile part;
-                    part.points = some;
-                    append_points(part, folder.path + "/" + file_name(scan * width + t));
-                  });
+  ScanTiles tiles(
+      faces.faces, *search + 6 * *noise, *tile,
+      [&](size_t t, size_t scan, const std::vector<MeasuredPoint>& some) {
+        MeasuredTile part;
+        part.points = some;
+        append_points(part, folder.path + "/" + file_name(scan * width + t));
+      },
+      *beside);
   width = tiles.tiles().size();
   context.reserve_memory(tiles.tiles().size() * 1024 * sizeof(MeasuredPoint) + (8u << 20));
   Sample sample;

@@ -16,7 +16,7 @@ namespace plumbline::surface {
 
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "", 3,
+      "dense.import", "depth", 4,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
   Param<FilePath> file{"file", required, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<Design> design{"design", frame("frame=?F"), "whose panels are measured"};
@@ -40,6 +40,9 @@ struct ImportCloud : Node {
   Param<double> search{
       "search", 0.05, "m", between(0.001, 2),
       "a panel further than this from its face is not measured; points are kept to 6 times the noise beyond it"};
+  Param<double> beside{
+      "beside", 0.02, "m", between(0, 1),
+      "points so far beside a face are kept too: panels that are wider than designed, and their joints"};
   Param<double> tile{"tile", 0.5, "m", between(0.02, 5), "edge of the parts that points are kept in"};
   Param<double> margin{"margin", 0.05, "m", between(0, 5),
                        "without a design: how far beyond the points the plane reaches"};

@@ -45,9 +45,11 @@ void FindPlanes::run(Context& context) {
         "side of a plane is outside, and every sign hangs on it");
   PlaneOptions options;
   options.cell = *cell, options.roughness = *roughness, options.angle = *angle, options.least_area = *least_area;
+  const auto limit = static_cast<std::uint64_t>(*memory * 1073741824.0);
+  options.most_cells = limit / PlaneFinder::kBytesOfCell;
   PlaneFinder finder(options);
   const double metres = unit_of(cloud::look_at_cloud(file->path), *unit, context).metres;
-  context.reserve_memory(512u << 20);
+  context.reserve_memory(limit);
   const cloud::CloudSummary read =
       cloud::read_cloud(file->path, [&](const std::vector<Eigen::Vector3d>& some, double done, int) {
         if (context.cancelled()) throw Stopped();

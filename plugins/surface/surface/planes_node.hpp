@@ -22,6 +22,7 @@ struct FindPlanes : Node {
                           "of the points of a cell and its neighbours about their plane, rms: noise and relief"};
   Param<double> angle{"angle", 0.09, "rad", between(0.001, 0.8), "of a cell's plane to the plane it belongs to"};
   Param<double> least_area{"least_area", 1.0, "m²", between(1e-4, 1e6), "a smaller plane is left out"};
+  Param<double> memory{"memory", 1.5, "GiB", between(0.05, 64), "for the cells; a cloud that takes more is refused"};
   Out<Design> design{"design", frame("frame=scan"), "the planes as panels, S001 the largest"};
   Out<File> table{"table", "one line a plane, CSV"};
 

@@ -17,7 +17,7 @@ void WriteCloud::run(Context& context) {
   const auto place = folder.make_folder();
   const std::string name = "points." + *format, path = place.path + "/" + name;
   cloud::CloudWriter writer(path, *format == "las" ? cloud::CloudFormat::las : cloud::CloudFormat::ply, count,
-                            given.tiles.front()->centre);
+                            given.tiles.front()->centre, *frame_name);
   for (size_t t = 0; t < given.tiles.size(); ++t) {
     if (context.cancelled()) throw Stopped();
     context.progress(static_cast<double>(t) / static_cast<double>(given.tiles.size()), "tiles");

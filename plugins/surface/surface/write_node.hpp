@@ -13,6 +13,10 @@ struct WriteCloud : Node {
   Param<std::string> format{
       "format", "las", one_of("las", "ply"),
       "LAS 1.4 in steps of 0.1 mm, or binary PLY; both with the standard deviation of each point"};
+  Param<std::string> frame_name{
+      "frame", "",
+      "name of the frame that the points are in, as their files shall say it ('survey', 'scan'); empty: they say that "
+      "it is not stated"};
   Out<Folder> folder{"folder", "points.las or points.ply; metres"};
 
   void run(Context& context) override;

@@ -28,7 +28,7 @@ void save(const fs::path& path, const std::string& bytes) { std::ofstream(path, 
 
 void make(const fs::path& folder) {
   const Places points = places();
-  CloudWriter writer((folder / "written_las.las").string(), CloudFormat::las, points.size(), points.front());
+  CloudWriter writer((folder / "written_las.las").string(), CloudFormat::las, points.size(), points.front(), "survey");
   for (const Eigen::Vector3d& point : points) writer.add(point, 0.0005f);
   writer.finish();
   // As the tests of our reader have them made: what they hold it against are files that others read, too.

@@ -112,6 +112,19 @@ TEST_F(ScanOfAPanel, IsLeftOutIfTheScannerStoodBehindIt) {
   EXPECT_NE(behind.err.find("see it from behind"), std::string::npos) << behind.err;
 }
 
+TEST_F(ScanOfAPanel, StandsInForPhotographsByOneWord) {
+  write_scan(points(0));
+  const std::string pipeline = std::string(source_dir()) + "/pipelines/facade_surfaces.yaml";
+  const Answer swapped =
+      plumbline({"validate", pipeline, "depth.use=dense.import", "depth.with.file=scan.las", "depth.with.pitch=~"});
+  EXPECT_EQ(swapped.code, 0) << "photographs, orientations and cameras are connected, and it takes none: "
+                             << swapped.err;
+  const Answer unknown = plumbline({"validate", pipeline, "depth.use=dense.import", "depth.with.file=scan.las",
+                                    "depth.with.pitch=~", "depth.in.scans=site.images"});
+  EXPECT_EQ(unknown.code, 1) << "what no kind of the role takes is still refused";
+  EXPECT_NE(unknown.err.find("has no input 'scans'"), std::string::npos) << unknown.err;
+}
+
 TEST_F(ScanOfAPanel, CoarseStepsAreRefused) {
   write_scan(points(0), 0.01);
   const Answer answer = run({});

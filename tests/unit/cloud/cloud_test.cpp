@@ -261,7 +261,7 @@ TEST(CloudWriter, WhatIsWrittenComesBackInMetres) {
   for (const auto& [format, name, step] :
        {std::tuple(CloudFormat::las, "a.las", 5.1e-5), {CloudFormat::ply, "a.ply", 0.0}}) {
     const std::string path = (folder.path() / name).string();
-    CloudWriter writer(path, format, points.size(), points[1]);
+    CloudWriter writer(path, format, points.size(), points[1], "grid of the site");
     for (const Eigen::Vector3d& point : points) writer.add(point, 0.0003f);
     writer.finish();
     Points found;
@@ -270,19 +270,24 @@ TEST(CloudWriter, WhatIsWrittenComesBackInMetres) {
     expect_near(found, points, step);
     EXPECT_EQ(read.unit, 1) << name;
     EXPECT_EQ(read.scans, 1) << name;
+    std::ifstream file(path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_NE(bytes.find("grid of the site"), std::string::npos) << name << " names the frame";
+    EXPECT_EQ(bytes.find("EAST"), std::string::npos) << name << ": nobody said which way its axes point";
   }
 }
 
 TEST(CloudWriter, WhatDoesNotFitIsRefused) {
   const plumbline::test::TemporaryFolder folder;
   const std::string path = (folder.path() / "a.las").string();
-  CloudWriter writer(path, CloudFormat::las, 2, {0, 0, 0});
+  CloudWriter writer(path, CloudFormat::las, 2, {0, 0, 0}, "");
   EXPECT_THROW(writer.add({3e5, 0, 0}, 0), CloudError) << "beyond 32 bits of steps";
   EXPECT_THROW(writer.add({std::nan(""), 0, 0}, 0), CloudError);
-  CloudWriter shorter(path, CloudFormat::las, 2, {0, 0, 0});
+  CloudWriter shorter(path, CloudFormat::las, 2, {0, 0, 0}, "");
   shorter.add({1, 2, 3}, 0);
   EXPECT_THROW(shorter.finish(), CloudError) << "two were announced";
-  EXPECT_THROW(CloudWriter("/nowhere/a.las", CloudFormat::las, 1, {0, 0, 0}), CloudError);
+  EXPECT_THROW(CloudWriter(path, CloudFormat::las, 1, {0, 0, 0}, "a \"name\""), CloudError) << "WKT would end there";
+  EXPECT_THROW(CloudWriter("/nowhere/a.las", CloudFormat::las, 1, {0, 0, 0}, ""), CloudError);
 }
 
 }  // namespace

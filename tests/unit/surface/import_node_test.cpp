@@ -413,6 +413,43 @@ TEST(ImportNode, TheOnlyScanOnTheFacesErrsByItselfToo) {
   }
 }
 
+/// Both panels built 3 mm wider at the joint, which is designed with 20 mm and has 14 mm.
+TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> right(119.6, 121.9), up(8.5, 11.5);
+  Places points;
+  while (points.size() < 400'000)
+    if (const double x = right(random); std::abs(x - 120.76) > 0.007)
+      points.push_back({x, x < 120.76 ? 79.9975 : 80, up(random)});
+  const auto joint_of = [&](const char* beside) {
+    Import import("scan.xyz", xyz(points, 1));
+    import.node.set("noise", "0.0005"), import.node.set("beside", beside);
+    import.node.run();
+    NodeHarness panels("surface.panels");
+    panels.input<SurfacePoints>("surface", import.node.output<SurfacePoints>("surface"));
+    panels.run();
+    NodeHarness joints("surface.scan_joints");
+    joints.input<SurfacePoints>("points", import.node.output<SurfacePoints>("surface"));
+    joints.input<Surfaces>("panels", panels.output<Surfaces>("surfaces"));
+    joints.set("beam", "0");
+    joints.run();
+    return joints.output<Surfaces>("surfaces");
+  };
+  const SurfacesT surfaces = joint_of("0.02");
+  ASSERT_EQ(surfaces.joints.size(), 1U);
+  const JointFiguresT& joint = *surfaces.joints[0];
+  ASSERT_EQ(joint.not_measured, "");
+  EXPECT_NEAR(joint.nominal_width, 0.02, 1e-9);
+  for (const int at : {joint.narrowest, joint.widest}) {
+    const JointPlaceT& place = *joint.places.at(static_cast<size_t>(at));
+    EXPECT_NEAR(place.width, 0.014, 5 * place.width_sigma);
+    EXPECT_LT(place.width_sigma, 0.0008);
+  }
+  EXPECT_NEAR(joint.places.at(static_cast<size_t>(joint.largest_step))->step, -0.0025, 1e-4);
+  EXPECT_NE(surfaces.joints_measured.find("last point"), std::string::npos) << "what it costs is said";
+  EXPECT_NEAR(joint_of("0").joints[0]->places.at(0)->width, 0.02, 1e-3) << "without what lies beside the faces";
+}
+
 TEST(FuseNode, ASourceWithoutPlaceAmongOthersIsRefused) {
   Import placed("a.xyz", xyz(scan(), 1)), alone("b.xyz", xyz(scan(), 1));
   placed.node.set("place_sigma", "0.0015");
@@ -442,7 +479,12 @@ TEST(WriteCloud, PointsOfSurfacesComeBackFromTheFile) {
     NodeHarness write("write.cloud");
     write.input<SurfacePoints>("surface", import.node.output<SurfacePoints>("surface"));
     write.set("format", format);
+    if (std::string(format) == "las") write.set("frame", "scan");
     write.run();
+    std::ifstream file(write.output<Folder>("folder").uri + "/points." + format, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_NE(bytes.find(std::string(format) == "las" ? "LOCAL_CS[\"scan\"" : "frame: frame not stated"),
+              std::string::npos);
     NodeHarness again("dense.import");
     again.set("file", write.output<Folder>("folder").uri + "/points." + format);
     again.input<Design>("design", two_panels());

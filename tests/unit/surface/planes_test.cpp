@@ -1,10 +1,12 @@
 // Planes in a cloud without a design.
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "plumbline/stop.hpp"
 #include "surface/dense/find_planes.hpp"
 
 namespace plumbline::surface {
@@ -69,6 +71,39 @@ TEST(FindPlanes, ABallAndAStepAreNoPlaneOfTheirOwn) {
   const std::vector<FoundPlane> planes = found_in(step);
   ASSERT_EQ(planes.size(), 2U);
   EXPECT_NEAR(std::abs(planes[0].origin.y() - planes[1].origin.y()), 0.05, 1e-3);
+}
+
+/// Bytes that are taken from the heap now.
+size_t taken() {
+  const auto info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+TEST(FindPlanes, TakesNoMoreMemoryThanItSays) {
+  const size_t before = taken();
+  PlaneOptions options;
+  options.most_cells = 200'000;
+  PlaneFinder finder(options);
+  for (int i = 0; i < 400; ++i)
+    for (int j = 0; j < 500; ++j)
+      for (const double aside : {0.01, 0.09}) finder.add({0.1 * i + aside, 0.0503, 0.1 * j + aside});
+  EXPECT_THROW(finder.add({-3, 0, 0}), std::length_error) << "one cell more";
+  size_t most = 0;
+  struct Watch {
+    size_t before, *most;
+  } watch{before, &most};
+  {
+    const StopScope look(
+        [](const void* of) {
+          const auto* w = static_cast<const Watch*>(of);
+          *w->most = std::max(*w->most, taken() - w->before);
+          return false;
+        },
+        &watch);
+    ASSERT_EQ(finder.planes().size(), 1U) << "the worst of all: one plane that has all cells";
+  }
+  EXPECT_LT(most, options.most_cells * PlaneFinder::kBytesOfCell);
+  EXPECT_GT(most, options.most_cells * PlaneFinder::kBytesOfCell / 2) << "or the node announces what nobody takes";
 }
 
 TEST(FindPlanes, WhatIsNoLengthOrNoPlaceIsRefused) {

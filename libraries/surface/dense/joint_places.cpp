@@ -1,0 +1,110 @@
+#include "surface/dense/joint_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plumbline::surface {
+namespace {
+
+/// Median of the slopes of pairs, and of the offsets (Theil 1950, Sen 1968): a line that a third of false places
+/// leaves.
+Eigen::Vector2d robust_line(const std::vector<double>& x, const std::vector<double>& y) {
+  const auto median = [](std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0.0 : 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+  };
+  std::vector<double> slopes, offsets;
+  for (size_t i = 0; i < x.size(); ++i)
+    for (size_t j = 0; j < i; ++j) slopes.push_back((y[i] - y[j]) / (x[i] - x[j]));
+  const double slope = median(slopes);
+  for (size_t i = 0; i < x.size(); ++i) offsets.push_back(y[i] - slope * x[i]);
+  return {median(offsets), slope};
+}
+
+}  // namespace
+
+EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, double v) {
+  const Eigen::Vector3d on_face = line.face->plane.local(plane.world({u, v, 0}));
+  EdgeHeight result;
+  Eigen::Vector3d place(on_face.x(), on_face.y(), 0);
+  if (line.surface && line.surface->not_measured.empty()) {
+    result.measured = true;
+    result.base = line.surface->base(on_face.x(), on_face.y());
+    place.z() = result.base.dot(line.surface->form);
+  }
+  result.height = plane.local(line.face->plane.world(place)).z();
+  return result;
+}
+
+std::array<EdgeLine, 2> edge_lines(const Joint& joint, const std::vector<PanelFace>& faces,
+                                   const std::vector<PanelSurface>& surfaces) {
+  const auto line = [&](size_t face, double nominal) {
+    return EdgeLine{nominal, &faces[face], face < surfaces.size() ? &surfaces[face] : nullptr};
+  };
+  return {line(joint.face_a, -0.5 * joint.width), line(joint.face_b, 0.5 * joint.width)};
+}
+
+void add_step(JointStation& station, const EdgeLine& line_a, const EdgeLine& line_b, const FacadePlane& plane, double a,
+              double b) {
+  const EdgeHeight of_a = height_at(line_a, plane, a, station.along), of_b = height_at(line_b, plane, b, station.along);
+  station.step = station.step_sigma = std::numeric_limits<double>::quiet_NaN();
+  if (!of_a.measured || !of_b.measured) return;
+  station.step = of_b.height - of_a.height;
+  const PanelSurface &sa = *line_a.surface, &sb = *line_b.surface;
+  const Eigen::Index rank = std::max(sa.form_factor.cols(), sb.form_factor.cols());
+  Eigen::RowVectorXd factor = Eigen::RowVectorXd::Zero(rank);
+  factor.head(sb.form_factor.cols()) += of_b.base.transpose() * sb.form_factor;
+  factor.head(sa.form_factor.cols()) -= of_a.base.transpose() * sa.form_factor;
+  station.step_sigma = std::sqrt(of_a.base.dot(sa.form_random * of_a.base) + of_b.base.dot(sb.form_random * of_b.base) +
+                                 factor.squaredNorm());
+}
+
+void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow) {
+  std::vector<double> along;
+  for (const JointStation& station : measured.stations) along.push_back(station.along);
+  std::vector<char> straight(edges.size(), 1);
+  double factor[2];
+  for (int e : {0, 1}) {
+    std::vector<double> places, sizes;
+    for (const EdgePair& pair : edges) places.push_back(pair.u[e]);
+    const Eigen::Vector2d line = robust_line(along, places);
+    for (size_t s = 0; s < edges.size(); ++s) {
+      const double off = std::abs(places[s] - line(0) - line(1) * along[s]);
+      if (off > bow)
+        straight[s] = 0;
+      else
+        sizes.push_back(off / std::sqrt(edges[s].variance[e]));
+    }
+    std::sort(sizes.begin(), sizes.end());
+    const double scatter = sizes.size() > 4 ? 1.4826 * sizes[sizes.size() / 2] : 1;
+    factor[e] = std::max(1.0, scatter * scatter);
+  }
+  std::vector<JointStation> kept;
+  for (size_t s = 0; s < edges.size(); ++s) {
+    if (!straight[s]) continue;
+    JointStation station = measured.stations[s];
+    double variance = station.width_sigma * station.width_sigma;
+    for (int e : {0, 1}) variance += (factor[e] - 1) * edges[s].variance[e];
+    station.width_sigma = std::sqrt(variance);
+    kept.push_back(station);
+  }
+  measured.stations = std::move(kept);
+}
+
+void sum_up(MeasuredJoint& measured, const std::string& what) {
+  const auto& stations = measured.stations;
+  if (2 * static_cast<int>(stations.size()) < measured.stations_looked_at) {
+    measured.not_measured = what + " at " + std::to_string(stations.size()) + " of " +
+                            std::to_string(measured.stations_looked_at) + " places along it";
+    measured.stations.clear();
+    return;
+  }
+  for (size_t s = 0; s < stations.size(); ++s) {
+    if (stations[s].width < stations[measured.narrowest].width) measured.narrowest = s;
+    if (stations[s].width > stations[measured.widest].width) measured.widest = s;
+    if (!(std::abs(stations[s].step) <= std::abs(stations[measured.largest_step].step))) measured.largest_step = s;
+  }
+}
+
+}  // namespace plumbline::surface

@@ -1,0 +1,51 @@
+// What joints have in common, whoever measured their edges: heights of the panels at them, steps, and which places of a
+// joint are believed.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "surface/dense/joint.hpp"
+
+namespace plumbline::surface {
+
+/// One edge of a joint in the joint's own plane: u of its place is looked for around `nominal`.
+struct EdgeLine {
+  double nominal = 0;  ///< [m]
+  const PanelFace* face = nullptr;
+  const PanelSurface* surface = nullptr;
+};
+
+/// Of panels a and b. A panel without a surface has none.
+std::array<EdgeLine, 2> edge_lines(const Joint& joint, const std::vector<PanelFace>& faces,
+                                   const std::vector<PanelSurface>& surfaces);
+
+/// Height of the panel's surface over the joint's plane at a place of that plane, and what it is a product of; the
+/// design's height where the panel has no figures.
+struct EdgeHeight {
+  double height = 0;  ///< [m]
+  Vector6 base = Vector6::Zero();
+  bool measured = false;
+};
+EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, double v);
+
+/// Step of b over a at the edges' places, with both parts of the covariance; nan if a panel was not measured.
+void add_step(JointStation& station, const EdgeLine& line_a, const EdgeLine& line_b, const FacadePlane& plane, double a,
+              double b);
+
+/// Both edges at a station: places and variances of their random part.
+struct EdgePair {
+  double u[2], variance[2];
+};
+
+/// Leaves out stations whose edges are not on the lines of the others, within `bow` [m]: what looked like an edge.
+/// What merely shifts an edge, grain of a panel in all photographs alike, no fit shows; what it does is seen in how the
+/// stations scatter about the line, and the random part is widened to that. `edges`: of the stations, in their order.
+void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow);
+
+/// Which station is narrowest, widest, has the largest step; no figures at all if fewer than half of the stations that
+/// were looked at have any. `what`: of how many of them the reason speaks, "two straight edges show".
+void sum_up(MeasuredJoint& measured, const std::string& what);
+
+}  // namespace plumbline::surface

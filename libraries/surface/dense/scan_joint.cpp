@@ -1,0 +1,183 @@
+#include "surface/dense/scan_joint.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "plumbline/stop.hpp"
+#include "surface/dense/joint_places.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+constexpr size_t kLeastPoints = 12;  // of a panel's strip at one place along the joint
+// A point in the joint that lies as far out as the panels do by chance is one of a thousand of the panel's, at most.
+const double kPriceOfAPoint = std::log(1000.0);
+constexpr double kTellApart = 1.5;  // a joint is wider than so many of the largest gaps between the panel's own points
+
+/// Points near the joint at one place along it, by u.
+struct Profile {
+  std::vector<double> on;          ///< on the surface of the panel of their side, in order
+  size_t near = 0, elsewhere = 0;  ///< within the joint's own width: just below a panel's surface, and deeper
+};
+
+/// What a place along the joint says.
+enum class Saw { joint, too_few_points, no_gap, shallow };
+
+class ScanStations {
+ public:
+  ScanStations(const Joint& joint, const std::array<EdgeLine, 2>& lines, const std::vector<MeasuredTile>& tiles,
+               const ScanJointOptions& options)
+      : joint_(joint),
+        lines_(lines),
+        options_(options),
+        count_(std::max(1, static_cast<int>(joint.length / options.station))),
+        profiles_(static_cast<size_t>(count_)) {
+    for (const MeasuredTile& tile : tiles)
+      for (const MeasuredPoint& point : tile.points) sort_in(joint.plane.local(tile.at(point)), point.sigma);
+    for (Profile& profile : profiles_) std::sort(profile.on.begin(), profile.on.end());
+  }
+
+  int count() const { return count_; }
+  double along(int station) const { return ((station + 0.5) / count_ - 0.5) * joint_.length; }
+
+  /// Both edges at a station.
+  Saw edges(int station, EdgePair& found) const {
+    const Profile& profile = profiles_[static_cast<size_t>(station)];
+    CutOff cut[2];
+    double density = 1e300;  // points of a metre across the joint
+    for (int side : {0, 1}) {
+      const std::vector<double> strip = of_strip(profile, side);
+      if (strip.size() < kLeastPoints) return Saw::too_few_points;
+      cut[side] = cut_off(strip);
+      density = std::min(density, static_cast<double>(strip.size() - 1) / (strip.back() - strip.front()));
+    }
+    const auto gap = widest_gap(profile.on, density);
+    if (!gap) return Saw::no_gap;
+    const double width = gap->second - gap->first;
+    if (width < kTellApart * std::max(cut[0].largest, cut[1].largest)) return Saw::no_gap;
+    if (profile.near > profile.elsewhere) return Saw::shallow;
+    found.u[0] = gap->first + cut[0].mean, found.u[1] = gap->second - cut[1].mean;
+    for (int side : {0, 1}) found.variance[side] = cut[side].variance;
+    return Saw::joint;
+  }
+
+ private:
+  void sort_in(const Eigen::Vector3d& local, float noise) {
+    const double reach = 0.5 * joint_.width + options_.search + options_.strip;
+    if (!(std::abs(local.x()) <= reach) || !(std::abs(local.y()) <= 0.5 * joint_.length)) return;
+    const int station = std::min(count_ - 1, static_cast<int>((local.y() / joint_.length + 0.5) * count_));
+    Profile& profile = profiles_[static_cast<size_t>(station)];
+    const double limit = options_.off * static_cast<double>(noise);
+    double nearest = 1e300;
+    for (int side : {0, 1}) {
+      // In the joint's own width nobody knows yet whose a point is.
+      if (side == 0 ? local.x() > options_.search : local.x() < -options_.search) continue;
+      const double height = height_at(lines_[static_cast<size_t>(side)], joint_.plane, local.x(), local.y()).height;
+      nearest = std::min(nearest, std::abs(local.z() - height));
+    }
+    if (nearest <= limit) return profile.on.push_back(local.x());
+    if (std::abs(local.x()) < 0.25 * joint_.width) ++(nearest < 1.5 * limit ? profile.near : profile.elsewhere);
+  }
+
+  /// Points on a panel beside its edge, further in than the edge may be.
+  std::vector<double> of_strip(const Profile& profile, int side) const {
+    const double border = 0.5 * joint_.width + options_.search;
+    const auto first = side == 0 ? profile.on.begin() : std::lower_bound(profile.on.begin(), profile.on.end(), border);
+    const auto last = side == 0 ? std::upper_bound(profile.on.begin(), profile.on.end(), -border) : profile.on.end();
+    return first < last ? std::vector<double>(first, last) : std::vector<double>();
+  }
+
+  /// The last place on a and the first one on b: of all pairs within the search the one between which most points are
+  /// missing, each that is there counting against it. A change of density as by its likelihood, with a running best.
+  std::optional<std::pair<double, double>> widest_gap(const std::vector<double>& on, double density) const {
+    std::optional<std::pair<double, double>> best;
+    double most = 0, from = 0, start = 0;
+    bool any = false;
+    for (size_t i = 0; i < on.size(); ++i) {
+      const double value = density * on[i] - kPriceOfAPoint * static_cast<double>(i);
+      if (any && std::abs(on[i] - 0.5 * joint_.width) <= options_.search) {
+        const double missing = value - start + kPriceOfAPoint;
+        if (missing > most) most = missing, best = {from, on[i]};
+      }
+      if (std::abs(on[i] + 0.5 * joint_.width) <= options_.search && (!any || value <= start))
+        start = value, from = on[i], any = true;
+    }
+    return best;
+  }
+
+  const Joint& joint_;
+  const std::array<EdgeLine, 2>& lines_;
+  const ScanJointOptions& options_;
+  int count_;
+  std::vector<Profile> profiles_;
+};
+
+/// Of the places without a joint, most of which say the same.
+std::string reason_of(const int* seen) {
+  const int few = seen[static_cast<int>(Saw::too_few_points)], shallow = seen[static_cast<int>(Saw::shallow)];
+  if (few > seen[static_cast<int>(Saw::no_gap)] + shallow)
+    return "fewer than " + std::to_string(kLeastPoints) + " points of a panel lie beside it";
+  if (shallow > seen[static_cast<int>(Saw::no_gap)])
+    return "what lies in it is so little behind the panels that their points' noise hides where they end";
+  return "no gap between the panels is wider than those between their own points: it is filled flush, or too narrow "
+         "for "
+         "the scan";
+}
+
+}  // namespace
+
+CutOff cut_off(const std::vector<double>& places) {
+  CutOff result;
+  double first = 0, second = 0, third = 0;
+  for (size_t i = 1; i < places.size(); ++i) {
+    const double step = places[i] - places[i - 1];
+    first += step, second += step * step, third += step * step * step;
+    result.largest = std::max(result.largest, step);
+  }
+  if (!(first > 0)) return result;
+  result.mean = second / (2 * first);
+  result.variance = third / (3 * first) - result.mean * result.mean;
+  return result;
+}
+
+MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace>& faces,
+                                 const std::vector<PanelSurface>& surfaces, const std::vector<MeasuredTile>& tiles,
+                                 const ScanJointOptions& options) {
+  MeasuredJoint measured;
+  const auto lines = edge_lines(joint, faces, surfaces);
+  for (const EdgeLine& line : lines)
+    if (!line.surface || !line.surface->not_measured.empty()) {
+      measured.not_measured = "panel " + line.face->id + " is not measured, so that nobody knows which points are its";
+      return measured;
+    }
+  const ScanStations stations(joint, lines, tiles, options);
+  std::vector<EdgePair> edges;
+  int seen[4] = {0, 0, 0, 0};
+  for (int s = 0; s < stations.count(); ++s) {
+    stop_point();
+    ++measured.stations_looked_at;
+    EdgePair found;
+    const Saw saw = stations.edges(s, found);
+    ++seen[static_cast<int>(saw)];
+    if (saw != Saw::joint) continue;
+    JointStation station;
+    station.along = stations.along(s), station.width = found.u[1] - found.u[0];
+    station.width_sigma = std::sqrt(found.variance[0] + found.variance[1] + options.beam * options.beam / 3);
+    add_step(station, lines[0], lines[1], joint.plane, found.u[0], found.u[1]);
+    measured.stations.push_back(station), edges.push_back(found);
+  }
+  if (measured.stations.empty()) {
+    measured.not_measured = reason_of(seen);
+    return measured;
+  }
+  double variance = 0;
+  for (const EdgePair& pair : edges) variance = std::max({variance, pair.variance[0], pair.variance[1]});
+  keep_straight(measured, edges, std::max(0.0015, 4 * std::sqrt(variance)));
+  sum_up(measured, "both panels end");
+  if (!measured.not_measured.empty() && stations.count() > seen[static_cast<int>(Saw::joint)])
+    measured.not_measured += "; elsewhere " + reason_of(seen);
+  return measured;
+}
+
+}  // namespace plumbline::surface

@@ -1,0 +1,81 @@
+#include "scan_joints_node.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <stdexcept>
+
+#include "panels_node.hpp"
+#include "surface/dense/scan_joint.hpp"
+#include "surface_artifacts.hpp"
+
+namespace plumbline::surface {
+namespace {
+
+std::string how_measured(double beam) {
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "Joints are those of a scan. An edge lies somewhere between the last point on a panel and the next one "
+                "that there "
+                "would have been, and a beam of %.1f mm, as it was stated, shows all edges up to %.1f mm further out "
+                "or in: widths "
+                "err by up to %.1f mm alike. Both are in the standard uncertainties.",
+                1e3 * beam, 0.5e3 * beam, 1e3 * beam);
+  return text;
+}
+
+}  // namespace
+
+void ScanJoints::run(Context& context) {
+  const SurfacePointsT given = points.unpack();
+  if (given.source == "photographs")
+    throw std::runtime_error(
+        "the points come from photographs, and joints in photographs are measured by their edges: use surface.joints");
+  SurfacesT result = panels.unpack();
+  std::vector<PanelFace> faces;
+  std::vector<PanelSurface> measured;
+  for (const auto& panel : result.panels) {
+    faces.push_back(face_of(*panel->face));
+    measured.push_back(panel_of(*panel, result.rank));
+  }
+  const std::vector<Joint> joints = joints_of(faces, *widest);
+  if (joints.empty())
+    context.warn("no two panels are nearer than " + std::to_string(*widest) + " m: there are no joints");
+  ScanJointOptions options;
+  options.station = *station, options.search = *search, options.beam = *beam;
+  std::vector<std::string> paths;
+  for (const auto& tile : given.tiles) paths.push_back(context.resolve(tile->uri));
+  const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, paths[t]); };
+  std::vector<double> radius(given.tiles.size());
+  in_parallel(context, radius.size(), [&](size_t t) { radius[t] = radius_of(read(t)); });
+  std::vector<MeasuredJoint> found(joints.size());
+  size_t done = 0;
+  std::mutex telling;
+  in_parallel(context, joints.size(), [&](size_t j) {
+    const double own = std::hypot(0.5 * joints[j].length, 0.5 * joints[j].width + *search + options.strip);
+    std::vector<MeasuredTile> tiles;
+    for (size_t t = 0; t < given.tiles.size(); ++t)
+      if ((given.tiles[t]->centre - joints[j].plane.origin).norm() <= own + radius[t]) tiles.push_back(read(t));
+    found[j] = measure_scan_joint(joints[j], faces, measured, tiles, options);
+    const std::lock_guard lock(telling);
+    context.progress(static_cast<double>(++done) / static_cast<double>(joints.size()),
+                     joints[j].a + " | " + joints[j].b);
+  });
+  int with_figures = 0;
+  for (size_t j = 0; j < joints.size(); ++j) {
+    if (!found[j].not_measured.empty())
+      context.warn("joint " + joints[j].a + " | " + joints[j].b + " is not measured: " + found[j].not_measured);
+    with_figures += found[j].not_measured.empty();
+    result.joints.push_back(describe(found[j], joints[j]));
+  }
+  if (!joints.empty()) {
+    result.joints_measured = how_measured(*beam);
+    context.info(result.joints_measured);
+  }
+  context.info(std::to_string(with_figures) + " of " + std::to_string(joints.size()) + " joints measured");
+  context.metric("joints", with_figures, "1");
+  surfaces.commit(result);
+  table.commit(text_file("joints.csv", "text/csv", joints_table(result)));
+}
+
+}  // namespace plumbline::surface
