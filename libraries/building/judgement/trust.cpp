@@ -31,7 +31,8 @@ std::string mend_of(const BlockTest& test) {
            "are "
            "focused or stabilised between images).";
   if (group.starts_with("distortion at all distances"))
-    return ". To mend it, run again with \"block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2]\".";
+    return ". To mend it, run again with \"block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, k4, p1, p2, d1, "
+           "d2]\".";
   return ".";
 }
 
