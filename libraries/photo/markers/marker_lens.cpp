@@ -63,12 +63,12 @@ bool take_as_fisheye(MarkerBlock& block, const MarkerOptions& options, MarkerRes
   if (!as_fisheye || 2 * as_fisheye->views.size() < block.views.size() || as_fisheye->rms > good * extent) return false;
   block = std::move(other);
   result = *as_fisheye;
-  char text[240];
-  std::snprintf(text, sizeof text,
-                "the lens is a fisheye: Brown's model does not adjust at all; with the fisheye's (Kannala and Brandt) "
-                "the tags fit to %.2f px. A calibration (camera=) holds whichever it has",
-                result.rms);
-  result.warnings.insert(result.warnings.begin(), text);
+  result.warnings.insert(
+      result.warnings.begin(),
+      fmt::format(
+          "the lens is a fisheye: Brown's model does not adjust at all; with the fisheye's (Kannala and Brandt) "
+          "the tags fit to {:.2f} px. A calibration (camera=) holds whichever it has",
+          result.rms));
   return true;
 }
 

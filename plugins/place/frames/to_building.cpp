@@ -165,24 +165,19 @@ void check_design_scale(const CommonPoints& common, const PlanTransform& transfo
   const double missing = *drawn / transform.scale;
   if (std::abs(missing - 1) < kHeights) return;
   const PlanScale scale = plan_scale(common, transform);
-  char text[500];
   const std::string& map = design.map_conversion->crs_name;
   if (std::abs(missing - 1) > 4 * scale.sigma) {
     if (std::abs(scale.value - missing) > 3 * scale.sigma + kHeights) return;
-    std::snprintf(text, sizeof text,
-                  "with frames.with.use=%s the survey is %.0f +- %.0f ppm larger than the design: it is reduced to the "
-                  "map %s, which draws lengths there at %.6f, and the map conversion of %s has the scale %.6f; take "
-                  "frames.with.use=given with grid_scale=%.6f, or have the design exported with its grid scale",
-                  how.c_str(), 1e6 * (scale.value - 1), 1e6 * scale.sigma, map.c_str(), *drawn,
-                  design.file_name.c_str(), transform.scale, *drawn);
-    throw std::runtime_error(text);
+    throw std::runtime_error(fmt::format(
+        "with frames.with.use={} the survey is {:.0f} +- {:.0f} ppm larger than the design: it is reduced to the map "
+        "{}, which draws lengths there at {:.6f}, and the map conversion of {} has the scale {:.6f}; take "
+        "frames.with.use=given with grid_scale={:.6f}, or have the design exported with its grid scale",
+        how, 1e6 * (scale.value - 1), 1e6 * scale.sigma, map, *drawn, design.file_name, transform.scale, *drawn));
   }
-  std::snprintf(
-      text, sizeof text,
-      "the map conversion of %s has the scale %.6f, and its map %s draws lengths there at %.6f: if the survey "
-      "is reduced to the map, take frames.with.use=given with grid_scale=%.6f; the anchors do not tell",
-      design.file_name.c_str(), transform.scale, map.c_str(), *drawn, *drawn);
-  context.warn(text);
+  context.warn(fmt::format(
+      "the map conversion of {} has the scale {:.6f}, and its map {} draws lengths there at {:.6f}: if the survey is "
+      "reduced to the map, take frames.with.use=given with grid_scale={:.6f}; the anchors do not tell",
+      design.file_name, transform.scale, map, *drawn, *drawn));
 }
 
 }  // namespace

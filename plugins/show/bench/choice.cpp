@@ -1,7 +1,8 @@
 // What a practitioner may choose, in short sentences.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/text/words.hpp"
@@ -191,9 +192,7 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   if (!field.unknown.empty())
     sentences.push_back("of " + text::enumerate(field.unknown) + " nothing can be said: too few trials to compare");
   add_counts("without result: ", field.failing, sentences);
-  char limit[48];
-  std::snprintf(limit, sizeof limit, "off by more than %g mm: ", 1e3 * bench.useless_above());
-  add_counts(limit, field.useless, sentences);
+  add_counts(fmt::format("off by more than {:g} mm: ", 1e3 * bench.useless_above()), field.useless, sentences);
   sentences.insert(sentences.end(), field.silent.begin(), field.silent.end());
   std::string text = group.name + ":";
   for (std::size_t k = 0; k < sentences.size(); ++k)

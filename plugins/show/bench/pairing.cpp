@@ -1,8 +1,9 @@
 #include "show/bench/pairing.hpp"
 
+#include <fmt/core.h>
+
 #include <cctype>
 #include <cmath>
-#include <cstdio>
 
 #include "base/text/text.hpp"
 #include "base/text/words.hpp"
@@ -56,11 +57,7 @@ std::string millimetres(double metres) {
   return text::format_fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
 }
 
-std::string rope_text(const Bench& bench) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", 1e3 * bench.rope);
-  return text;
-}
+std::string rope_text(const Bench& bench) { return fmt::format("{:g} mm", 1e3 * bench.rope); }
 
 std::string begin_sentence(std::string text) {
   const std::string word = text.substr(0, text.find(' '));

@@ -1,7 +1,5 @@
 #include "show/bench/sentences.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>

@@ -1,7 +1,8 @@
 #include "scan_joints_node.hpp"
 
+#include <fmt/core.h>
+
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 #include <stdexcept>
 
@@ -13,15 +14,11 @@ namespace plumbline::surface {
 namespace {
 
 std::string how_measured(double beam) {
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "Joints are those of a scan. An edge lies somewhere between the last point on a panel and the next one "
-                "that there "
-                "would have been, and a beam of %.1f mm, as it was stated, shows all edges up to %.1f mm further out "
-                "or in: widths "
-                "err by up to %.1f mm alike. Both are in the standard uncertainties.",
-                1e3 * beam, 0.5e3 * beam, 1e3 * beam);
-  return text;
+  return fmt::format(
+      "Joints are those of a scan. An edge lies somewhere between the last point on a panel and the next one that "
+      "there would have been, and a beam of {:.1f} mm, as it was stated, shows all edges up to {:.1f} mm further out "
+      "or in: widths err by up to {:.1f} mm alike. Both are in the standard uncertainties.",
+      1e3 * beam, 0.5e3 * beam, 1e3 * beam);
 }
 
 }  // namespace
