@@ -81,6 +81,21 @@ struct Trial {
   }
 };
 
+/// The pole stood on `mark` (in all set-ups, or in one) with another length than was noted.
+void target_height(Trial& t, int set_up, const std::string& mark, double error) {
+  for (Observation& o : t.survey.observations)
+    if (o.to == mark && (set_up < 0 || o.set_up == set_up)) {
+      o.target_height = (std::isnan(o.target_height) ? 0 : o.target_height) + error;
+    }
+}
+double some(Random& random, double least, double most) {
+  return (random.uniform() < 0.5 ? -1 : 1) * least * std::pow(most / least, random.uniform());
+}
+void distances(Trial& t, int set_up, double factor, double constant) {
+  for (Observation& o : t.survey.observations)
+    if (o.kind == slope_distance && (set_up < 0 || o.set_up == set_up)) o.value = factor * o.value + constant;
+}
+
 double from_horizon(double z) { return kPi / 2 - z; }
 double reversed(double d) { return 2 * kPi - d; }
 double degrees_as_gon(double a) { return 0.9 * a; }
@@ -144,6 +159,38 @@ const Scenario kScenarios[] = {
      [](Trial& t) { t.know([](int k, const Vector3d& p) { return k < 2 ? Vector3d(p + Vector3d(0, 0, 42.3)) : p; }); }},
     {"known points on a map, no map given", "look like UTM",
      [](Trial& t) { t.origin = kUtm, t.scale = kUtmScale, t.know(); }},
+    {"target height of one sight, 20 mm to 1 m", "target height",
+     [](Trial& t) { target_height(t, 1, "M8", some(t.random, 0.02, 1)); }},
+    {"likewise, on a map", "target height",
+     [](Trial& t) {
+       t.origin = kUtm, t.scale = kUtmScale, t.options.map = "utm:32", t.know();
+       target_height(t, 1, "M8", some(t.random, 0.02, 1));
+     }},
+    {"target height of a known point in all set-ups", "M7",
+     [](Trial& t) { t.know(), target_height(t, -1, "M7", some(t.random, 0.03, 1)); }},
+    {"prism constant of all set-ups, known points", "check the prism constant",
+     [](Trial& t) { t.know(), distances(t, -1, 1, some(t.random, 0.0175, 0.0344)); }},
+    {"prism constant of all set-ups, on a map", "check the prism constant",
+     [](Trial& t) {
+       t.origin = kUtm, t.scale = kUtmScale, t.options.map = "utm:32", t.know();
+       distances(t, -1, 1, some(t.random, 0.0175, 0.0344));
+     }},
+    {"prism constant of one set-up, on a map", "check the prism constant",
+     [](Trial& t) {
+       t.origin = kUtm, t.scale = kUtmScale, t.options.map = "utm:32", t.know();
+       distances(t, 2, 1, some(t.random, 0.0175, 0.0344));
+     }},
+    {"all distances in feet, known points", "feet", [](Trial& t) { t.know(), distances(t, -1, 1 / 0.3048, 0); }},
+    {"distances of one set-up in feet, on a map", "feet",
+     [](Trial& t) {
+       t.origin = kUtm, t.scale = kUtmScale, t.options.map = "utm:32", t.know();
+       distances(t, 2, 1 / 0.3048, 0);
+     }},
+    {"all distances in feet, free", "", [](Trial& t) { distances(t, -1, 1 / 0.3048, 0); }},
+    {"ppm setting 100 to 900 off, known points", "ppm setting",
+     [](Trial& t) { t.know(), distances(t, -1, 1 + 1e-6 * some(t.random, 100, 900), 0); }},
+    {"another zone of the map given", "",
+     [](Trial& t) { t.origin = kUtm, t.scale = kUtmScale, t.options.map = "utm:33", t.know(); }},
     {"distances reduced to the map twice", "reduced to the map already",
      [](Trial& t) { t.origin = kUtm, t.options.map = "utm:32", t.know(); }},
     {"one known point on a map, no map given", "look like those of a map",

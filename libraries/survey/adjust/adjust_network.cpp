@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -262,16 +263,18 @@ static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const Adj
 namespace {
 
 /// The causes that the network itself confirms: adjusted without them, it is sound or nearly so. Worded with what came
-/// of it; `now` is the sigma0 as it is, NaN: it could not be adjusted.
+/// of it; `now` is the sigma0 as it is, NaN: it could not be adjusted. Of causes why points were left out, those with
+/// which fewer are.
 std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const AdjustOptions& options,
-                                      const ControlPoints& control, double now) {
+                                      const ControlPoints& control, double now,
+                                      size_t fewer_left_out_than = std::numeric_limits<size_t>::max()) {
   constexpr double kFits = 3, kBetter = 5;  // of sigma0
   std::vector<Finding> findings;
   for (const Cause& cause : find_causes(survey, options, control)) {
     try {
       const NetworkResult r = adjust_as_it_is(cause.mended, options, cause.control, nullptr);
       const bool several = r.sigma0 > kFits && r.sigma0 * kBetter < now;  // it is one of several mistakes
-      if (r.validity == Validity::invalid && !several) continue;
+      if ((r.validity == Validity::invalid && !several) || r.left_out.size() >= fewer_left_out_than) continue;
       findings.push_back({Finding::Severity::warning,
                           "probably: " + cause.text + ". Adjusted with that undone, sigma0 is " +
                               fixed_digits(r.sigma0, 2) +
@@ -286,6 +289,19 @@ std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const Ad
   return findings;
 }
 
+/// What is left of a network whose other points were left out may be sound: not if one mistake explains why they were.
+void explain_left_out(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
+                      NetworkResult& result) {
+  if (result.left_out.empty()) return;
+  const std::vector<Finding> causes = confirmed_causes(survey, options, control, result.sigma0, result.left_out.size());
+  if (causes.empty()) return;
+  result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
+  result.validity = Validity::doubtful;
+  result.verdict =
+      "doubtful: " + std::to_string(result.left_out.size()) +
+      " points were left out because of one mistake, see the first finding; of the rest: " + result.verdict;
+}
+
 }  // namespace
 
 static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
@@ -293,7 +309,10 @@ static NetworkResult adjust_network(const SurveyObservations& survey, const Adju
   check_indices(survey);
   try {
     NetworkResult result = adjust_as_it_is(survey, options, control, kept);
-    if (result.validity != Validity::invalid) return result;
+    if (result.validity != Validity::invalid) {
+      explain_left_out(survey, options, control, result);
+      return result;
+    }
     const std::vector<Finding> causes = confirmed_causes(survey, options, control, result.sigma0);
     result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
     return result;

@@ -74,6 +74,20 @@ LineRows rows_of(const SeenPoint& s, const MatrixXd& directions, const std::vect
   return rows;
 }
 
+/// Velocities that the epochs show, as columns: with the places reduced out of the normal equations, what is left of
+/// information. A direction that one epoch alone leaves free has none.
+MatrixXd shown_velocities(const MatrixXd& normal) {
+  constexpr double kNothing = 1e-9;  // of the largest information
+  const Index n = normal.rows() / 2;
+  const MatrixXd of_both = normal.topRightCorner(n, n), of_velocity = normal.bottomRightCorner(n, n);
+  const MatrixXd reduced =
+      of_velocity - of_both.transpose() * MatrixXd(normal.topLeftCorner(n, n)).ldlt().solve(of_both);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(reduced);
+  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXd>(of_velocity).eigenvalues()[n - 1];
+  const Index none = (spectrum.eigenvalues().array() <= kNothing * largest).count();
+  return spectrum.eigenvectors().rightCols(n - none);
+}
+
 }  // namespace
 
 void add_movements(const std::vector<SeenPoint>& seen, const SeriesOptions& options, int degrees, SeriesPoint& point) {
@@ -146,23 +160,35 @@ void add_velocity(const std::vector<SeenPoint>& seen, const SeriesOptions& optio
     right += weighted.transpose() * rows.place;
     equations += rows.place.size();
   }
-  const auto factor = normal.ldlt();
-  const VectorXd x = factor.solve(right);
-  const MatrixXd q = factor.solve(MatrixXd::Identity(2 * n, 2 * n));
-  const VectorXd v = x.tail(n), along = directions * v,
-                 variances = (directions * q.bottomRightCorner(n, n) * directions.transpose()).diagonal();
+  const MatrixXd shown = shown_velocities(normal);
+  const Index m = shown.cols();
+  const MatrixXd lost = directions * (MatrixXd::Identity(n, n) - shown * shown.transpose());
+  constexpr double kRounding = 1e-6;
+  for (size_t a = 0; a < axes.size(); ++a)
+    if (lost.row(static_cast<Index>(a)).norm() > kRounding)
+      point.velocity[axes[a]] = point.velocity_sigma[axes[a]] = std::numeric_limits<double>::quiet_NaN();
+  if (m == 0) return;
+  MatrixXd part = MatrixXd::Zero(2 * n, n + m);  // a and v from the unknowns
+  part.topLeftCorner(n, n).setIdentity(), part.bottomRightCorner(n, m) = shown;
+  const auto factor = MatrixXd(part.transpose() * normal * part).ldlt();
+  const VectorXd unknowns = factor.solve(VectorXd(part.transpose() * right)), x = part * unknowns;
+  const MatrixXd q = MatrixXd(factor.solve(MatrixXd::Identity(n + m, n + m))).bottomRightCorner(m, m),
+                 turned = directions * shown;
+  const VectorXd v = unknowns.tail(m), along = turned * v, variances = (turned * q * turned.transpose()).diagonal();
   for (size_t a = 0; a < axes.size(); ++a) {
     const auto i = static_cast<Index>(a);
+    if (!std::isfinite(point.velocity[axes[a]])) continue;
     point.velocity[axes[a]] = along[i], point.velocity_sigma[axes[a]] = std::sqrt(std::max(0.0, variances[i]));
   }
-  point.velocity_statistic = v.dot(MatrixXd(q.bottomRightCorner(n, n)).ldlt().solve(v));
+  point.velocity_critical = critical_of(options.alpha0, static_cast<int>(m), degrees);
+  point.velocity_statistic = v.dot(q.ldlt().solve(v));
   point.moves = point.velocity_statistic > point.velocity_critical;
-  if (equations <= 2 * n) return;
+  if (equations <= n + m) return;
   for (const LineRows& rows : line) {
     const VectorXd r = rows.place - rows.design * x;
     point.misfit += r.dot(rows.covariance.ldlt().solve(r));
   }
-  point.misfit_critical = critical_of(options.alpha0, static_cast<int>(equations - 2 * n), degrees);
+  point.misfit_critical = critical_of(options.alpha0, static_cast<int>(equations - n - m), degrees);
 }
 
 }  // namespace plumbline::survey

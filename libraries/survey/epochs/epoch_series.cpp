@@ -243,6 +243,7 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     for (const std::string& id : e.ids)
       if (known.insert(id).second) ids.push_back(id);
   NotCompared not_compared;
+  std::vector<std::string> without_velocity;
   for (const std::string& id : ids) {
     stop_point();
     std::vector<SeenPoint> seen;
@@ -277,11 +278,20 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     point.stable = std::find(series.stable.begin(), series.stable.end(), id) != series.stable.end();
     add_movements(seen, options, series.degrees_of_freedom, point);
     add_velocity(seen, options, series.degrees_of_freedom, point);
+    for (size_t c = 0; c < 3; ++c)
+      if (compared[c] && !std::isfinite(point.velocity[static_cast<Index>(c)])) {
+        without_velocity.push_back(id);
+        break;
+      }
     series.points.push_back(std::move(point));
   }
   std::vector<std::string> names;
   for (const DatedEpoch& e : epochs) names.push_back(e.name);
   series.not_compared = not_compared.words(names);
+  if (!without_velocity.empty())
+    series.not_compared.push_back(
+        "no velocity in every direction of " + join(without_velocity) +
+        ": one epoch only leaves some direction there free, the others have it from the datum");
   return series;
 }
 

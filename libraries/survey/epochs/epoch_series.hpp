@@ -59,7 +59,7 @@ struct SeriesPoint {
   size_t first = 0;  ///< its first epoch
   std::array<size_t, 3> reference = {0, 0,
                                      0};     ///< first epoch of each coordinate; of no meaning where none is compared
-  Eigen::Vector3d velocity, velocity_sigma;  ///< [m per unit of time]; NaN with fewer than two epochs
+  Eigen::Vector3d velocity, velocity_sigma;  ///< [m per unit of time]; NaN: not shown by two epochs
   double velocity_statistic = 0, velocity_critical = 0;
   bool moves = false;                      ///< the velocity is significant
   double misfit = 0, misfit_critical = 0;  ///< of the line, chi-squared; critical 0: two epochs only

@@ -1,13 +1,10 @@
-#include <Eigen/Cholesky>
+#include "survey/files/dynaml_reader.hpp"
+
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 
 #include "survey/files/dynaml.hpp"
-#include "survey/files/geodetic_frame.hpp"
-#include "survey/files/survey_builder.hpp"
-#include "survey/files/xml_file.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -16,63 +13,11 @@ using text::child_text;
 using enum ObservationKind;
 
 constexpr double kSecondOfArc = std::numbers::pi / 180 / 3600;
-constexpr double kFarthest = 500000;  // [m] from the middle
 constexpr const char* kRead =
-    "S, C, V, Z, A, D, L, H, G or X: slope and chord distances, zenith and vertical angles, "
-    "horizontal angles, direction sets, level differences, heights, GNSS baselines and their clusters";
+    "S, C, V, Z, A, D, L, H, G, X or Y: slope and chord distances, zenith and vertical angles, "
+    "horizontal angles, direction sets, level differences, heights, GNSS baselines and their clusters, point clusters";
 
-/// What DynAdjust calls the types that cannot be adjusted here.
-std::string name_of_type(const std::string& type) {
-  static const std::map<std::string, std::string> names = {
-      {"B", "a geodetic azimuth"},     {"E", "an ellipsoid arc"},        {"G", "a GNSS baseline"},
-      {"I", "an astronomic latitude"}, {"J", "an astronomic longitude"}, {"K", "an astronomic azimuth"},
-      {"M", "a mean sea level arc"},   {"P", "a geodetic latitude"},     {"Q", "a geodetic longitude"},
-      {"R", "an ellipsoidal height"},  {"X", "a GNSS baseline cluster"}, {"Y", "a GNSS point cluster"}};
-  const auto found = names.find(type);
-  return found == names.end() ? "the measurement type " + text::quoted(type) : found->second + " (" + type + ")";
-}
-
-class DynaMlReader {
- public:
-  DynaMlReader(std::string_view bytes, const std::string& file)
-      : xml_(bytes, file, {"DnaStation", "DnaMeasurement"}), builder_(file, "dynaml") {}
-
-  SurveyObservations read();
-
- private:
-  struct Station {
-    std::string name, constraints;
-    Geodetic place;
-    pugi::xml_node node;
-  };
-
-  void read_station(pugi::xml_node node);
-  std::optional<Geodetic> place_of(pugi::xml_node coordinates, const std::string& type);
-  void place_stations();
-  void hold(const Station& station);
-  void read_measurement(pugi::xml_node node);
-  void read_single(pugi::xml_node node, ObservationKind kind, bool vertical_angle);
-  void read_directions(pugi::xml_node node);
-  void read_direction(pugi::xml_node node, const std::string& from, const std::string& to, int set_up);
-  void read_height(pugi::xml_node node);
-  void read_baselines(pugi::xml_node node, const std::string& type);
-  bool read_covariance(pugi::xml_node block, const char* const (&names)[3][3], Eigen::Ref<Eigen::MatrixXd> c);
-  std::optional<double> number(pugi::xml_node parent, const char* name, const char* expected);
-  std::optional<double> angle(pugi::xml_node parent, const char* name);
-  /// [rad] or [m]; above zero.
-  std::optional<double> sigma(pugi::xml_node parent, bool angular);
-  bool is_ignored(pugi::xml_node node) { return !child_text(node, "Ignore").empty(); }
-  void reject(pugi::xml_node node, const std::string& found, const std::string& expected) {
-    const SourcePosition at = xml_.position(node);
-    builder_.skip(at.line, at.column, found, expected);
-  }
-
-  text::XmlFile xml_;
-  SurveyBuilder builder_;
-  std::vector<Station> stations_;
-  std::size_t ignored_ = 0;
-  int pointings_ = 0;
-};
+}  // namespace
 
 std::optional<double> DynaMlReader::number(pugi::xml_node parent, const char* name, const char* expected) {
   const std::string text = child_text(parent, name);
@@ -177,12 +122,12 @@ void DynaMlReader::place_stations() {
     mean.latitude += s.place.latitude / n, mean.height += s.place.height / n;
   }
   mean.longitude += stations_[0].place.longitude;
-  const GroundPlane plane(mean);
+  const GroundPlane& plane = plane_.emplace(mean);
   for (const Station& s : stations_) {
     Geodetic beside = s.place;
     beside.longitude = mean.longitude + std::remainder(s.place.longitude - mean.longitude, 2 * std::numbers::pi);
     const Eigen::Vector2d p = plane(beside);
-    if (!(p.norm() < kFarthest))
+    if (!(p.norm() < kFarthestStation))
       throw SurveyReadError(xml_.position(s.node),
                             "station " + text::quoted(s.name) + " " + text::format_fixed(p.norm() / 1000, 0) +
                                 " km from the middle of the stations",
@@ -271,75 +216,6 @@ void DynaMlReader::read_height(pugi::xml_node node) {
   builder_.survey.coordinates.push_back(group);
 }
 
-bool DynaMlReader::read_covariance(pugi::xml_node block, const char* const (&names)[3][3],
-                                   Eigen::Ref<Eigen::MatrixXd> c) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      const auto value = number(block, names[i][j], "a covariance in m^2");
-      if (!value) return false;
-      c(i, j) = *value;
-    }
-  return true;
-}
-
-/// First, Second and GPSBaseline of each baseline follow one another; in a cluster each baseline has blocks with its
-/// covariance to those behind it. All variances times Vscale; Pscale, Lscale and Hscale are of north, east and height.
-void DynaMlReader::read_baselines(pugi::xml_node node, const std::string& type) {
-  static constexpr const char* kOwn[3][3] = {
-      {"SigmaXX", "SigmaXY", "SigmaXZ"}, {"SigmaXY", "SigmaYY", "SigmaYZ"}, {"SigmaXZ", "SigmaYZ", "SigmaZZ"}};
-  static constexpr const char* kBlock[3][3] = {{"m11", "m12", "m13"}, {"m21", "m22", "m23"}, {"m31", "m32", "m33"}};
-  const auto firsts = text::children(node, "First"), seconds = text::children(node, "Second"),
-             baselines = text::children(node, "GPSBaseline");
-  if (baselines.empty() || firsts.size() != baselines.size() || seconds.size() != baselines.size())
-    return reject(node, name_of_type(type) + " without First, Second and GPSBaseline of each", "all three of each");
-  VectorGroup group;
-  group.is_geocentric = true;
-  group.source = xml_.position(node);
-  const auto n = static_cast<Eigen::Index>(3 * baselines.size());
-  group.values.resize(n);
-  group.covariance = Eigen::MatrixXd::Zero(n, n);
-  double scales[4];  // V, P, L, H
-  for (int k = 0; k < 4; ++k) {
-    static constexpr const char* kNames[] = {"Vscale", "Pscale", "Lscale", "Hscale"};
-    const auto value = child_text(node, kNames[k]).empty() ? 1 : number(node, kNames[k], "a factor above zero");
-    if (!value) return;
-    if (!(*value > 0)) return reject(node, std::string(kNames[k]) + " of zero or less", "a factor above zero");
-    scales[k] = *value;
-  }
-  if (scales[1] != scales[2])
-    return reject(node, "Pscale and Lscale that differ", "one factor for both, as nothing else is read");
-  group.horizontal_factor = std::sqrt(scales[1]), group.vertical_factor = std::sqrt(scales[3]);
-  for (size_t i = 0; i < baselines.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(3 * i);
-    static constexpr const char* kAxes[] = {"X", "Y", "Z"};
-    for (int k = 0; k < 3; ++k) {
-      const auto value = number(baselines[i], kAxes[k], "a difference in m");
-      if (!value) return;
-      group.values[at + k] = *value;
-    }
-    if (!read_covariance(baselines[i], kOwn, group.covariance.block<3, 3>(at, at))) return;
-    const auto blocks = text::children(baselines[i], "GPSCovariance");
-    if (blocks.size() + i + 1 != baselines.size())
-      return reject(baselines[i], std::to_string(blocks.size()) + " blocks GPSCovariance",
-                    std::to_string(baselines.size() - i - 1) + ", one for each baseline behind it");
-    for (size_t j = 0; j < blocks.size(); ++j) {
-      const auto other = static_cast<Eigen::Index>(3 * (i + 1 + j));
-      if (!read_covariance(blocks[j], kBlock, group.covariance.block<3, 3>(at, other))) return;
-      group.covariance.block<3, 3>(other, at) = group.covariance.block<3, 3>(at, other).transpose();
-    }
-    const std::string from(text::trim(firsts[i].text().get())), to(text::trim(seconds[i].text().get()));
-    if (from.empty() || to.empty() || from == to) return reject(baselines[i], "a baseline", "two stations");
-    group.vectors.push_back({from, to});
-  }
-  group.covariance *= scales[0];
-  if (Eigen::LLT<Eigen::MatrixXd>(group.covariance).info() != Eigen::Success)
-    return reject(node, "a covariance of " + name_of_type(type) + " that is not positive definite",
-                  "one that is: six numbers, or blocks, of the same processing");
-  for (const auto& v : group.vectors)
-    for (const std::string& id : {v.from, v.to}) builder_.point(id, group.source);
-  builder_.survey.vectors.push_back(std::move(group));
-}
-
 void DynaMlReader::read_measurement(pugi::xml_node node) {
   const std::string type = child_text(node, "Type");
   if (is_ignored(node)) {
@@ -358,8 +234,10 @@ void DynaMlReader::read_measurement(pugi::xml_node node) {
     read_height(node);
   } else if (type == "G" || type == "X") {
     read_baselines(node, type);
+  } else if (type == "Y") {
+    read_points(node);
   } else {
-    reject(node, name_of_type(type), kRead);
+    reject(node, name_of_dynaml_type(type), kRead);
   }
 }
 
@@ -373,12 +251,14 @@ SurveyObservations DynaMlReader::read() {
   for (const pugi::xml_node node : text::children(xml_.root(), "DnaMeasurement")) read_measurement(node);
   if (ignored_ > 0)
     builder_.warn(std::to_string(ignored_) + " measurements that the file says to ignore were left out");
+  if (has_point_clusters_)
+    builder_.warn(
+        "heights of point clusters (Y) are above the ellipsoid: the height of a geoid given beside them would be "
+        "wrong");
   if (xml_.damage()) builder_.survey.skipped.push_back(*xml_.damage());
   return builder_.finish("DynaML without a station or measurement that is read",
                          std::string("DnaStation, or ") + kRead);
 }
-
-}  // namespace
 
 SurveyObservations read_dynaml(std::string_view bytes, const std::string& file) {
   return DynaMlReader(bytes, file).read();

@@ -89,6 +89,14 @@ std::string GroundPlane::as_map() const {
          " +k=" + text::format_fixed(scale_, 15) + " +x_0=0 +y_0=0 +ellps=GRS80 +units=m +type=crs";
 }
 
+Eigen::Vector3d GroundPlane::place(const Eigen::Vector3d& geocentric) const {
+  Geodetic p = from_geocentric(geocentric);
+  // Beside the centre, so that the meridian at 180 degrees does no harm.
+  p.longitude = centre_.longitude + std::remainder(p.longitude - centre_.longitude, 2 * std::numbers::pi);
+  const Eigen::Vector2d plan = (*this)(p);
+  return {plan.x(), plan.y(), p.height};
+}
+
 Eigen::Vector2d GroundPlane::operator()(const Geodetic& p) const {
   return projection_.forward(p) - Eigen::Vector2d(0, north_);
 }

@@ -34,6 +34,8 @@ class GroundPlane {
  public:
   explicit GroundPlane(const Geodetic& centre);
   Eigen::Vector2d operator()(const Geodetic& p) const;
+  /// East, north and height above the ellipsoid of geocentric coordinates [m].
+  Eigen::Vector3d place(const Eigen::Vector3d& geocentric) const;
   /// The plane as PROJ writes it, so that it can be a map: "+proj=tmerc ...".
   std::string as_map() const;
 

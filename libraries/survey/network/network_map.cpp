@@ -23,6 +23,15 @@ Eigen::Vector2d middle_of_given(const NetworkModel& m) {
   return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
+/// By how much the map of the file's own draws lengths wrongly at its farthest point [1]: it has true ones about E 0, N
+/// 0.
+double stretch_of_own_plane(const NetworkModel& m) {
+  double farthest = 0;
+  for (const Eigen::Vector3d& p : m.initial)
+    if (p.head<2>().allFinite()) farthest = std::max(farthest, std::abs(p.x()));
+  return 0.5 * farthest * farthest / (kEarthRadius * kEarthRadius);
+}
+
 /// Ends of a sight with the heights of instrument and target.
 struct Sight {
   Eigen::Vector3d from, to;
@@ -68,6 +77,12 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
   const bool plane = system.empty() || system == kPlane;
   if (own.starts_with("+proj=") && !plane && system != own)
     throw NetworkError("E and N of the file are of the map " + own + ", not of another: leave out map=" + system);
+  constexpr double kNothing = 1e-6;  // a millimetre in a kilometre, 9 km from the middle
+  if (const double stretch = stretch_of_own_plane(m); plane && own.starts_with("+proj=") && stretch > kNothing)
+    throw NetworkError("map=" + std::string(kPlane) +
+                       " takes the map of the file's own as a plane, and its lengths are " +
+                       fixed_digits(1e6 * stretch, 0) +
+                       " ppm too long at the farthest point: leave map out, and they are reduced to it");
   if (plane && some)
     throw NetworkError(
         "the network has vectors in X, Y, Z of the earth: say which map its E and N are on, such as "

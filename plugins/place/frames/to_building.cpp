@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "artifacts/frame_artifact.hpp"
 #include "building/ifc/georeference.hpp"
+#include "geometry/geodesy/map_projection.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::frames {
@@ -139,6 +141,51 @@ void require_map_scale(const CommonPoints& common, const PlanTransform& transfor
   throw std::runtime_error(text);
 }
 
+/// Length on the map over length on the ground at the design's origin; nothing where the file names no map that is
+/// known. Its height is taken as that above the ellipsoid: 50 m of geoid are 8 ppm.
+std::optional<double> scale_of_map(const DesignT& design) {
+  if (!design.map_conversion || design.map_conversion->crs_name.empty()) return std::nullopt;
+  const DesignMapConversionT& given = *design.map_conversion;
+  const double unit = std::isfinite(given.map_unit) && given.map_unit > 0 ? given.map_unit : 1;
+  try {
+    const geodesy::MapProjection map(given.crs_name);
+    const Eigen::Vector2d at = unit * Eigen::Vector2d(given.eastings, given.northings);
+    const double radius = map.radius(map.inverse(at));
+    return map.factors(at).scale * radius / (radius + unit * given.orthogonal_height);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+/// A map conversion without its grid scale beside a survey that is reduced to the map: all anchors look out of place.
+void check_design_scale(const CommonPoints& common, const PlanTransform& transform, const DesignT& design,
+                        const std::string& how, Context& context) {
+  constexpr double kHeights = 30e-6;  // what a height above another surface may change
+  const auto drawn = scale_of_map(design);
+  if (!drawn || how == "same" || how == "fitted" || how == "given") return;
+  const double missing = *drawn / transform.scale;
+  if (std::abs(missing - 1) < kHeights) return;
+  const PlanScale scale = plan_scale(common, transform);
+  char text[500];
+  const std::string& map = design.map_conversion->crs_name;
+  if (std::abs(missing - 1) > 4 * scale.sigma) {
+    if (std::abs(scale.value - missing) > 3 * scale.sigma + kHeights) return;
+    std::snprintf(text, sizeof text,
+                  "with frames.with.use=%s the survey is %.0f +- %.0f ppm larger than the design: it is reduced to the "
+                  "map %s, which draws lengths there at %.6f, and the map conversion of %s has the scale %.6f; take "
+                  "frames.with.use=given with grid_scale=%.6f, or have the design exported with its grid scale",
+                  how.c_str(), 1e6 * (scale.value - 1), 1e6 * scale.sigma, map.c_str(), *drawn,
+                  design.file_name.c_str(), transform.scale, *drawn);
+    throw std::runtime_error(text);
+  }
+  std::snprintf(
+      text, sizeof text,
+      "the map conversion of %s has the scale %.6f, and its map %s draws lengths there at %.6f: if the survey "
+      "is reduced to the map, take frames.with.use=given with grid_scale=%.6f; the anchors do not tell",
+      design.file_name.c_str(), transform.scale, map.c_str(), *drawn, *drawn);
+  context.warn(text);
+}
+
 }  // namespace
 
 void ToBuilding::run(Context& context) {
@@ -187,6 +234,7 @@ void ToBuilding::run(Context& context) {
                              " m from the design (median)" + (gap.empty() ? "; without it, it is not" : "; " + gap));
   }
   require_map_scale(common, choice.transform, how);
+  check_design_scale(common, choice.transform, read, how, context);
   if (common.ids.empty())
     context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
   else

@@ -161,7 +161,8 @@ std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
 
 std::string series_as_csv(const EpochSeries& s, const SeriesText& text) {
   std::string out = "point,epoch,time [" + text.unit +
-                    "],dE [mm],dN [mm],dH [mm],sE [mm],sN [mm],sH [mm],statistic,critical,moved,warning,alarm\n";
+                    "],dE [mm],dN [mm],dH [mm],sE [mm],sN [mm],sH [mm],E since,N since,H "
+                    "since,statistic,critical,moved,warning,alarm\n";
   const auto cell = [&](double value, int digits) {
     out += ",";
     if (std::isfinite(value)) out += fixed_digits(value, digits);
@@ -178,6 +179,10 @@ std::string series_as_csv(const EpochSeries& s, const SeriesText& text) {
       cell(text.times[at.epoch], 3);
       for (int k = 0; k < 3; ++k) cell(1000 * at.movement[k], 3);
       for (int k = 0; k < 3; ++k) cell(1000 * at.sigma[k], 3);
+      for (size_t k = 0; k < 3; ++k) {  // the epoch that measured the coordinate first
+        out += ",";
+        if (std::isfinite(at.movement[static_cast<Eigen::Index>(k)])) name(text.labels[p.reference[k]]);
+      }
       cell(at.statistic, 2), cell(at.critical, 2);
       out += at.moved ? ",yes," : ",no,";
       out += level_word(at.warning);

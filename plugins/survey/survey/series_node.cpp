@@ -47,8 +47,11 @@ void EpochSeriesNode::run(Context& context) {
   text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
   int largest = 0, smallest = 0;  // rank defects
   std::vector<std::optional<double>> dates;
+  std::vector<SurveyObservations> surveys;
+  for (size_t i = 0; i < epochs.size(); ++i) surveys.push_back(from_artifact(epochs.unpack(i)));
+  announce_memory(context, series_memory(surveys));
   for (size_t i = 0; i < epochs.size(); ++i) {
-    const auto survey = from_artifact(epochs.unpack(i));
+    const SurveyObservations& survey = surveys[i];
     const std::string name = survey.files.empty() ? "epoch " + std::to_string(i + 1) : survey.files.front();
     AdjustOptions options;
     std::string remark;
@@ -58,7 +61,6 @@ void EpochSeriesNode::run(Context& context) {
     options.map = *map, options.geoid = geoid();
     options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
     if (!remark.empty()) context.warn(name + ": " + remark);
-    if (i == 0) announce_network(context, survey, options.largest_whole);
     const NetworkResult r = adjust_network(survey, options);
     if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);
     if (r.validity != Validity::sound) context.warn(name + ": " + r.verdict);

@@ -283,6 +283,41 @@ TEST(EpochSeries, ACoordinateHeldInAllButOneIsNotComparedAndSaid) {
   EXPECT_NE(s.not_compared[1].find("H of M9"), std::string::npos) << s.not_compared[1];
 }
 
+/// In a fixed frame, where all but the first epoch know one direction in the plan only: across it nobody saw a
+/// velocity. Once the normal equations were solved as they stood, singular.
+TEST(EpochSeries, ADirectionThatOneEpochLeavesFreeHasNoVelocity) {
+  for (const double turn : {0.0, 0.6}) {
+    const Eigen::Vector3d along(std::cos(turn), std::sin(turn), 0), velocity(0.1 * kMillimetre, 0.05 * kMillimetre, 0);
+    std::vector<DatedEpoch> epochs(4);
+    for (size_t k = 0; k < epochs.size(); ++k) {
+      DatedEpoch& e = epochs[k];
+      e.name = "E" + std::to_string(k), e.time = 30.0 * static_cast<double>(k);
+      e.epoch.ids = {"P"};
+      e.epoch.coordinates = Eigen::Vector3d(10, 20, 5) + e.time * velocity.dot(along) * along;
+      const Eigen::Matrix3d plan =
+          k == 0 ? Eigen::Matrix3d(Eigen::Vector3d(1, 1, 0).asDiagonal()) : Eigen::Matrix3d(along * along.transpose());
+      e.epoch.covariance = 1e-8 * (plan + Eigen::Matrix3d(Eigen::Vector3d(0, 0, 1).asDiagonal()));
+    }
+    SeriesOptions options;
+    options.free_motions = 0;
+    const EpochSeries s = epoch_series(epochs, options);
+    const SeriesPoint& p = of(s, "P");
+    EXPECT_NEAR(p.velocity.z(), 0, 1e-9);
+    EXPECT_TRUE(p.moves);
+    if (turn == 0) {  // N is held in all but one epoch, and so compared in none
+      EXPECT_NEAR(p.velocity.x(), 0.1 * kMillimetre, 1e-9);
+      EXPECT_TRUE(std::isnan(p.velocity.y()));
+      continue;
+    }
+    EXPECT_TRUE(std::isnan(p.velocity.x()) && std::isnan(p.velocity.y())) << p.velocity.transpose();
+    // Two coordinates of four epochs: a line needs 1.2 s of its time's spread.
+    EXPECT_NEAR(std::sqrt(p.velocity_statistic), velocity.dot(along) / (1e-4 / std::sqrt(4500.0)), 1e-3);
+    ASSERT_FALSE(s.not_compared.empty());
+    EXPECT_NE(s.not_compared.back().find("no velocity in every direction of P"), std::string::npos)
+        << s.not_compared.back();
+  }
+}
+
 TEST(ComparedAxes, AreThoseThatWereMeasuredTwice) {
   using enum Measured;
   const std::array<Measured, 3> all = {yes, yes, yes}, plan = {yes, yes, held}, none = {missing, missing, missing};

@@ -143,6 +143,72 @@ TEST(DynaMl, BaselinesOfAClusterKeepTheirCovariance) {
   }
 }
 
+/// A cluster of points says where its points are in X, Y, Z of the earth, with one covariance of all.
+TEST(DynaMl, PointClustersAreCoordinatesOfThePlane) {
+  const auto station = [](const std::string& id, const Eigen::Vector3d& p, const std::string& type) {
+    std::string at;
+    for (int k = 0; k < 3; ++k) {
+      static const char* const names[] = {"XAxis", "YAxis", "Height"};
+      at += "<" + std::string(names[k]) + ">" + std::to_string(p[k]) + "</" + names[k] + ">";
+    }
+    return "<DnaStation><Name>" + id + "</Name><Constraints>FFF</Constraints><Type>" + type + "</Type><StationCoord>" +
+           at + "</StationCoord></DnaStation>";
+  };
+  const Eigen::Vector3d a(-4297030.4411, 2827160.2328, -3759485.1852), b = a + Eigen::Vector3d(800, 1500, 200);
+  const auto cluster_point = [](const std::string& id, const Eigen::Vector3d& p, const std::string& block) {
+    return "<First>" + id + "</First><Clusterpoint><X>" + std::to_string(p.x()) + "</X><Y>" + std::to_string(p.y()) +
+           "</Y><Z>" + std::to_string(p.z()) +
+           "</Z><SigmaXX>4e-6</SigmaXX><SigmaXY>1e-6</SigmaXY><SigmaXZ>0</SigmaXZ><SigmaYY>9e-6</SigmaYY>"
+           "<SigmaYZ>-1e-6</SigmaYZ><SigmaZZ>5e-6</SigmaZZ>" +
+           block + "</Clusterpoint>";
+  };
+  const std::string block =
+      "<PointCovariance><m11>1e-6</m11><m12>2e-7</m12><m13>0</m13><m21>3e-7</m21><m22>2e-6</m22><m23>0</m23>"
+      "<m31>0</m31><m32>0</m32><m33>1e-6</m33></PointCovariance>";
+  const Eigen::Vector3d shift(0.003, -0.002, 0.004);
+  const auto file = [&](const std::string& scales) {
+    return "<DnaXmlFormat referenceframe=\"GDA2020\">" + station("A", a, "XYZ") + station("B", b, "XYZ") +
+           "<DnaMeasurement><Type>Y</Type><Ignore/>" + scales + "<Coords>XYZ</Coords><Total>2</Total>" +
+           cluster_point("A", a + shift, block) + cluster_point("B", b, "") + "</DnaMeasurement></DnaXmlFormat>";
+  };
+  const auto s = read_dynaml(file("<Vscale>2.0</Vscale>"), "d.xml");
+  ASSERT_TRUE(s.skipped.empty()) << s.skipped.front().found;
+  ASSERT_EQ(s.coordinates.size(), 1u);
+  const CoordinateGroup& g = s.coordinates[0];
+  ASSERT_EQ(g.components.size(), 6u);
+  EXPECT_EQ(g.components[4].point, "B");
+  EXPECT_EQ(g.components[4].axis, 1);
+  // East, north, up at A, from its latitude and longitude alone.
+  const Geodetic place = from_geocentric(a);
+  const double sl = std::sin(place.longitude), cl = std::cos(place.longitude), sp = std::sin(place.latitude),
+               cp = std::cos(place.latitude);
+  Eigen::Matrix3d level;
+  level << -sl, cl, 0, -sp * cl, -sp * sl, cp, cp * cl, cp * sl, sp;
+  EXPECT_LT((g.values.head<3>() - point(s, "A").coordinates - level * shift).norm(), 1e-6)
+      << "and not by the station's own coordinates";
+  Eigen::Matrix3d own, between;
+  own << 4, 1, 0, 1, 9, -1, 0, -1, 5;
+  between << 1, 0.2, 0, 0.3, 2, 0, 0, 0, 1;
+  const Geodetic of_b = from_geocentric(b);
+  Eigen::Matrix3d level_b;
+  const double sm = std::sin(of_b.longitude), cm = std::cos(of_b.longitude), sq = std::sin(of_b.latitude),
+               cq = std::cos(of_b.latitude);
+  level_b << -sm, cm, 0, -sq * cm, -sq * sm, cq, cq * cm, cq * sm, sq;
+  EXPECT_LT((g.covariance.topLeftCorner<3, 3>() - 2e-6 * level * own * level.transpose()).norm(), 5e-9);
+  EXPECT_LT((g.covariance.topRightCorner<3, 3>() - 2e-6 * level * between * level_b.transpose()).norm(), 5e-9);
+  const auto scaled = read_dynaml(file("<Pscale>4</Pscale><Lscale>4</Lscale><Hscale>9</Hscale>"), "d.xml");
+  EXPECT_NEAR(scaled.coordinates[0].covariance(0, 1), 2 * g.covariance(0, 1), 1e-12);
+  EXPECT_NEAR(scaled.coordinates[0].covariance(2, 2), 4.5 * g.covariance(2, 2), 1e-12);
+  for (const auto& [what, with] : {std::pair{"XYZ</Coords>", "LLH</Coords>"},
+                                   {"<First>B</First>", ""},
+                                   {"4e-6", "-4e-6"},
+                                   {"<m12>2e-7", "<m12>west"}}) {
+    const auto wrong = read_dynaml(replaced(file(""), what, with), "d.xml");
+    EXPECT_EQ(wrong.skipped.size(), 1u) << what;
+    EXPECT_TRUE(wrong.coordinates.empty()) << what;
+  }
+}
+
 TEST(DynaMl, EveryTruncationIsReadOrRefused) {
   const std::string whole = fixture("dynaml.xml");
   for (std::size_t n = 0; n < whole.size(); n += 7) {
