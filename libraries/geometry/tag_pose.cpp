@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "geometry/edge_inset.hpp"
 #include "geometry/samples.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_under_pose.hpp"
@@ -325,24 +326,18 @@ RigidTransform search(Estimator& estimator, const std::vector<TagView>& views, c
   return pose;
 }
 
-/// The views as they would be if all edges were drawn inwards by `inset` [px]: each corner moves by as much from both
-/// edges that meet there.
+/// The views as they would be if all edges were drawn inwards by `inset` [px].
 std::vector<TagView> drawn_inwards(std::vector<TagView> views, double inset) {
   for (TagView& view : views) {
-    const std::array<Eigen::Vector2d, 4> corners = view.pixels;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector2d to = (corners[(k + 1) % 4] - corners[k]).normalized(),
-                            back = (corners[(k + 3) % 4] - corners[k]).normalized();
-      const double sine = std::abs(to.x() * back.y() - to.y() * back.x());
-      if (sine > 0.05) view.pixels[k] += inset / sine * (to + back);
-    }
+    const std::array<Eigen::Vector2d, 4> moved = moved_by_inset(view.pixels);
+    for (std::size_t k = 0; k < 4; ++k) view.pixels[k] += inset * moved[k];
   }
   return views;
 }
 
 /// Standard deviations [rad, m] of the pose, with sign, by an inset that all of its tags have in common.
-Vector6 moved_by_inset(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options,
-                       const TagPose& found, const PoseEquations& equations) {
+Vector6 pose_moved_by_inset(const BrownCamera& camera, const std::vector<TagView>& views, const TagPoseOptions& options,
+                            const TagPose& found, const PoseEquations& equations) {
   const Estimator displaced(camera, drawn_inwards(views, options.inset_sigma), options);
   PoseEquations other;
   if (!displaced.assemble_with_own_weights(found.inliers, found.cam_from_world, other)) return Vector6::Zero();
@@ -372,7 +367,7 @@ TagPose estimate_centred(const BrownCamera& camera, const std::vector<TagView>& 
     throw NoTagPose("the pose leads behind a tag");
   result.covariance = equations.normal().ldlt().solve(Matrix6::Identity());
   if (options.inset_sigma > 0) {
-    const Vector6 together = moved_by_inset(camera, views, options, result, equations);
+    const Vector6 together = pose_moved_by_inset(camera, views, options, result, equations);
     result.covariance += together * together.transpose();
   }
   result.rms = std::sqrt(estimator.sum_of_squares(result.inliers, result.cam_from_world) / (8.0 * result.inlier_count));

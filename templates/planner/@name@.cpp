@@ -5,23 +5,22 @@
 #include "build/loop/planner_node.hpp"
 
 using namespace plumbline;
-using namespace plumbline::loop;
 
 namespace {
 
 /// By bracket, along right, up, out of its facade [m]; brought within range and into steps by whoever calls. Here: each
 /// back to its place by design.
-std::vector<Eigen::Vector3d> asked_for(const Facade& facade) {
+std::vector<Eigen::Vector3d> asked_for(const loop::Facade& facade) {
   std::vector<Eigen::Vector3d> asked;
-  for (const Bracket& bracket : facade.brackets) asked.push_back(-(bracket.axes.transpose() * bracket.deviation));
+  for (const loop::Bracket& bracket : facade.brackets) asked.push_back(-(bracket.axes.transpose() * bracket.deviation));
   return asked;
 }
 
-struct Planner : PlannerNode {
+struct Planner : loop::PlannerNode {
   static constexpr Info info{"plan.@name@", "planner", 1, "Settings of brackets, each for itself"};
 
  protected:
-  Fit settings(const Facade& facade) override { return fit_of_settings(facade, asked_for(facade)); }
+  loop::Fit settings(const loop::Facade& facade) override { return loop::fit_of_settings(facade, asked_for(facade)); }
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
 #include "geometry/random.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
@@ -232,6 +233,27 @@ TEST_P(Planner, WhatHangsIsNotSetAnyMore) {
     EXPECT_EQ(b.setting, Vector3d(0, 0, 0)) << b.id;
   }
   EXPECT_FALSE(panel(plan, "P1").installed);
+}
+
+/// What robots know of their own place enters the gate.
+TEST_P(Planner, ARobotThatHardlyKnowsWhereItIsLowersWhatIsGo) {
+  std::vector<double> p;
+  for (const double sigma : {0.0001, 0.003}) {
+    PosesT stations;
+    auto pose = std::make_unique<PoseT>();
+    pose->path = "robot-1.jpg";
+    pose->cam_from_world.rotation = Eigen::AngleAxisd(0.5 * std::acos(-1.0), Vector3d::UnitX());
+    pose->cam_from_world.translation = pose->cam_from_world.rotation * Vector3d(-2, 4, -1.5);
+    for (size_t i = 0; i < 6; ++i)
+      for (size_t j = 0; j <= i; ++j) pose->covariance.push_back(i == j ? sigma * sigma / (i < 3 ? 16 : 1) : 0);
+    stations.poses.push_back(std::move(pose));
+    NodeHarness node = prepared(Site(0.002));
+    node.input<Poses>("stations", stations);
+    node.run();
+    p.push_back(panel(node.output<InstallationPlan>("plan"), "P0").p_in);
+  }
+  EXPECT_GT(p[0], 0.9);
+  EXPECT_LT(p[1], p[0] - 0.1);
 }
 
 TEST_P(Planner, GivesTheSameBitsTwice) {

@@ -20,7 +20,7 @@ void say_what_mends(const BlockTest& test, MeasurementDoubtT& misfit) {
     misfit.mend = "block.with.image_principal_point_sigma=0.5";
     misfit.mend_note = "px; 0.1 to 1 for lenses that are focused or stabilised between images";
   } else if (test.kind() == BlockTestKind::distances) {
-    misfit.mend = "block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, p1, p2, d1, d2]";
+    misfit.mend = "block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, k4, p1, p2, d1, d2]";
   }
 }
 

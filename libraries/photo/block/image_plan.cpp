@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "plumbline/stop.hpp"
@@ -39,12 +40,23 @@ double hull_area(std::vector<Point> points) {
   return std::abs(twice) / 2;
 }
 
+/// Where the camera draws a point; nothing where its distortion has turned back before it gets there: what the
+/// polynomial makes of such a ray may lie in the image, the lens draws it outside.
+std::optional<Point> drawn(const BrownCamera& camera, const Eigen::Vector3d& point_in_camera) {
+  const auto pixel = project(camera, point_in_camera);
+  if (!pixel) return std::nullopt;
+  const auto ray = unproject(camera, *pixel);
+  const Point given = point_in_camera.head<2>() / point_in_camera.z();
+  if (!ray || !((*ray - given).norm() < 1e-6 * (1 + given.norm()))) return std::nullopt;
+  return pixel;
+}
+
 /// Corners of a tag in an image; fewer than four if not all of them fall into it.
 std::vector<Point> corners_in(const BoundProblem& problem, const RigidTransform& cam_from_world, std::size_t plate) {
   std::vector<Point> corners;
   const BoundPlate& p = problem.plates[plate];
   for (const Eigen::Vector3d& corner : p.corners_in_plate) {
-    const auto pixel = project(problem.camera, cam_from_world * (p.position + p.world_from_plate * corner));
+    const auto pixel = drawn(problem.camera, cam_from_world * (p.position + p.world_from_plate * corner));
     if (pixel && pixel->x() >= 0 && pixel->y() >= 0 && pixel->x() <= problem.camera.width - 1 &&
         pixel->y() <= problem.camera.height - 1)
       corners.push_back(*pixel);

@@ -1,6 +1,7 @@
 // The same block, minimised by Ceres. Before every evaluation Ceres calls back, and its values become a State: so the
 // cost functions are those of terms.hpp, and nothing is written twice.
 #include <ceres/cost_function.h>
+#include <ceres/covariance.h>
 #include <ceres/evaluation_callback.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 
 #include "photo/bundle/adjust.hpp"
+#include "photo/bundle/ceres_covariance.hpp"
 #include "plumbline/rigid_transform.hpp"
 #include "plumbline/stop.hpp"
 
@@ -225,53 +227,102 @@ class StopIfAsked : public ceres::IterationCallback {
   }
 };
 
+/// The block as a problem of Ceres at `state`.
+class CeresBlock {
+ public:
+  CeresBlock(const Problem& problem, const State& state, const MinimiseOptions& options)
+      : layout_(problem),
+        order_(problem, layout_, options.side),
+        values_(problem, layout_, state),
+        loss_(loss_of(options.loss)),
+        block_(own_nothing(values_)) {
+    for (int b = 0; b < layout_.block_count(); ++b) {
+      if (layout_.size(b) == 0) continue;
+      if (values_.ambient(b) != layout_.size(b))
+        block_.AddParameterBlock(values_.place(b), 7, new PlacementManifold);
+      else
+        block_.AddParameterBlock(values_.place(b), layout_.size(b));
+    }
+    add_terms(problem.image_points, values_, loss_.get(), block_);
+    add_terms(problem.image_tags, values_, loss_.get(), block_);
+    add_terms(problem.distances, values_, nullptr, block_);
+    for (const Known& term : problem.known) {
+      const KnownRows rows = evaluate(problem, layout_, values_.state, term);
+      std::vector<double*> places;
+      for (int b : rows.blocks) places.push_back(values_.place(b));
+      if (!places.empty()) block_.AddResidualBlock(new KnownCost(values_, term, rows), nullptr, places);
+    }
+  }
+
+  ceres::Solver::Summary solve(const MinimiseOptions& options) {
+    ceres::Solver::Options solver;
+    solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+    for (int b = 0; b < layout_.block_count(); ++b)
+      if (layout_.size(b) > 0)
+        solver.linear_solver_ordering->AddElementToGroup(values_.place(b), order_.eliminated(b) >= 0 ? 0 : 1);
+    const bool is_small = order_.kept_count() <= largest_dense || order_.factor().analysis().is_dense();
+    solver.linear_solver_type = is_small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    solver.num_threads = 1;
+    solver.logging_type = ceres::SILENT;
+    solver.max_num_iterations = options.max_iterations;
+    solver.function_tolerance = options.function_tolerance;
+    solver.gradient_tolerance = 1e-14;
+    solver.parameter_tolerance = options.step_tolerance;
+    StopIfAsked stop;
+    solver.callbacks.push_back(&stop);
+    ceres::Solver::Summary found;
+    ceres::Solve(solver, &block_, &found);
+    stop_point();
+    values_.read();
+    return found;
+  }
+
+  std::vector<Eigen::MatrixXd> covariances(const std::vector<int>& blocks) {
+    ceres::Covariance::Options options;
+    options.algorithm_type = ceres::SPARSE_QR;
+    options.num_threads = 1;
+    ceres::Covariance covariance(options);
+    std::vector<std::pair<const double*, const double*>> pairs;
+    for (int b : blocks) pairs.emplace_back(values_.place(b), values_.place(b));
+    if (!covariance.Compute(pairs, &block_)) throw std::runtime_error("Ceres finds the block rank deficient");
+    std::vector<Eigen::MatrixXd> found;
+    for (int b : blocks) {
+      found.emplace_back(layout_.size(b), layout_.size(b));
+      covariance.GetCovarianceBlockInTangentSpace(values_.place(b), values_.place(b), found.back().data());
+    }
+    return found;
+  }
+
+  const State& state() const { return values_.state; }
+
+ private:
+  static ceres::Problem::Options own_nothing(Values& values) {
+    ceres::Problem::Options options;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.evaluation_callback = &values;
+    return options;
+  }
+
+  const Layout layout_;
+  const Elimination order_;
+  Values values_;
+  std::unique_ptr<ceres::LossFunction> loss_;
+  ceres::Problem block_;
+};
+
 }  // namespace
 
 MinimiseSummary minimise_ceres(const Problem& problem, State& state, const MinimiseOptions& options) {
-  const Layout layout(problem);
-  const Elimination order(problem, layout, options.side);
-  Values values(problem, layout, state);
-  const auto loss = loss_of(options.loss);
-  ceres::Problem::Options problem_options;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.evaluation_callback = &values;
-  ceres::Problem ceres_problem(problem_options);
-  ceres::Solver::Options solver;
-  solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (int b = 0; b < layout.block_count(); ++b) {
-    if (layout.size(b) == 0) continue;
-    if (values.ambient(b) != layout.size(b))
-      ceres_problem.AddParameterBlock(values.place(b), 7, new PlacementManifold);
-    else
-      ceres_problem.AddParameterBlock(values.place(b), layout.size(b));
-    solver.linear_solver_ordering->AddElementToGroup(values.place(b), order.eliminated(b) >= 0 ? 0 : 1);
-  }
-  add_terms(problem.image_points, values, loss.get(), ceres_problem);
-  add_terms(problem.image_tags, values, loss.get(), ceres_problem);
-  add_terms(problem.distances, values, nullptr, ceres_problem);
-  for (const Known& term : problem.known) {
-    const KnownRows rows = evaluate(problem, layout, values.state, term);
-    std::vector<double*> places;
-    for (int b : rows.blocks) places.push_back(values.place(b));
-    if (!places.empty()) ceres_problem.AddResidualBlock(new KnownCost(values, term, rows), nullptr, places);
-  }
-  const bool is_small = order.kept_count() <= largest_dense || order.factor().analysis().is_dense();
-  solver.linear_solver_type = is_small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
-  solver.num_threads = 1;
-  solver.logging_type = ceres::SILENT;
-  solver.max_num_iterations = options.max_iterations;
-  solver.function_tolerance = options.function_tolerance;
-  solver.gradient_tolerance = 1e-14;
-  solver.parameter_tolerance = options.step_tolerance;
-  StopIfAsked stop;
-  solver.callbacks.push_back(&stop);
-  ceres::Solver::Summary found;
-  ceres::Solve(solver, &ceres_problem, &found);
-  stop_point();
-  values.read();
-  state = values.state;
+  CeresBlock block(problem, state, options);
+  const ceres::Solver::Summary found = block.solve(options);
+  state = block.state();
   return {found.termination_type == ceres::CONVERGENCE, static_cast<int>(found.iterations.size()),
           2 * found.initial_cost, 2 * found.final_cost, found.message};
+}
+
+std::vector<Eigen::MatrixXd> covariances_by_ceres(const Problem& problem, const State& state,
+                                                  const std::vector<int>& blocks) {
+  return CeresBlock(problem, state, {}).covariances(blocks);
 }
 
 }  // namespace plumbline::bundle

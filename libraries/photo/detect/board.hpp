@@ -45,9 +45,12 @@ struct SeenPoint {
 
 struct SeenBoard {
   std::vector<SeenPoint> points;  ///< by id; empty if the board was not found
-  std::string problem;            ///< why it was not found
-  bool contradicts = false;       ///< the board is there, but otherwise than the file says
-  double marker_pixels = 0;       ///< edge of the tags of a grid in the photograph, their mean [px]
+  /// Of points that are corners of tags by their edges: see DetectedTag::inset_sigma, the mean over the tags [px]; nan
+  /// of points where black and white fields meet.
+  double inset_sigma = std::nan("");
+  std::string problem;       ///< why it was not found
+  bool contradicts = false;  ///< the board is there, but otherwise than the file says
+  double marker_pixels = 0;  ///< edge of the tags of a grid in the photograph, their mean [px]
   double marker_ratio =
       std::nan("");  ///< edge of the markers over that of the squares, of tags over their spacing, in the photograph
 };

@@ -250,6 +250,12 @@ SeenBoard find_tags(const GreyImage& image, const Board& board) {
       if (saddle)
         seen.points.push_back({4 * grid.ids[i] + c, {place.x(), place.y(), 0}, *saddle, touching ? 0.1 : sigma});
     }
+  if (!touching) {
+    double squares = 0, fitted = 0;
+    for (const DetectedTag& tag : once.tags)
+      if (tag.inset_sigma > 0) squares += tag.inset_sigma * tag.inset_sigma, fitted += 1;
+    if (fitted > 0) seen.inset_sigma = std::sqrt(squares / fitted);
+  }
   return seen;
 }
 

@@ -12,6 +12,7 @@
 
 #include "geometry/median.hpp"
 #include "photo/bundle/adjust.hpp"
+#include "photo/markers/common_error.hpp"
 #include "photo/markers/planar_pose.hpp"
 #include "plumbline/failure.hpp"
 
@@ -279,6 +280,22 @@ class Calibrator {
     return judge_camera(std::move(evidence), c.camera, poses);
   }
 
+  /// Calibration::by_inset.
+  Eigen::VectorXd moved_by_inset() const {
+    Eigen::VectorXd nine = Eigen::VectorXd::Zero(BrownCamera::parameter_count);
+    std::vector<Eigen::Vector2d> moved;
+    bool any = false;
+    for (const auto& [v, p] : labels_) {
+      moved.push_back(views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].by_inset);
+      any = any || !moved.back().isZero(0);
+    }
+    const std::vector<int>& free = layout_->free_values(0);
+    if (!any || free.empty()) return nine;
+    const Eigen::VectorXd effect = effect_of(problem_, *layout_, state_, moved);
+    nine(free) = effect.segment(layout_->offset(layout_->block({Kind::camera, 0})), std::ssize(free));
+    return nine;
+  }
+
   Calibration result() const {
     Calibration c;
     c.camera.lens = lens(), c.camera.width = width_, c.camera.height = height_;
@@ -316,7 +333,8 @@ class Calibrator {
     c.sigma = std::sqrt(factor * variance / points);
     c.truth = judged(evidence(factor), c);
     c.formal_covariance = in_nine(c.truth.evidence, c.truth.evidence.formal);
-    c.covariance = in_nine(c.truth.evidence, c.truth.empirical.written);
+    c.by_inset = moved_by_inset();
+    c.covariance = in_nine(c.truth.evidence, c.truth.empirical.written) + c.by_inset * c.by_inset.transpose();
     c.bend_x = state_.bends[0].x(), c.bend_y = state_.bends[0].y();
     if (options_.bend_sigma > 0) {
       const Eigen::Matrix2d bend = factor * adjusted_.cofactors->own(layout_->block({Kind::bend, 0}));

@@ -19,6 +19,9 @@ struct CalibrationPoint {
   Eigen::Vector3d board;  ///< [m]
   Eigen::Vector2d pixel;
   double sigma = 0.1;  ///< [px]
+  /// Where it lies if the edges of all tags are drawn inwards by a standard deviation of what the detector states of
+  /// that, less where it is [px]. Zero of points where black and white fields meet, which no such thing moves.
+  Eigen::Vector2d by_inset = Eigen::Vector2d::Zero();
 };
 
 struct CalibrationView {
@@ -49,9 +52,14 @@ struct CalibratedView {
 
 struct Calibration {
   InteriorOrientation camera;
-  /// 9 × 9, zero for held parameters: the larger of what the residuals and what the scatter of the photographs say.
+  /// 9 × 9, zero for held parameters: the larger of what the residuals and what the scatter of the photographs say, and
+  /// by_inset.
   Eigen::MatrixXd covariance;
-  Eigen::MatrixXd formal_covariance;  ///< 9 × 9, scaled with the residuals
+  /// Nine: what CalibrationPoint::by_inset of all points together moves the parameters by (common_error.hpp).
+  Eigen::VectorXd by_inset = Eigen::VectorXd::Zero(InteriorOrientation::parameter_count);
+  /// Without what all photographs of this camera have in common.
+  Eigen::MatrixXd own_covariance() const { return covariance - by_inset * by_inset.transpose(); }
+  Eigen::MatrixXd formal_covariance;  ///< 9 × 9, of the corners' own errors alone, scaled with the residuals
   CameraTruth truth;                  ///< whether the photographs are of one camera, and how they scatter
   double bend_x = 0, bend_y = 0, bend_x_sigma = 0, bend_y_sigma = 0;  ///< [m]
   std::vector<CalibratedView> views;

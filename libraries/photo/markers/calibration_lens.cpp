@@ -22,7 +22,8 @@ std::optional<Calibration> attempt(const std::vector<CalibrationView>& views, in
 /// Sum of squares of both coordinates over all points, and their number.
 struct Residuals {
   double squares = 0, points = 0;
-  double rms() const { return std::sqrt(squares / points); }
+  /// nan of no points: such residuals prefer no lens.
+  double rms() const { return points > 0 ? std::sqrt(squares / points) : std::nan(""); }
   void add(const Calibration& c) {
     for (const CalibratedView& view : c.views) {
       const auto n = static_cast<double>(view.points.size());

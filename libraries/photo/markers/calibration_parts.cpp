@@ -39,8 +39,9 @@ std::optional<std::array<Calibration, 2>> calibrate_parts(const std::vector<Cali
 CalibrationParts compare(const std::string& split, const Calibration& a, const Calibration& b) {
   CalibrationParts parts;
   parts.split = split;
-  const auto ua = projection_uncertainty(a.camera, a.covariance, map_columns, map_rows),
-             ub = projection_uncertainty(b.camera, b.covariance, map_columns, map_rows);
+  const Eigen::MatrixXd ca = a.own_covariance(), cb = b.own_covariance();
+  const auto ua = projection_uncertainty(a.camera, ca, map_columns, map_rows),
+             ub = projection_uncertainty(b.camera, cb, map_columns, map_rows);
   std::vector<double> expected;
   for (std::size_t i = 0; i < ua.size(); ++i) expected.push_back(std::hypot(ua[i], ub[i]));
   parts.difference = median_of_finite(projection_difference(a.camera, b.camera, map_columns, map_rows));
@@ -55,7 +56,9 @@ CalibrationParts compare(const std::string& split, const Calibration& a, const C
     const auto k = static_cast<std::size_t>(both[i]);
     d(static_cast<Eigen::Index>(i)) = other[k] - first[k];
   }
-  const Eigen::MatrixXd sum = a.covariance(both, both) + b.covariance(both, both);
+  // Both are of one camera, which draws edges in alike.
+  const Eigen::VectorXd apart = a.by_inset - b.by_inset;
+  const Eigen::MatrixXd sum = (ca + cb + apart * apart.transpose())(both, both);
   parts.statistic = d.dot(sum.ldlt().solve(d));
   return parts;
 }
@@ -111,6 +114,26 @@ const CalibrationParts* contradiction_of(const std::vector<CalibrationParts>& al
 double shown_too_small_by(const std::vector<CalibrationParts>& all) {
   const CalibrationParts* worst = contradiction_of(all);
   return worst ? std::sqrt(worst->statistic / worst->freedom) : 1;
+}
+
+JudgedCalibration calibrate_and_judge(const std::vector<CalibrationView>& views, int width, int height,
+                                      const CalibrationOptions& options, std::optional<LensModel> lens) {
+  JudgedCalibration result;
+  CalibrationOptions as_found = options;
+  if (lens) {
+    as_found.lens = *lens;
+    result.calibration = calibrate(views, width, height, as_found);
+    result.lenses = compare_lenses(views, as_found, result.calibration);
+  } else {
+    CalibrationOfLens found = calibrate_lens_and_camera(views, width, height, options);
+    result.calibration = std::move(found.calibration), result.lenses = found.lenses;
+    as_found.lens = result.calibration.camera.lens;
+  }
+  Calibration& all = result.calibration;
+  result.parts = compare_parts(views, as_found, all);
+  all.covariance += (std::pow(shown_too_small_by(result.parts), 2) - 1) * all.own_covariance();
+  result.as_two = as_two_cameras(views, as_found, all);
+  return result;
 }
 
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,

@@ -1,6 +1,7 @@
 // Parts of the photographs of a board calibrated by themselves, against each other.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,18 @@ double shown_too_small_by(const std::vector<CalibrationParts>& all);
 /// there is no such change, or a part cannot be calibrated by itself.
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
                            const Calibration& all);
+
+/// A calibration as camera.yaml has it.
+struct JudgedCalibration {
+  Calibration calibration;  ///< its covariance made larger by shown_too_small_by()
+  LensComparison lenses;
+  std::vector<CalibrationParts> parts;
+  std::string as_two;  ///< see as_two_cameras()
+};
+
+/// Calibrates, compares parts of the photographs, and enlarges the covariance by what they contradict. Without `lens`
+/// the photographs tell it. Throws as calibrate().
+JudgedCalibration calibrate_and_judge(const std::vector<CalibrationView>& views, int width, int height,
+                                      const CalibrationOptions& options, std::optional<LensModel> lens = std::nullopt);
 
 }  // namespace plumbline::markers

@@ -192,10 +192,28 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
   return words + (list.empty() ? ". Nothing that could be its cause stands out" : ". It is that of " + list);
 }
 
+double hidden_focus_change(const CameraTruth& truth) {
+  const auto& parameters = truth.evidence.parameters;
+  const auto fx = std::find(parameters.begin(), parameters.end(), 0) - parameters.begin();
+  if (!truth.empirical.judged || !(truth.focal_length > 0) || fx == std::ssize(parameters)) return 0;
+  // Between halves fx has twice the standard deviation that it has of all; the odds asked for (150 to 1, against a
+  // change of any plausible size) need four of these.
+  constexpr double of_halves = 2, asked_for = 4;
+  return of_halves * asked_for * std::sqrt(truth.empirical.written(fx, fx)) / truth.focal_length;
+}
+
 std::vector<std::string> warnings_of(const CameraTruth& truth) {
   if (truth.change) return {in_words(*truth.change, truth.evidence)};
   const std::string scatter = in_words(truth.empirical, truth.scatter);
-  return scatter.empty() ? std::vector<std::string>() : std::vector<std::string>{scatter};
+  const double hidden = hidden_focus_change(truth);
+  constexpr double worth_telling = 0.02;
+  if (!scatter.empty() && hidden > 0)
+    return {scatter + printed(". A focus or zoom that changed among them by less than about %.2g %% is hidden by it",
+                              100 * hidden)};
+  if (!scatter.empty()) return {scatter};
+  if (hidden < worth_telling) return {};
+  return {printed("the photographs do not tell whether focus or zoom changed among them by less than about %.2g %%",
+                  100 * hidden)};
 }
 
 }  // namespace plumbline::markers

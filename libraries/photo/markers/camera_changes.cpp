@@ -360,7 +360,7 @@ std::vector<Scatter> causes_of_scatter(const CameraEvidence& evidence, const Bro
 CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
                          const std::vector<RigidTransform>& cam_from_object) {
   CameraTruth truth;
-  truth.evidence = std::move(evidence);
+  truth.evidence = std::move(evidence), truth.focal_length = camera.fx;
   truth.empirical = empirical_covariance(truth.evidence, cam_from_object);
   truth.change = find_change(truth.evidence, camera, cam_from_object);
   if (!truth.change) truth.scatter = causes_of_scatter(truth.evidence, camera, cam_from_object);

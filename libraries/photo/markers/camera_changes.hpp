@@ -73,7 +73,12 @@ struct CameraTruth {
   EmpiricalCovariance empirical;
   std::vector<Scatter> scatter;  ///< causes, where there is no change
   std::optional<CameraChange> change;
+  double focal_length = 0;  ///< fx [px]
 };
+
+/// Relative change of the principal distance from one half of the photographs to the other below which find_change()
+/// could hardly tell it from their scatter; 0 where fewer photographs than fewest_to_scatter say nothing of that.
+double hidden_focus_change(const CameraTruth& truth);
 
 CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
                          const std::vector<RigidTransform>& cam_from_object);

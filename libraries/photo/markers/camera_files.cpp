@@ -12,6 +12,7 @@
 
 #include "base/text/one_document.hpp"
 #include "geometry/camera_correlations.hpp"
+#include "photo/markers/lens_names.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -173,6 +174,22 @@ void set_distortion(const std::vector<double>& d, const std::string& file, Inter
   camera.k1 = value(0), camera.k2 = value(1), camera.p1 = value(2), camera.p2 = value(3), camera.k3 = value(4);
 }
 
+/// By whole names: "ds" is a lens model, and a part of many cameras' names. What stands under `distortion_model` is
+/// one, so a name that nobody knows is refused there; `camera_model` and `model` are often the camera's own name.
+void read_lens(const YAML::Node& root, const std::string& file, InteriorOrientation& camera) {
+  for (const char* key : {"distortionmodel", "cameramodel", "model"}) {
+    const YAML::Node model = find(root, {key});
+    if (!model.IsDefined() || !model.IsScalar()) continue;
+    const std::string name = simple(model.as<std::string>());
+    const bool names_a_lens = std::string(key) == "distortionmodel" && !name.empty();
+    const LensName lens = lens_named(name);
+    if (lens == LensName::fisheye) camera.lens = LensModel::fisheye;
+    if (lens == LensName::other || (names_a_lens && lens == LensName::unknown))
+      refuse(file, "the distortion model is '" + model.as<std::string>() +
+                       "'; known are Brown's (plumb_bob, radtan) and the fisheye (equidistant, Kannala-Brandt)");
+  }
+}
+
 void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& result) {
   const YAML::Node matrix = find(root, {"cameramatrix", "camera", "cameraintrinsics", "intrinsicmatrix", "k", "kmatrix",
                                         "mtx", "intrinsics", "intrinsic"});
@@ -194,15 +211,8 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
     result.camera.fx = fx[0], result.camera.fy = fy.size() == 1 ? fy[0] : fx[0];
     result.camera.cx = cx[0], result.camera.cy = cy[0];
   }
-  const YAML::Node model = find(root, {"distortionmodel", "cameramodel", "model"});
-  const std::string name = model.IsDefined() && model.IsScalar() ? simple(model.as<std::string>()) : "";
-  for (const char* other : {"omni", "mei", "eucm", "ds", "fov", "thinprism"})
-    if (name.find(other) != std::string::npos && name.find("pinhole") == std::string::npos)
-      refuse(file, "the distortion model is '" + model.as<std::string>() +
-                       "'; known are Brown's (plumb_bob, radtan) and the fisheye (equidistant, Kannala-Brandt)");
+  read_lens(root, file, result.camera);
   const YAML::Node fisheye = find(root, {"fisheyemodel"});
-  for (const char* same : {"equi", "fisheye", "kannala", "kb4"})
-    if (name.find(same) != std::string::npos) result.camera.lens = LensModel::fisheye;
   if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0) result.camera.lens = LensModel::fisheye;
   const YAML::Node list = find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
                                       "distortioncoeffs", "cameradistortion", "distcoefs"});

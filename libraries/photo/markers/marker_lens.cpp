@@ -50,11 +50,38 @@ std::optional<MarkerResult> adjusted_if_possible(const MarkerBlock& block, const
   }
 }
 
+/// Where Brown's model fits nothing: the block with the fisheye's, if that fits most views well.
+bool take_as_fisheye(MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  constexpr double good = 1e-3;  // of the image's longer side
+  if (std::none_of(block.cameras.begin(), block.cameras.end(), calibrates_itself)) return false;
+  MarkerBlock other = with_fisheyes(block);
+  const auto as_fisheye = adjusted_if_possible(other, options);
+  int extent = 0;
+  for (const MarkerCamera& camera : block.cameras)
+    extent = std::max({extent, camera.camera.width, camera.camera.height});
+  if (!as_fisheye || 2 * as_fisheye->views.size() < block.views.size() || as_fisheye->rms > good * extent) return false;
+  block = std::move(other);
+  result = *as_fisheye;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                "the lens is a fisheye: Brown's model does not adjust at all; with the fisheye's (Kannala and Brandt) "
+                "the tags fit to %.2f px. A calibration (camera=) holds whichever it has",
+                result.rms);
+  result.warnings.insert(result.warnings.begin(), text);
+  return true;
+}
+
 }  // namespace
 
 MarkerResult adjust_lens_and_block(MarkerBlock& block, const MarkerOptions& options) {
   constexpr double wide = 35 * std::numbers::pi / 180, clearly = 0.85;
-  MarkerResult result = adjust_marker_block(block, options);
+  MarkerResult result;
+  try {
+    result = adjust_marker_block(block, options);
+  } catch (const std::runtime_error&) {  // rays that Brown's polynomial does not reach
+    if (take_as_fisheye(block, options, result)) return result;
+    throw;
+  }
   if (widest_angle(block, result) < wide) return result;
   MarkerBlock other = with_fisheyes(block);
   const auto as_fisheye = adjusted_if_possible(other, options);

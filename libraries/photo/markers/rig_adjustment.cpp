@@ -11,6 +11,7 @@
 
 #include "geometry/median.hpp"
 #include "photo/bundle/adjust.hpp"
+#include "photo/markers/common_error.hpp"
 #include "photo/markers/rig.hpp"
 
 namespace plumbline::markers {
@@ -281,6 +282,30 @@ class RigAdjuster {
     drop_empty_exposures(p);
   }
 
+  static Eigen::VectorXd part_of(const Eigen::VectorXd& all, const bundle::Layout& layout, bundle::Kind kind,
+                                 size_t m) {
+    const int block = layout.block({kind, static_cast<int>(m)});
+    return all.segment(layout.offset(block), layout.size(block));
+  }
+
+  /// What the inset of each camera's photographs moves all unknowns by; empty where none is stated.
+  std::vector<Eigen::VectorXd> effects_of_insets(const Rig& p, const RigModel& model,
+                                                 const bundle::Layout& layout) const {
+    std::vector<Eigen::VectorXd> effects;
+    for (size_t m = 0; m < p.members.size(); ++m) {
+      bool any = false;
+      std::vector<Eigen::Vector2d> moved(model.labels.size(), Eigen::Vector2d::Zero());
+      for (size_t k = 0; k < moved.size(); ++k) {
+        const Shot& shot = p.shots[static_cast<size_t>(model.labels[k].first)];
+        if (shot.camera != static_cast<int>(m)) continue;
+        moved[k] = given(p, shot).points[static_cast<size_t>(model.labels[k].second)].by_inset;
+        any = any || !moved[k].isZero(0);
+      }
+      if (any) effects.push_back(effect_of(model.problem, layout, model.state, moved));
+    }
+    return effects;
+  }
+
   void read(const Rig& p, const RigModel& model, const bundle::Layout& layout, const bundle::Adjusted& adjusted,
             AdjustedRig& rig) const {
     double variance = 0, squares = 0;
@@ -300,6 +325,7 @@ class RigAdjuster {
     const auto cofactor = [&](bundle::Kind kind, size_t m) {
       return adjusted.cofactors->own(layout.block({kind, static_cast<int>(m)}));
     };
+    const std::vector<Eigen::VectorXd> by_insets = effects_of_insets(p, model, layout);
     for (size_t m = 0; m < p.members.size(); ++m) {
       AdjustedRigCamera camera;
       camera.camera = p.members[m];
@@ -312,13 +338,24 @@ class RigAdjuster {
       camera.interior.set_parameters(values);
       camera.interior_covariance = Eigen::MatrixXd::Zero(BrownCamera::parameter_count, BrownCamera::parameter_count);
       const auto& free = layout.free_values(static_cast<int>(m));
-      if (!free.empty()) camera.interior_covariance(free, free) = factor * cofactor(bundle::Kind::camera, m);
+      if (!free.empty()) {
+        camera.interior_covariance(free, free) = factor * cofactor(bundle::Kind::camera, m);
+        for (const Eigen::VectorXd& effect : by_insets) {
+          const Eigen::VectorXd moved = part_of(effect, layout, bundle::Kind::camera, m);
+          camera.interior_covariance(free, free) += moved * moved.transpose();
+        }
+      }
+      camera.by_inset.setZero(6, std::ssize(by_insets));
       if (m > 0) {  // (C, δ) to (δ, t): t = −exp(δ) R C, dt = −R dC − [t]× δ
         Eigen::Matrix<double, 6, 6> jacobian = Eigen::Matrix<double, 6, 6>::Zero();
         jacobian.topRightCorner<3, 3>().setIdentity();
         jacobian.bottomLeftCorner<3, 3>() = -mount.matrix;
         jacobian.bottomRightCorner<3, 3>() = -skew(camera.cam_from_reference.translation);
-        camera.covariance = factor * jacobian * cofactor(bundle::Kind::mount, m) * jacobian.transpose();
+        for (size_t k = 0; k < by_insets.size(); ++k)
+          camera.by_inset.col(static_cast<Eigen::Index>(k)) =
+              jacobian * part_of(by_insets[k], layout, bundle::Kind::mount, m);
+        camera.covariance = factor * jacobian * cofactor(bundle::Kind::mount, m) * jacobian.transpose() +
+                            camera.by_inset * camera.by_inset.transpose();
       }
       camera.rms = std::sqrt(own[m] / std::max(1.0, points[m])), camera.separate_rms = separate.rms;
       camera.shared = shared_exposures(p.members, p.members[m]);
@@ -372,7 +409,10 @@ void compare_halves(const RigAdjuster& adjuster, const Component& component, Adj
     const Eigen::AngleAxisd turn(a.cam_from_reference.rotation * b.cam_from_reference.rotation.conjugate());
     Eigen::Matrix<double, 6, 1> difference;
     difference << turn.angle() * turn.axis(), a.cam_from_reference.translation - b.cam_from_reference.translation;
-    const Eigen::Matrix<double, 6, 6> covariance = a.covariance + b.covariance;
+    // Both halves are of the same cameras, which draw edges in alike.
+    const Eigen::Matrix<double, 6, Eigen::Dynamic> apart = a.by_inset - b.by_inset;
+    const Eigen::Matrix<double, 6, 6> covariance = a.covariance - a.by_inset * a.by_inset.transpose() + b.covariance -
+                                                   b.by_inset * b.by_inset.transpose() + apart * apart.transpose();
     rig.cameras[m].halves = difference.dot(covariance.ldlt().solve(difference)) / 6;
   }
 }

@@ -26,8 +26,11 @@ struct AdjustedRigCamera {
   RigidTransform cam_from_reference;
   /// Of a rotation vector in the camera's frame [rad], then of the translation [m]; zero for the reference.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// Of that, a column for each camera of the rig: what the inset of its photographs (CalibrationPoint::by_inset)
+  /// moves.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by_inset;
   BrownCamera interior;
-  Eigen::MatrixXd interior_covariance;  ///< 9 × 9, scaled with the residuals
+  Eigen::MatrixXd interior_covariance;  ///< 9 × 9, scaled with the residuals, the insets of all cameras with it
   double rms = 0, separate_rms = 0;     ///< √(Σ(dx² + dy²)/n) here and in the calibration of its own [px]
   int shared = 0;                       ///< exposures that another camera of the rig took, too
   /// Mean square of the difference between two halves of the exposures over its covariance, 1 if the covariance is

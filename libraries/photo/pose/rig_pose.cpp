@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 
+#include "geometry/edge_inset.hpp"
 #include "geometry/samples.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_under_pose.hpp"
@@ -80,6 +81,15 @@ class Estimator {
     if (!weights(chosen, pose, own) || !assemble(chosen, own, pose, equations))
       throw NoTagPose("the pose leads behind a tag");
     return equations.normal.ldlt().solve(Matrix6::Identity());
+  }
+
+  /// Right side of the normal equations there. Throws as covariance().
+  Vector6 pull(const std::vector<bool>& chosen, const RigidTransform& pose) const {
+    std::vector<TagWeight> own;
+    Equations equations;
+    if (!weights(chosen, pose, own) || !assemble(chosen, own, pose, equations))
+      throw NoTagPose("the pose leads behind a tag");
+    return equations.right;
   }
 
   double sum_of_squares(std::size_t i, const RigidTransform& pose) const {
@@ -159,6 +169,21 @@ class Estimator {
   double gate_;
 };
 
+/// Standard deviations [rad, m] of the pose, with sign, by what the edges of all tags in one view are drawn in
+/// together.
+Vector6 pose_moved_by_inset(const std::vector<RigView>& views, const std::vector<RigTag>& tags, std::size_t view,
+                            const TagPoseOptions& options, const RigPose& found, const Estimator& estimator) {
+  std::vector<RigTag> displaced = tags;
+  for (RigTag& tag : displaced) {
+    if (tag.view != view) continue;
+    const std::array<Eigen::Vector2d, 4> moved = moved_by_inset(tag.tag.pixels);
+    for (std::size_t k = 0; k < 4; ++k) tag.tag.pixels[k] += views[view].inset_sigma * moved[k];
+  }
+  const Vector6 here = estimator.pull(found.inliers, found.rig_from_world);
+  const Estimator other(views, displaced, options);
+  return found.covariance * (other.pull(found.inliers, found.rig_from_world) - here);
+}
+
 struct Hypothesis {
   double score;
   RigidTransform pose;
@@ -206,6 +231,14 @@ RigPose estimate_centred(const std::vector<RigView>& views, const std::vector<Ri
                     " of " + count);
   result.rig_from_world = estimator.refine(result.inliers, result.rig_from_world);
   result.covariance = estimator.covariance(result.inliers, result.rig_from_world);
+  // Each camera draws edges in its own way, as in blocks.
+  Matrix6 of_insets = Matrix6::Zero();
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (!(views[v].inset_sigma > 0)) continue;
+    const Vector6 together = pose_moved_by_inset(views, tags, v, options, result, estimator);
+    of_insets += together * together.transpose();
+  }
+  result.covariance += of_insets;
   return result;
 }
 

@@ -13,6 +13,9 @@ namespace plumbline::pose {
 struct RigView {
   BrownCamera camera;
   RigidTransform cam_from_rig;
+  /// Standard deviation of how far all edges of this photograph are drawn inwards together [px], see TagPoseOptions;
+  /// that of the options does not count.
+  double inset_sigma = 0;
 };
 
 /// A tag, and which camera shows it.

@@ -57,7 +57,8 @@ std::vector<std::unique_ptr<PoseT>> poses_of(const Moment& moment, const Inputs&
     for (const auto& tag : image.tags)
       if (const Field::Entry* entry = in.field.find(*tag))
         if (const auto view = view_of(*tag, *entry, camera, in.settings)) tags.push_back({views.size(), *view});
-    views.push_back({camera, photograph.camera->cam_from_rig});
+    const double inset_sigma = image.corner_inset_sigma > 0 ? image.corner_inset_sigma : 0;  // nan: none is stated
+    views.push_back({camera, photograph.camera->cam_from_rig, inset_sigma});
   }
   const std::string need = std::to_string(in.settings.min_markers);
   if (static_cast<int>(tags.size()) < in.settings.min_markers)

@@ -1,5 +1,6 @@
 #include "build/evaluate/poses_node.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,6 +8,7 @@
 #include <vector>
 
 #include "geometry/median.hpp"
+#include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -15,6 +17,14 @@ double root_mean_square(const std::vector<double>& values) {
   double sum = 0;
   for (const double v : values) sum += v * v;
   return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+/// e' C^-1 e of (rotation vector in the camera frame, translation): of six degrees of freedom where C is true.
+double squared_error(const PoseT& estimate, const RigidTransform& exact) {
+  const Eigen::AngleAxisd turn(exact.rotation * estimate.cam_from_world.rotation.conjugate());
+  Eigen::Matrix<double, 6, 1> error;
+  error << turn.angle() * turn.axis(), exact.translation - estimate.cam_from_world.translation;
+  return error.dot(unpack_symmetric(estimate.covariance, 6, "the pose of " + estimate.path).ldlt().solve(error));
 }
 
 }  // namespace
@@ -27,6 +37,7 @@ void EvaluatePoses::run(Context& context) {
   PosesT right;
   std::vector<double> positions, rotations;
   std::size_t missing = 0;
+  double squares = 0, freedom = 0;
   for (const auto& pose : known.poses) {
     const auto place = by_path.find(pose->path);
     if (place == by_path.end()) {
@@ -36,12 +47,15 @@ void EvaluatePoses::run(Context& context) {
     const RigidTransform &estimate = place->second->cam_from_world, &exact = pose->cam_from_world;
     positions.push_back((estimate.inverse().translation - exact.inverse().translation).norm());
     rotations.push_back(estimate.rotation.angularDistance(exact.rotation));
+    if (place->second->covariance.size() == 21) squares += squared_error(*place->second, exact), freedom += 6;
     if (positions.back() <= *wrong_above) right.poses.push_back(std::make_unique<PoseT>(*place->second));
   }
   const auto images = static_cast<double>(known.poses.size());
   if (positions.empty() || static_cast<double>(missing) > *max_missing * images)
     throw std::runtime_error(std::to_string(missing) + " of " + std::to_string(known.poses.size()) +
                              " images have no pose; a result on the others alone would flatter it (max_missing)");
+  context.metric("pose_nees", freedom > 0 ? squares / freedom : std::nan(""), "1");
+  context.metric("pose_freedom", freedom, "1");
   context.metric("images", images, "1");
   context.metric("missing", static_cast<double>(missing), "1");
   context.metric("wrong", static_cast<double>(positions.size() - right.poses.size()), "1");

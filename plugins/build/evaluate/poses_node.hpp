@@ -7,9 +7,9 @@
 namespace plumbline::judgement {
 
 struct EvaluatePoses : Node {
-  static constexpr Info info{
-      "evaluate.poses", "", 1,
-      "Errors of poses against the truth as metrics: position, rotation, missing and wrong ones"};
+  static constexpr Info info{"evaluate.poses", "", 2,
+                             "Errors of poses against the truth as metrics: position, rotation, squared errors over "
+                             "their covariance, missing ones"};
   In<Poses> poses{"poses", frame("frame=?F"), "estimated exterior orientations"};
   In<Poses> truth{"truth", frame("frame=?F"), "the true ones; every image of it counts"};
   Param<double> wrong_above{"wrong_above", 0.1, "m", at_least(0),

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "building/ifc/doubt_words.hpp"
 #include "loop/gate/gate.hpp"
+#include "loop/gate/station_error.hpp"
 #include "loop/state/control_change.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "loop/state/reading_keys.hpp"
@@ -81,6 +83,15 @@ double rms_corner(const InstallationPlanT& plan) {
 
 }  // namespace
 
+double PlannerNode::worst_station(const Facade& facade) {
+  const PosesT poses = stations.unpack();
+  double worst = 0;
+  for (const Bracket& bracket : facade.brackets)
+    if (bracket.measured() && !bracket.fixed)
+      worst = std::max(worst, station_covariance(nearest_station(poses, bracket.design), bracket.design).trace() / 3);
+  return std::sqrt(worst);
+}
+
 void PlannerNode::run(Context& context) {
   LoopStateT before;
   if (state) before = state.unpack();
@@ -99,6 +110,13 @@ void PlannerNode::run(Context& context) {
   if (brackets->empty())
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
+  if (stations) {
+    const double found = worst_station(input.facade);
+    input.facade.errors.station = std::hypot(input.facade.errors.station, found);
+    context.metric("station_sigma", input.facade.errors.station, "m");
+    input.notes.push_back("robots know their place by what they see: a bracket to " + text::millimetres(found) +
+                          " at worst in each direction");
+  }
   const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
   InstallationPlanT told;
   RoundsEstimate rounds;

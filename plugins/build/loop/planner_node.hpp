@@ -8,6 +8,7 @@
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/poses.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "build/loop/facade_input.hpp"
 #include "loop/fit/plan_settings.hpp"
@@ -29,6 +30,10 @@ struct PlannerNode : Node {
       "readings", frame("frame=?S"),
       "readings of this campaign: one that holds some of a campaign before is found by them; without, only by places "
       "that are the same"};
+  Optional<Poses> stations{"stations", frame("frame=?F"),
+                           "where robots stand by the tags that their cameras see, with covariance: how well the "
+                           "nearest one knows the place "
+                           "of a bracket is added to station_sigma; without, station_sigma alone"};
   Param<std::vector<std::string>> brackets{
       "brackets", std::vector<std::string>{},
       "what brackets can be set by: 'class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm'; later "
@@ -88,6 +93,8 @@ struct PlannerNode : Node {
 
  private:
   FacadeRules rules();
+  /// Standard deviation of one direction of the worst bracket that is still to be set [m].
+  double worst_station(const Facade& facade);
   RoundsEstimate with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result);
 };
 

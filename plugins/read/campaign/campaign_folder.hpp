@@ -16,6 +16,7 @@
 #include "control/points/control_point.hpp"
 #include "geometry/camera.hpp"
 #include "plumbline/failure.hpp"
+#include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::campaign {
 
@@ -136,6 +137,14 @@ using control::ControlPoint;
 /// or is not used. Throws CampaignError.
 std::vector<ControlPoint> parse_control(const std::string& csv, const std::filesystem::path& shown,
                                         std::vector<std::string>* warnings = nullptr);
+
+/// A row of truth/cameras.csv, likewise.
+struct TrueCamera {
+  std::string image;
+  RigidTransform camera_from_building;
+};
+/// Throws std::runtime_error with the line.
+std::vector<TrueCamera> parse_true_cameras(const std::string& csv, const std::filesystem::path& shown);
 
 /// A row of truth/anchors.csv, which simulate.campaign writes.
 struct TrueAnchor {

@@ -4,6 +4,7 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <sstream>
 #include <tuple>
 
 #include "base/text/csv_table.hpp"
@@ -290,6 +291,27 @@ std::vector<ControlPoint> parse_control(const std::string& csv, const std::files
     warnings->insert(warnings->end(), table.notes.begin(), table.notes.end());
   }
   return table.points;
+}
+
+std::vector<TrueCamera> parse_true_cameras(const std::string& csv, const std::filesystem::path& shown) {
+  std::istringstream lines(csv);
+  std::string line;
+  if (!std::getline(lines, line) || line != "image,w,x,y,z,tx_m,ty_m,tz_m")
+    throw std::runtime_error(shown.string() + ":1: found '" + line + "', expected image,w,x,y,z,tx_m,ty_m,tz_m");
+  std::vector<TrueCamera> cameras;
+  for (int number = 2; std::getline(lines, line); ++number) {
+    TrueCamera camera;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream cells(line);
+    Eigen::Quaterniond& q = camera.camera_from_building.rotation;
+    Eigen::Vector3d& t = camera.camera_from_building.translation;
+    if (!(cells >> camera.image >> q.w() >> q.x() >> q.y() >> q.z() >> t.x() >> t.y() >> t.z()))
+      throw std::runtime_error(shown.string() + ":" + std::to_string(number) +
+                               ": expected the name of an image and seven numbers");
+    q.normalize();
+    cameras.push_back(camera);
+  }
+  return cameras;
 }
 
 std::vector<TrueAnchor> parse_true_anchors(const std::string& csv, const std::filesystem::path& shown) {

@@ -4,6 +4,7 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
 #include "campaign_cameras.hpp"
 #include "listed_campaign.hpp"
@@ -256,12 +257,15 @@ struct ReadMeasuredCampaign : Node {
 
 /// Only an evaluation may be fed from this.
 struct ReadTruth : Node {
-  static constexpr Info info{"read.truth", "", 1, "Reads the truth beside a simulated campaign; for evaluation only"};
+  static constexpr Info info{"read.truth", "", 2, "Reads the truth beside a simulated campaign; for evaluation only"};
   In<Folder> truth{"truth", "the folder `truth` of simulate.campaign"};
   Out<Points> points{"points", frame("frame=building"), "where the anchors really are; sigma 0"};
+  Out<Poses> cameras{"poses", frame("frame=building"), "where the photographs were really taken; no covariance"};
 
   void run(Context& context) override {
-    const fs::path path = fs::path(context.resolve(std::string(truth->uri()->string_view()))) / "anchors.csv";
+    const fs::path folder = context.resolve(std::string(truth->uri()->string_view()));
+    commit_cameras(folder / "cameras.csv");
+    const fs::path path = folder / "anchors.csv";
     PointsT result;
     for (const campaign::TrueAnchor& anchor : campaign::parse_true_anchors(text::read_whole(path), path)) {
       auto point = std::make_unique<PointT>();
@@ -272,6 +276,18 @@ struct ReadTruth : Node {
       result.points.push_back(std::move(point));
     }
     points.commit(result);
+  }
+
+ private:
+  void commit_cameras(const fs::path& path) {
+    PosesT result;
+    for (const campaign::TrueCamera& camera : campaign::parse_true_cameras(text::read_whole(path), path)) {
+      auto pose = std::make_unique<PoseT>();
+      pose->path = "images/" + camera.image;
+      pose->cam_from_world = camera.camera_from_building;
+      result.poses.push_back(std::move(pose));
+    }
+    cameras.commit(result);
   }
 };
 

@@ -36,7 +36,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 6,
+      "calibrate.board", "", 7,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::string> lens{"lens", "by_photographs", one_of("by_photographs", "brown", "fisheye"),
@@ -93,16 +93,11 @@ struct CalibrateBoard : Node {
       all.emplace_back().selection = std::move(selection);
       Calibrated& one = all.back();
       try {
-        one.lenses = calibrate_told(one, options);
+        calibrate_told(one, options);
       } catch (const std::runtime_error& error) {
         if (one.selection.camera.empty()) throw;
         throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
-      CalibrationOptions as_found = options;
-      as_found.lens = one.calibration.camera.lens;
-      one.parts = compare_parts(one.selection.views, as_found, one.calibration);
-      one.calibration.covariance *= std::pow(shown_too_small_by(one.parts), 2);
-      one.as_two = as_two_cameras(one.selection.views, as_found, one.calibration);
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);
     }
@@ -134,17 +129,12 @@ struct CalibrateBoard : Node {
                              first->path + ": " + first->problem);
   }
 
-  /// Into `one.calibration`; with which residuals the lens was chosen, or would have been.
-  LensComparison calibrate_told(Calibrated& one, CalibrationOptions options) const {
+  void calibrate_told(Calibrated& one, const CalibrationOptions& options) const {
     const Selection& selection = one.selection;
-    if (*lens == "by_photographs") {
-      CalibrationOfLens found = calibrate_lens_and_camera(selection.views, selection.width, selection.height, options);
-      one.calibration = std::move(found.calibration);
-      return found.lenses;
-    }
-    options.lens = *lens == "fisheye" ? LensModel::fisheye : LensModel::brown;
-    one.calibration = calibrate(selection.views, selection.width, selection.height, options);
-    return compare_lenses(selection.views, options, one.calibration);
+    std::optional<LensModel> told;
+    if (*lens != "by_photographs") told = *lens == "fisheye" ? LensModel::fisheye : LensModel::brown;
+    static_cast<JudgedCalibration&>(one) =
+        calibrate_and_judge(selection.views, selection.width, selection.height, options, told);
   }
 
   /// A photograph whose markers have another size than those of the others says nothing of the board file.

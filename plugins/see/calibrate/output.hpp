@@ -11,12 +11,8 @@
 namespace plumbline::markers {
 
 /// What one camera gave.
-struct Calibrated {
+struct Calibrated : JudgedCalibration {
   Selection selection;
-  Calibration calibration;
-  LensComparison lenses;
-  std::vector<CalibrationParts> parts;
-  std::string as_two;  ///< what two cameras in place of one make of its photographs; empty: nothing
 };
 
 std::vector<std::string> warnings_of(const Calibrated& one);

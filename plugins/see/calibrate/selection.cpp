@@ -1,8 +1,10 @@
 #include "selection.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <map>
 
+#include "geometry/edge_inset.hpp"
 #include "photo/markers/camera_groups.hpp"
 
 namespace plumbline::markers {
@@ -30,6 +32,28 @@ std::string usual_camera(const std::vector<const BoardPointsT*>& photographs, co
   for (const auto& [camera, number] : times)
     if (usual.empty() || number > times[usual]) usual = camera;
   return usual;
+}
+
+/// CalibrationPoint::by_inset of the corners of tags, four each under 4 times its number and what follows.
+void add_insets(const BoardPointsT& photograph, CalibrationView& view) {
+  if (!(photograph.corner_inset_sigma > 0)) return;  // nan: the board's points are none of edges
+  std::map<int, size_t> places;
+  for (size_t k = 0; k < photograph.points.size(); ++k) places[photograph.points[k]->id] = k;
+  for (const auto& [id, place] : places) {
+    if (id % 4 != 0) continue;
+    std::array<size_t, 4> at{};
+    std::array<Eigen::Vector2d, 4> corners;
+    bool whole = true;
+    for (int c = 0; c < 4 && whole; ++c) {
+      const auto found = places.find(id + c);
+      whole = found != places.end();
+      if (whole) at[static_cast<size_t>(c)] = found->second;
+    }
+    if (!whole) continue;
+    for (size_t c = 0; c < 4; ++c) corners[c] = view.points[at[c]].pixel;
+    const auto moved = moved_by_inset(corners);
+    for (size_t c = 0; c < 4; ++c) view.points[at[c]].by_inset = photograph.corner_inset_sigma * moved[c];
+  }
 }
 
 Selection select_one(const std::vector<const BoardPointsT*>& photographs, bool tell_bodies) {
@@ -68,6 +92,7 @@ Selection select_one(const std::vector<const BoardPointsT*>& photographs, bool t
       view.path = p->path;
       for (const auto& point : p->points)
         view.points.push_back({point->board, point->pixel, point->sigma > 0 ? point->sigma : 0.1});
+      add_insets(*p, view);
       if (view.points.size() < 4 || in_one_line(view.points))
         result.left_out.emplace_back(p->path, "its " + std::to_string(view.points.size()) +
                                                   " points of the board lie in one line and give no pose");

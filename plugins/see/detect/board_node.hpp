@@ -12,7 +12,7 @@
 namespace plumbline::detect {
 
 struct DetectBoard : Node {
-  static constexpr Info info{"detect.board", "", 4,
+  static constexpr Info info{"detect.board", "", 5,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
   Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
@@ -32,6 +32,7 @@ struct DetectBoard : Node {
       result.width = grey.width, result.height = grey.height;
       const SeenBoard seen = find_board(grey, pattern);
       result.problem = seen.problem, result.marker_ratio = seen.marker_ratio, result.contradicts = seen.contradicts;
+      result.corner_inset_sigma = seen.inset_sigma;
       for (const SeenPoint& p : seen.points) {
         auto point = std::make_unique<BoardPointT>();
         point->id = p.id, point->board = p.board, point->pixel = p.pixel, point->sigma = p.sigma;

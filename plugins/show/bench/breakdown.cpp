@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <optional>
 
+#include "show/bench/pairing.hpp"
+
 namespace plumbline::bench {
 
 namespace {
@@ -157,7 +159,8 @@ std::vector<std::string> breakdown_sentences(const std::vector<Breakdown>& found
     std::string last;
     for (const Breakdown* b : alike) {
       const std::string far = breakdown_text(*b), name = b->name.empty() ? "" : " with " + b->name;
-      text += far == last ? "," + name.substr(name.empty() ? 0 : 5) : (last.empty() ? "" : "; ") + far + name;
+      const std::string begun = last.empty() ? far : ". " + begin_sentence(far);
+      text += far == last ? "," + name.substr(name.empty() ? 0 : 5) : begun + name;
       last = far;
     }
     sentences.push_back(text + ".");

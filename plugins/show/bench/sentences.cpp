@@ -6,8 +6,7 @@
 
 #include "base/text/text.hpp"
 #include "base/text/words.hpp"
-#include "show/bench/duels.hpp"
-#include "show/bench/tables.hpp"
+#include "show/bench/pairing.hpp"
 
 namespace plumbline::bench {
 
@@ -15,18 +14,10 @@ using statistics::Verdict;
 
 namespace {
 
-/// Names of places have commas in them.
-std::string listed(const std::vector<std::string>& places) { return text::enumerate(places, " / ", " / "); }
-
 std::string after_semicolons(const std::vector<std::string>& parts) {
   std::string text;
   for (const std::string& part : parts) text += (text.empty() ? "" : "; ") + part;
   return text;
-}
-
-std::string millimetres(double metres) {
-  const double mm = 1e3 * std::abs(metres);
-  return text::format_fixed(mm, mm < 0.1 ? 3 : mm < 10 ? 2 : 1) + " mm";
 }
 
 /// Without the sign of what rounds to zero.
@@ -34,38 +25,6 @@ std::string signed_millimetres(double metres) {
   const std::string text = text::format_fixed(1e3 * metres, 2);
   return text == "-0.00" ? "0.00" : text;
 }
-
-std::string rope_text(const Bench& bench) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g mm", 1e3 * bench.rope);
-  return text;
-}
-
-/// All that is known of two alternatives.
-struct Pairing {
-  const Duel* overall = nullptr;
-  std::vector<const Duel*> places;
-  std::string first() const { return places.front()->first; }
-  std::string second() const { return places.front()->second; }
-};
-
-std::vector<Pairing> pairings(const Analysis& analysis, const std::string& group) {
-  std::vector<Pairing> list;
-  std::string last;
-  for (const Duel& duel : analysis.duels) {
-    if (duel.group != group) continue;
-    const std::string names = duel.first + "\n" + duel.second;
-    if (names != last) list.emplace_back();
-    last = names;
-    if (duel.overall)
-      list.back().overall = &duel;
-    else
-      list.back().places.push_back(&duel);
-  }
-  return list;
-}
-
-bool is_winner(Verdict v) { return v == Verdict::first_better || v == Verdict::second_better; }
 
 /// Where somebody wins: "full height (by 0.62 mm)", "corridor (gives a result 40 times more)".
 std::string place_with_size(const Duel& duel) {
@@ -136,31 +95,6 @@ std::string spread_text(const Duel& duel) {
          text::format_fixed(1e3 * s.deviation, 2) + " mm beyond noise";
 }
 
-/// "131 seeds would show 0.06 mm on full height": of the place that needs most.
-std::string power_text(const Pairing& pair, const Bench& bench) {
-  const Duel* worst = nullptr;
-  double most = 0;
-  for (const Duel* duel : pair.places) {
-    if (!duel->refused.empty()) continue;
-    const double wanted = seeds_wanted(duel->errors, bench.rope);
-    if (wanted > most) most = wanted, worst = duel;
-  }
-  if (!worst) return "";
-  const std::string power = power_in_words(worst->errors, bench.rope, 1e3, "mm");
-  return power.empty() || worst->place.empty() ? power : power + " on " + worst->place;
-}
-
-bool all_same(const Pairing& pair) {
-  bool any = false;
-  for (const Duel* duel : pair.places) {
-    if (!duel->refused.empty() || duel->errors.lost_first + duel->errors.lost_second > 0) return false;
-    if (duel->errors.places == 0) continue;
-    if (!duel->errors.same) return false;
-    any = true;
-  }
-  return any;
-}
-
 std::size_t pairs_of(const Pairing& pair) {
   std::size_t pairs = 0;
   for (const Duel* duel : pair.places) pairs += duel->errors.pairs;
@@ -197,127 +131,6 @@ std::string sentence_of(const Pairing& pair, const Bench& bench) {
   return text + ".";
 }
 
-struct Standing {
-  std::vector<std::string> beaten_on;
-  double most = 0;  ///< largest difference by which it is beaten [m]
-  std::size_t cells = 0, failed = 0, useless = 0;
-  bool compared = false;  ///< with enough trials for a verdict
-};
-
-std::map<std::string, Standing> standings_of(const Bench& bench, const Group& group,
-                                             const std::vector<Pairing>& pairs) {
-  std::map<std::string, Standing> standings;
-  const auto note = [](std::vector<std::string>& places, const std::string& place) {
-    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
-  };
-  for (const Pairing& pair : pairs)
-    for (const Duel* duel : pair.places) {
-      if (!duel->refused.empty() || duel->errors.verdict == Verdict::too_few) continue;
-      standings[duel->first].compared = standings[duel->second].compared = true;
-      if (!is_winner(duel->errors.verdict)) continue;
-      const bool first = duel->errors.verdict == Verdict::first_better;
-      Standing& loser = standings[first ? duel->second : duel->first];
-      note(loser.beaten_on, duel->place);
-      if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
-    }
-  const double useless_above = bench.useless_above();
-  for (const Cell& cell : bench.cells) {
-    const auto choice = cell.choices.find(group.name);
-    if (choice == cell.choices.end() || cell.status == "missing") continue;
-    Standing& standing = standings[choice->second];
-    ++standing.cells;
-    standing.failed += cell.status == "failed";
-    standing.useless += cell.status == "done" && cell.measure("error") > useless_above;
-  }
-  return standings;
-}
-
-std::string places_text(const std::vector<std::string>& places, std::size_t all) {
-  if (all < 2) return "";
-  return " on " + (places.size() == all && all > 3 ? "all " + std::to_string(all) + " places"
-                   : places.size() > 3 ? std::to_string(places.size()) + " of " + std::to_string(all) + " places"
-                                       : listed(places));
-}
-
-std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
-  const std::size_t places = bench.places().size();
-  std::map<std::string, Standing> standings = standings_of(bench, group, pairs);
-  std::vector<std::string> unbeaten, beaten, silent, unknown, failing, useless, taken;
-  bool any_winner = false, all_equal = true;
-  for (const std::string& name : group.alternatives) {
-    const Standing& s = standings[name];
-    if (s.cells == 0) continue;
-    if (s.failed == s.cells)
-      silent.push_back(name + " gave no result in any of " + std::to_string(s.cells) + " cells");
-    else if (!s.compared)
-      unknown.push_back(name);
-    else
-      (s.beaten_on.empty() ? unbeaten : beaten).push_back(name);
-    any_winner |= !s.beaten_on.empty();
-    if (s.failed > 0 && s.failed < s.cells)
-      failing.push_back(name + " in " + std::to_string(s.failed) + " of " + std::to_string(s.cells) + " cells");
-    if (s.useless > 0)
-      useless.push_back(name + " in " + std::to_string(s.useless) + " of " + std::to_string(s.cells) + " cells");
-  }
-  // Nobody takes what is of no use in most trials, though nothing that gave an answer was better.
-  for (const std::string& name : unbeaten)
-    if (2 * (standings[name].useless + standings[name].failed) <= standings[name].cells || standings[name].useless == 0)
-      taken.push_back(name);
-  bool same = !pairs.empty();
-  std::string power;
-  for (const Pairing& pair : pairs) {
-    same &= all_same(pair);
-    for (const Duel* duel : pair.places)
-      all_equal &=
-          duel->refused.empty() && (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few);
-    if (power.empty()) power = power_text(pair, bench);
-  }
-  std::vector<std::string> parts;
-  if (same) {
-    parts.push_back("nothing separates " + text::enumerate(unbeaten) +
-                    ": they gave the same in every trial, so what they do "
-                    "differently does not reach what is measured here");
-  } else if (!any_winner && unbeaten.size() > 1) {
-    parts.push_back(
-        "nothing separates " + text::enumerate(unbeaten) +
-        (all_equal
-             ? ": they are equal within " + rope_text(bench) + (places > 1 ? " wherever there are trials enough" : "")
-             : ": no winner" + (places > 1 ? std::string(" at any place") : "") + (power.empty() ? "" : "; " + power)));
-  } else if (!unbeaten.empty() && any_winner) {
-    parts.push_back(taken.empty()
-                        ? text::enumerate(unbeaten) + " are beaten nowhere, and of use in fewer than half of the cells"
-                        : "take " + text::enumerate(taken, " or ") + ", beaten nowhere");
-    for (const std::string& name : beaten) {
-      const Standing& s = standings[name];
-      parts.push_back(name + " is beaten" + places_text(s.beaten_on, places) +
-                      (s.most > 0 ? (s.beaten_on.size() > 1 ? ", by up to " : " by ") + millimetres(s.most)
-                                  : ", for lack of results"));
-    }
-  } else if (!beaten.empty()) {
-    // The one that is beaten on fewest places comes first.
-    std::stable_sort(beaten.begin(), beaten.end(), [&](const std::string& x, const std::string& y) {
-      return standings[x].beaten_on.size() < standings[y].beaten_on.size();
-    });
-    std::vector<std::string> each;
-    for (const std::string& name : beaten) {
-      const Standing& s = standings[name];
-      each.push_back(name + places_text(s.beaten_on, places) + (s.most > 0 ? ", by up to " + millimetres(s.most) : ""));
-    }
-    parts.push_back(places > 1 ? "none is best everywhere; beaten are " + after_semicolons(each)
-                               : "each of " + text::enumerate(beaten) + " is beaten by another");
-  }
-  if (!unknown.empty())
-    parts.push_back("of " + text::enumerate(unknown) + " nothing can be said: too few trials to compare");
-  if (!failing.empty()) parts.push_back("without result: " + text::enumerate(failing));
-  if (!useless.empty()) {
-    char limit[48];
-    std::snprintf(limit, sizeof limit, "off by more than %g mm: ", 1e3 * bench.useless_above());
-    parts.push_back(limit + text::enumerate(useless));
-  }
-  parts.insert(parts.end(), silent.begin(), silent.end());
-  return group.name + ": " + after_semicolons(parts) + ".";
-}
-
 }  // namespace
 
 std::vector<Sentence> verdicts(const Bench& bench, const Analysis& analysis) {
@@ -338,12 +151,6 @@ std::vector<Sentence> verdicts(const Bench& bench, const Analysis& analysis) {
           [](const Duel* duel) { return is_winner(duel->errors.verdict) || duel->errors.verdict == Verdict::equal; });
       sentences.push_back(std::move(sentence));
     }
-  return sentences;
-}
-
-std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& analysis) {
-  std::vector<std::string> sentences;
-  for (const Group& group : bench.groups) sentences.push_back(choice_of(bench, group, pairings(analysis, group.name)));
   return sentences;
 }
 

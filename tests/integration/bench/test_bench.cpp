@@ -196,8 +196,8 @@ TEST(Bench, WhatDoesNotExistIsNoNumberAndNamesStayApart) {
     EXPECT_TRUE(duel["difference"]["value"].is_null());
   }
   const std::string choice = summary["choices"][0].get<std::string>();
-  EXPECT_THAT(choice, HasSubstr("none gave no result in any of 8 cells"));
-  EXPECT_THAT(choice, HasSubstr("take a_b, beaten nowhere; a%b is beaten by 0."));
+  EXPECT_THAT(choice, HasSubstr("None gave no result in any of 8 cells"));
+  EXPECT_THAT(choice, HasSubstr("take a_b, beaten nowhere. a%b is beaten by 0."));
 }
 
 TEST(Bench, OfTooFewTrialsNothingIsSaid) {

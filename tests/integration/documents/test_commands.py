@@ -29,6 +29,7 @@ RULES = [
     (r"plumbline (new|watch|bench|run|run --rehash|run --isolate|serve|schema|list|describe|doctor|help|cache)", r"plumbline \1 --help"),
     (r"plumbline bench FILE", "plumbline bench quick --seeds 1-2 --out out/quick"),
     (r"plumbline new (TEMPLATE|survey_reader) NAME", "plumbline new survey_reader mine --out NEW"),
+    (r"plumbline new (planner|robot) NAME", r"plumbline new \1 mine --out NEW"),
     (r"plumbline new pose_solver plane", "plumbline new pose_solver plane --out NEW"),
     (r"(plumbline (?:describe|doctor|validate|plan|graph|verify|verify --each)) (KIND|FILE|PIPELINE)", None),
     (r"PLUMBLINE_PLUGIN_PATH=build/lib/plumbline plumbline run …|plumbline describe demo.lift|plane/check",

@@ -270,5 +270,26 @@ TEST(ImagePlan, ListsWhatSaysLittleAndWhatGainsMost) {
   EXPECT_EQ(surveys, 1u);  // plate 1: neither control nor one that counts
 }
 
+/// A tag so far off the axis that the distortion polynomial folds it back into the image covers none of it.
+TEST(ImagePlan, WhatTheDistortionFoldsBackIsNotInTheImage) {
+  ImagePlanOptions all;
+  all.least_coverage = 1;  // every image is listed with its coverage
+  const std::vector<std::size_t> wanted{0, 2, 3, 4};
+  BoundProblem problem = small_problem();
+  const ImagePlan without = plan_images(problem, TagBound(problem), wanted, all);
+  problem.plates.push_back(problem.plates.back());
+  const RigidTransform world_from_cam = problem.cam_from_world[0].inverse();
+  const double folded = std::sqrt(1 / 0.05);  // r (1 + k1 r²) is zero again there
+  problem.plates.back().position = world_from_cam * Eigen::Vector3d(2 * folded - 0.2, 0.4, 2);
+  problem.tags.push_back(problem.tags.front());
+  problem.tags.back().image = 0, problem.tags.back().plate = 5;
+  const auto drawn = project(problem.camera, problem.cam_from_world[0] * problem.plates.back().position);
+  ASSERT_TRUE(drawn && drawn->x() > 0 && drawn->x() < 6000 && drawn->y() > 0 && drawn->y() < 4000)
+      << "or none is folded";
+  const ImagePlan plan = plan_images(problem, TagBound(problem), wanted, all);
+  ASSERT_EQ(plan.weak.size(), without.weak.size());
+  EXPECT_NEAR(plan.weak[0].coverage, without.weak[0].coverage, 1e-12);
+}
+
 }  // namespace
 }  // namespace plumbline::block

@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 
+#include "geometry/random.hpp"
+#include "loop/gate/station_error.hpp"
 #include "random_facade.hpp"
 
 namespace plumbline::loop {
@@ -211,6 +213,37 @@ TEST(Gate, StatedProbabilitiesAreTrue) {
   EXPECT_NEAR(stated / items, inside / items, 0.05);  // 600 items in groups of four that hang together
   EXPECT_GT(stated / items, 0.4);
   EXPECT_LT(stated / items, 0.99);
+}
+
+/// By draws: robots that believe a pose and are at another.
+TEST(StationError, ItsCovarianceIsThatOfWhereThingsStand) {
+  Random random(4);
+  Eigen::Matrix<double, 6, 6> root = Eigen::Matrix<double, 6, 6>::Zero();
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) root(i, j) = random.normal() * (i < 3 ? 1e-4 : 5e-4);
+  const Eigen::Matrix<double, 6, 6> covariance = root * root.transpose();
+  PoseT pose;
+  pose.path = "robot.jpg";
+  pose.cam_from_world = {quaternion_from_rotation_vector({1.4, 0.2, -0.1}), {3, -2, 5}};
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j) pose.covariance.push_back(covariance(i, j));
+  const Eigen::Vector3d point(2, 7, 4);
+  const int draws = 20000;
+  Eigen::Matrix3d found = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < draws; ++i) {
+    Eigen::Matrix<double, 6, 1> white;
+    white << random.normal3(1), random.normal3(1);
+    const Eigen::Matrix<double, 6, 1> step = root * white;
+    const RigidTransform there{quaternion_from_rotation_vector(step.head<3>()) * pose.cam_from_world.rotation,
+                               pose.cam_from_world.translation + step.tail<3>()};
+    const Eigen::Vector3d off = station_error(pose.cam_from_world, there, point);
+    found += off * off.transpose() / draws;
+  }
+  const Eigen::Matrix3d stated = station_covariance(pose, point);
+  EXPECT_LT((found - stated).norm(), 0.04 * stated.norm()) << found << "\n" << stated;
+  pose.covariance.clear();
+  EXPECT_THROW(station_covariance(pose, point), std::runtime_error);
+  EXPECT_THROW(nearest_station({}, point), std::runtime_error);
 }
 
 }  // namespace

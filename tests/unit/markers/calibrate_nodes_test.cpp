@@ -8,7 +8,9 @@
 #include "artifacts/file.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "geometry/camera.hpp"
+#include "geometry/edge_inset.hpp"
 #include "node_harness.hpp"
+#include "photo/markers/calibration_parts.hpp"
 #include "photo/markers/camera_files.hpp"
 #include "scene.hpp"
 
@@ -113,6 +115,114 @@ TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
               Contains(testing::AllOf(HasSubstr("left out: photo1.jpg: its markers measure 0.704"),
                                       HasSubstr("it shows another board"), Not(HasSubstr("blurred")))));
   EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo9.jpg"), HasSubstr("blurred"))));
+}
+
+/// Two cameras that differ by less than is told: each half fits, and between them they contradict the covariance.
+TEST(CalibrateBoard, StatesByHowMuchPartsContradictEachOther) {
+  test::NodeHarness node("calibrate.board");
+  std::vector<CalibrationView> views;
+  for (int k = 0; k < 16; ++k) {
+    BoardPointsT taken = photograph(k, "");
+    if (k >= 8)
+      for (auto& point : taken.points) point->pixel = 1.01 * point->pixel;  // zoomed
+    CalibrationView& view = views.emplace_back();
+    view.path = taken.path;
+    for (const auto& point : taken.points) view.points.push_back({point->board, point->pixel, point->sigma});
+    node.input<BoardPoints>("points", taken);
+  }
+  node.set("lens", "brown"), node.set("bend_sigma", "0");
+  node.run();
+  const Calibration alone = calibrate(views, true_camera().width, true_camera().height, {});
+  const double factor = shown_too_small_by(compare_parts(views, {}, alone));
+  ASSERT_GT(factor, 2) << "the case shows nothing";
+  const double stated = node.output<Camera>("cameras").covariance[0];
+  EXPECT_NEAR(stated, factor * factor * alone.covariance(0, 0), 1e-6 * stated);
+}
+
+/// A board of 6 × 4 tags, corners numbered as detect.board numbers them; all edges drawn in by `inset` [px].
+BoardPointsT tags_photographed(int index, unsigned seed, double inset) {
+  BoardPointsT result = photograph(index, "");
+  const RigidTransform pose =
+      look({0.1 + 0.05 * (index % 3 - 1), 0.075 + 0.06 * (index % 4 - 1.5), 0.3}, {0.1, 0.075, 0}, 0.4 * index);
+  std::mt19937_64 random(1000 * seed + static_cast<unsigned>(index));
+  std::normal_distribution<double> noise(0, 0.03);
+  result.points.clear();
+  for (int tag = 0; tag < 24; ++tag) {
+    std::array<Eigen::Vector2d, 4> corners;
+    std::array<Eigen::Vector3d, 4> places;
+    for (int c = 0; c < 4; ++c) {
+      const auto k = static_cast<std::size_t>(c);
+      places[k] = {0.036 * (tag % 6) + (c == 1 || c == 2 ? 0.028 : 0), 0.04 * (tag / 6) + (c >= 2 ? 0.028 : 0), 0};
+      corners[k] = *project(true_camera(), pose * places[k]);
+    }
+    const auto moved = moved_by_inset(corners);
+    for (int c = 0; c < 4; ++c) {
+      const auto k = static_cast<std::size_t>(c);
+      auto point = std::make_unique<BoardPointT>();
+      point->id = 4 * tag + c, point->board = places[k], point->sigma = 0.03;
+      point->pixel = corners[k] + inset * moved[k] + Eigen::Vector2d(noise(random), noise(random));
+      result.points.push_back(std::move(point));
+    }
+  }
+  return result;
+}
+
+CalibrationView view_of(const BoardPointsT& taken, double inset_sigma) {
+  CalibrationView view;
+  view.path = taken.path;
+  for (std::size_t k = 0; k < taken.points.size(); k += 4) {
+    std::array<Eigen::Vector2d, 4> corners;
+    for (std::size_t c = 0; c < 4; ++c) corners[c] = taken.points[k + c]->pixel;
+    const auto moved = moved_by_inset(corners);
+    for (std::size_t c = 0; c < 4; ++c)
+      view.points.push_back({taken.points[k + c]->board, corners[c], 0.03, inset_sigma * moved[c]});
+  }
+  return view;
+}
+
+/// What a detector may draw all edges in by is one quantity of all tags: no scatter of the corners shows it. In the
+/// combination of parameters that it moves most, the covariance holds it over many calibrations, each of photographs
+/// drawn in by another inset, and the corners' covariance alone does not.
+TEST(CalibrateBoard, HoldsWhatAllEdgesAreDrawnInwardsBy) {
+  constexpr double inset_sigma = 0.3;
+  constexpr unsigned trials = 30;
+  double with = 0, without = 0;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  const auto truth = true_camera().parameters();
+  for (unsigned seed = 0; seed < trials; ++seed) {
+    const double inset = inset_sigma * normal(random);
+    std::vector<CalibrationView> views;
+    for (int k = 0; k < 12; ++k) views.push_back(view_of(tags_photographed(k, seed, inset), inset_sigma));
+    const Calibration c = calibrate(views, true_camera().width, true_camera().height, {});
+    const Eigen::MatrixXd own = c.own_covariance();
+    const Eigen::VectorXd most = own.ldlt().solve(c.by_inset);
+    Eigen::VectorXd error(truth.size());
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      error(static_cast<Eigen::Index>(k)) = c.camera.parameters()[k] - truth[k];
+    const double square = std::pow(most.dot(error), 2) / trials;
+    with += square / most.dot(c.covariance * most), without += square / most.dot(own * most);
+  }
+  RecordProperty("with", std::to_string(with)), RecordProperty("without", std::to_string(without));
+  EXPECT_GT(without, 2) << "the case shows nothing";
+  EXPECT_GT(with, 0.5);
+  EXPECT_LT(with, 1.6);
+}
+
+/// The file has it: detect.board states it of the photographs, calibrate.board of the camera.
+TEST(CalibrateBoard, TakesFromTheDetectorWhatEdgesMayBeDrawnInBy) {
+  const auto stated = [](double inset_sigma) {
+    test::NodeHarness node("calibrate.board");
+    for (int k = 0; k < 6; ++k) {
+      BoardPointsT taken = tags_photographed(k, 1, 0);
+      taken.corner_inset_sigma = inset_sigma;
+      node.input<BoardPoints>("points", taken);
+    }
+    node.set("lens", "brown"), node.set("bend_sigma", "0");
+    node.run();
+    return node.output<Camera>("cameras").covariance[0];
+  };
+  EXPECT_GT(stated(1), 1.0001 * stated(std::nan("")));
 }
 
 /// The board close before a fisheye, to 60 degrees off its axis.

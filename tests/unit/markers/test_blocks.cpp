@@ -90,6 +90,35 @@ TEST(MarkerBlock, TellsAFisheyeByItsTags) {
   for (const auto& words : plain.warnings) EXPECT_THAT(words, testing::Not(HasSubstr("fisheye")));
 }
 
+/// Few photographs by a fisheye that Brown's model does not adjust at all: the fisheye's does.
+TEST(MarkerBlock, TriesAFisheyeWhereBrownsModelDoesNotAdjust) {
+  InteriorOrientation wide = true_fisheye();
+  wide.fx = wide.fy = 150;
+  int thrown = 0, taken = 0;
+  for (int photographs = 3; photographs <= 5 && taken == 0; ++photographs)
+    for (unsigned seed = 1; seed <= 4 && taken == 0; ++seed) {
+      Scene fisheye = scene(0.1, seed, photographs, wide, 0.25);
+      fisheye.block.cameras[0].camera.lens = LensModel::brown;
+      try {
+        adjust_marker_block(fisheye.block, {});
+        continue;
+      } catch (const std::runtime_error&) {
+        ++thrown;
+      }
+      try {
+        const MarkerResult found = adjust_lens_and_block(fisheye.block, {});
+        EXPECT_EQ(found.cameras[0].camera.lens, LensModel::fisheye);
+        ASSERT_FALSE(found.warnings.empty());
+        EXPECT_THAT(found.warnings.front(), HasSubstr("Brown's model does not adjust at all"));
+        ++taken;
+      } catch (const std::runtime_error&) {  // too few photographs for either
+      }
+    }
+  RecordProperty("thrown", thrown), RecordProperty("taken", taken);
+  ASSERT_GT(thrown, 0) << "the case shows nothing";
+  EXPECT_GT(taken, 0);
+}
+
 TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
   double nees = 0;
   int count = 0;

@@ -337,6 +337,26 @@ TEST(Rig, IsOneAdjustmentWhoseCovarianceIsTrue) {
   EXPECT_LT(halves / count, 1.8);
 }
 
+/// One camera's points move together by what is stated of them: so does its place in the rig, and the covariance holds
+/// exactly that beside what it held.
+TEST(Rig, HoldsWhatTheEdgesOfEachCameraAreDrawnInBy) {
+  SimulatedRig scene(4), moved(4);
+  for (auto& view : scene.views[1])
+    for (auto& p : view.points) p.by_inset = 0.05 * (p.pixel - Eigen::Vector2d(640, 480)).normalized();
+  for (auto& view : moved.views[1])
+    for (auto& p : view.points) p.pixel += 0.05 * (p.pixel - Eigen::Vector2d(640, 480)).normalized();
+  const auto without = SimulatedRig(4).adjust(), with = scene.adjust(), after = moved.adjust();
+  const auto &before = without[0].cameras[1], &held = with[0].cameras[1];
+  ASSERT_EQ(held.by_inset.cols(), 1);
+  EXPECT_LT((held.covariance - before.covariance - held.by_inset * held.by_inset.transpose()).norm(),
+            1e-9 * held.covariance.norm());
+  const Eigen::Vector3d found =
+      after[0].cameras[1].cam_from_reference.translation - before.cam_from_reference.translation;
+  ASSERT_GT(found.norm(), 1e-5);
+  EXPECT_LT((found - held.by_inset.col(0).tail<3>()).norm(), 0.05 * found.norm());
+  EXPECT_GT(held.interior_covariance(0, 0), 1.0001 * before.interior_covariance(0, 0));
+}
+
 TEST(Rig, LeavesOutWhatWasNotTakenTogetherAndRefusesAWrongGrouping) {
   const auto late = SimulatedRig(5, 6).adjust();
   ASSERT_EQ(late.size(), 1u);

@@ -356,5 +356,26 @@ TEST(Names, AreSortedByTheirNumbers) {
   EXPECT_FALSE(before_by_name("x", "x"));
 }
 
+/// What hides in the scatter is said: silence would claim that nothing changed.
+TEST(CameraChanges, WhatCannotBeToldIsSaid) {
+  CameraTruth truth;
+  truth.focal_length = 1000;
+  truth.evidence.parameters = {0, 1};
+  truth.empirical.judged = true, truth.empirical.photographs = 14, truth.empirical.factor = 1;
+  truth.empirical.written = Eigen::Vector2d(2 * 2, 5 * 5).asDiagonal();
+  EXPECT_NEAR(hidden_focus_change(truth), 8 * 0.002, 1e-12);
+  EXPECT_THAT(warnings_of(truth), testing::IsEmpty()) << "1.6 % is not worth a warning of its own";
+  truth.empirical.written(0, 0) = 5 * 5;
+  EXPECT_THAT(warnings_of(truth),
+              testing::ElementsAre("the photographs do not tell whether focus or zoom changed among them by less than "
+                                   "about 4 %"));
+  truth.empirical.factor = 4;
+  ASSERT_EQ(warnings_of(truth).size(), 1u);
+  EXPECT_THAT(warnings_of(truth)[0], testing::AllOf(testing::HasSubstr("scatter 4.0 times"),
+                                                    testing::HasSubstr("less than about 4 % is hidden by it")));
+  truth.empirical.judged = false;
+  EXPECT_EQ(hidden_focus_change(truth), 0);
+}
+
 }  // namespace
 }  // namespace plumbline::markers

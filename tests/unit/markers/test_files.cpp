@@ -222,6 +222,23 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
               HasSubstr("'ds'; known are Brown's (plumb_bob, radtan) and the fisheye"));
 }
 
+/// A lens model is told by its whole name: parts of it are in the names of cameras.
+TEST(CameraFiles, TellTheLensByWholeNames) {
+  const auto read = [](const std::string& line) {
+    return markers::parse_camera_file("intrinsics: [500, 500, 300, 200]\n" + line +
+                                          "\ndistortion_coeffs: [0.1, 0.01, 0, 0]\nresolution: [640, 480]\n",
+                                      "c.yaml")
+        .camera.lens;
+  };
+  for (const char* line :
+       {"model: DS-2CD2042", "camera_model: Foveon", "model: Equinox 3", "distortion_model: plumb_bob"})
+    EXPECT_EQ(read(line), LensModel::brown) << line;
+  for (const char* line : {"camera_model: KannalaBrandt8", "distortion_model: equidistant", "model: OPENCV_FISHEYE"})
+    EXPECT_EQ(read(line), LensModel::fisheye) << line;
+  for (const char* line : {"distortion_model: division", "camera_model: omni\ndistortion_model: radtan", "model: FOV"})
+    EXPECT_THAT(message_of([&] { read(line); }), HasSubstr("known are Brown's")) << line;
+}
+
 TEST(CameraFiles, OfFisheyes) {
   // TUM VI's 512 x 512 camera, as Kalibr writes it.
   const std::string kalibr =

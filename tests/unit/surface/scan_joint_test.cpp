@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 namespace plumbline::surface {
@@ -113,6 +114,8 @@ TEST(ScanJoint, WidthsAndStepsHaveTheErrorsTheyStateWhateverThePattern) {
     scan.pattern = pattern;
     const Errors errors = errors_of(scan, 0, 50);
     const int which = static_cast<int>(pattern);
+    std::printf("pattern %d: width %.2f, mean error %.3f mm, stated %.3f mm, step %.2f, %g places\n", which,
+                errors.width, 1e3 * errors.mean, 1e3 * errors.sigma, errors.step, errors.count);
     EXPECT_GE(errors.count, 0.9 * 8 * 50) << which;
     // Columns that run along the joint have the same error at all its places: 50 trials then, and 400 at random.
     EXPECT_GT(errors.width, 0.6) << which;

@@ -1,0 +1,68 @@
+#include "photo/markers/lens_names.hpp"
+
+#include <algorithm>
+#include <initializer_list>
+
+namespace plumbline::markers {
+
+LensName lens_named(const std::string& name) {
+  const auto is_of = [&](std::initializer_list<const char*> names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  if (is_of({"brown",
+             "brownconrady",
+             "modifiedbrownconrady",
+             "inversebrownconrady",
+             "plumbbob",
+             "radtan",
+             "radial",
+             "radialtangential",
+             "simpleradial",
+             "pinhole",
+             "simplepinhole",
+             "pinholeradtan",
+             "perspective",
+             "opencv",
+             "fullopencv",
+             "rational",
+             "rationalpolynomial",
+             "polynomial",
+             "standard",
+             "none"}))
+    return LensName::brown;
+  if (is_of({"fisheye", "opencvfisheye", "equi", "equidistant", "equidistantfisheye", "pinholeequi",
+             "pinholeequidistant", "pinholefisheye", "kannalabrandt", "kannalabrandt4", "kannalabrandt8", "kb", "kb4",
+             "kb8"}))
+    return LensName::fisheye;
+  if (is_of({"omni",
+             "omniradtan",
+             "omninone",
+             "omnidirectional",
+             "mei",
+             "ucm",
+             "unified",
+             "eucm",
+             "eucmnone",
+             "ds",
+             "dsnone",
+             "doublesphere",
+             "fov",
+             "pinholefov",
+             "atan",
+             "arctan",
+             "thinprism",
+             "thinprismfisheye",
+             "scaramuzza",
+             "ocam",
+             "division",
+             "spherical",
+             "equirectangular",
+             "stereographic",
+             "equisolid",
+             "orthographic",
+             "splined"}))
+    return LensName::other;
+  return LensName::unknown;
+}
+
+}  // namespace plumbline::markers

@@ -1,0 +1,15 @@
+// What other programs call the models of a lens.
+#pragma once
+
+#include <string>
+
+namespace plumbline::markers {
+
+/// `other`: a model that is neither Brown's nor the fisheye's of Kannala and Brandt.
+enum class LensName { unknown, brown, fisheye, other };
+
+/// Of a whole name in small letters and digits alone ("plumbbob" for plumb_bob): OpenCV, ROS, Kalibr, COLMAP, ORB-SLAM,
+/// RealSense.
+LensName lens_named(const std::string& name);
+
+}  // namespace plumbline::markers
