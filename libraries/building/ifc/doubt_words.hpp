@@ -1,7 +1,8 @@
 // What speaks against a measurement, in words, the same for the page, IFC, BCF, JUnit and the loop.
 #pragma once
 
-#include <cstdio>
+#include <fmt/core.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,9 +21,7 @@ inline const char* name_of(MeasurementPart part) {
 inline std::string in_words(const MeasurementDoubtT& doubt) {
   std::string text = std::string(name_of(doubt.part)) + ": " + doubt.reason;
   if (doubt.grade == DoubtGrade::doubt) return text;
-  char larger[80];
-  std::snprintf(larger, sizeof larger, "; all standard deviations are %.3g times as large for it.", doubt.factor);
-  text += larger;
+  text += fmt::format("; all standard deviations are {:.3g} times as large for it.", doubt.factor);
   if (doubt.mend.empty()) return text;
   text += " To mend it, run again with \"" + doubt.mend + "\"";
   return text + (doubt.mend_note.empty() ? "." : " (" + doubt.mend_note + ").");
