@@ -134,8 +134,9 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
 
   CLI::App& made = add("new", "begins a node of your own: a folder that builds, is tested and runs as it is",
                        plumbline::cli::new_node);
-  made.add_option("template", options.role,
-                  "detector, pose_solver, adjuster, registrar, planner, robot, metric, survey_reader, writer or python_node")
+  made.add_option(
+          "template", options.role,
+          "detector, pose_solver, adjuster, registrar, planner, robot, metric, survey_reader, writer or python_node")
       ->required()
       ->type_name("TEMPLATE");
   made.add_option("name", options.name, "of the node, as in detect.NAME")->required()->type_name("NAME");

@@ -107,8 +107,9 @@ class Judge {
       const Followed& followed = asked_[r][l];
       std::string why;
       if (followed.selected == 0) {
-        why = surfaces_.joints.empty() ? "no joint was looked at, surface.joints does that in photographs, surface.scan_joints in a scan"
-                                       : "no joint lies at a panel that it selects";
+        why = surfaces_.joints.empty()
+                  ? "no joint was looked at, surface.joints does that in photographs, surface.scan_joints in a scan"
+                  : "no joint lies at a panel that it selects";
       } else if (!followed.open.empty()) {
         constexpr size_t most = 20;
         why = std::to_string(followed.open.size()) + " of " + std::to_string(followed.taken) + " are not judged: ";

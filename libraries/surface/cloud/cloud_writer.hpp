@@ -11,7 +11,8 @@
 namespace plumbline::cloud {
 
 enum class CloudFormat {
-  las,  ///< LAS 1.4, point format 6 (ASPRS, R15), in steps of 0.1 mm; "sigma" as extra bytes; metres and the frame by WKT
+  las,  ///< LAS 1.4, point format 6 (ASPRS, R15), in steps of 0.1 mm; "sigma" as extra bytes; metres and the frame by
+        ///< WKT
   ply,  ///< binary, little-endian, x, y, z as doubles, sigma as float, metres and the frame as comments
 };
 
