@@ -64,7 +64,7 @@ function(plumbline_add_library name)
   endif()
 endfunction()
 
-# What is tested is compiled as it ships; the tests around it at -O1: a sixth of their compile time less, and they run as fast.
+# What is tested is compiled as it ships; the tests around it at -O1: a sixth of their compile time less.
 set(PLUMBLINE_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 # plumbline_add_test(NAME SOURCES a.cpp ... [LINK lib ...] [TIMEOUT seconds])
 # A GoogleTest program; every TEST in it becomes one ctest entry. `test_support.hpp` finds fixtures and test data.

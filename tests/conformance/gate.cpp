@@ -78,6 +78,26 @@ TEST_P(Gate, MakesNothingGoThatIsOpen) {
   EXPECT_EQ(decided(held).output<InstallationPlan>("plan").panels[0]->reason, "not measured: inside-0");
 }
 
+/// Unlikely enough that the planner's limit alone does not hold it, and by each length for itself well inside.
+TEST_P(Gate, MakesNothingGoThatIsOpenAndOfALowerProbability) {
+  InstallationPlanT plan = make_plan();
+  plan.panels[0]->gate = GateDecision::hold, plan.panels[0]->p_in = 0.93;
+  plan.panels[0]->reason = "hangs on one bracket: how it turns is open; p 0.930";
+  NodeHarness node(GetParam());
+  node.input<InstallationPlan>("plan", plan);
+  if (node.has_parameter("go_probability", "0.9")) node.set("go_probability", "0.9");
+  node.run();
+  EXPECT_NE(node.output<InstallationPlan>("plan").panels[0]->gate, GateDecision::go);
+}
+
+TEST_P(Gate, CountsWhatIsStillToBeHung) {
+  InstallationPlanT plan = make_plan();
+  plan.panels[0]->installed = true;
+  const InstallationPlanT after = decided(plan).output<InstallationPlan>("plan");
+  EXPECT_EQ(after.go, 0) << "it hangs";
+  EXPECT_EQ(after.go + after.hold + after.no_go, 2);
+}
+
 TEST_P(Gate, GivesTheSameBitsTwice) {
   const NodeHarness a = decided(make_plan()), b = decided(make_plan());
   EXPECT_EQ(a.output_bytes("plan"), b.output_bytes("plan"));

@@ -151,7 +151,11 @@ class Linker {
     if (!node.kind.node) return;
     for (const auto& [port_name, text] : specs_[index]->inputs) {
       const plumbline_port* port = node.kind.input(port_name);
-      if (!port && registry_.roles().may_lack(*node.kind.node, port_name)) continue;
+      if (!port && registry_.roles().may_lack(*node.kind.node, port_name)) {
+        Source unused;  // left out, but a name that is nowhere is a mistake all the same
+        if (!rounds_.is_meant(text.text)) find_source(text, unused);
+        continue;
+      }
       if (!port) {
         const auto inputs = port_names(node.kind.node->inputs, node.kind.node->input_count);
         const bool of_another_kind = specs_[index]->use.at.line == 0 && text.at.line > 0;  // the kind is an override

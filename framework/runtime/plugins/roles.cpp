@@ -31,7 +31,10 @@ std::vector<RolePort> read_ports(const YAML::Node& map, const std::string& where
     port.type = text_of(entry.second, "type", "");
     port.frames = text_of(entry.second, "frames", "");
     port.doc = text_of(entry.second, "doc", "");
-    port.may_lack = text_of(entry.second, "may_lack", "false") == "true";
+    const std::string may_lack = text_of(entry.second, "may_lack", "false");
+    if (may_lack != "true" && may_lack != "false")
+      throw std::runtime_error(where + ": port '" + port.name + "' has may_lack: " + may_lack + "; it is true or false");
+    port.may_lack = may_lack == "true";
     const std::string cardinality = text_of(entry.second, "cardinality", "one");
     while (port.cardinality < 4 && cardinality != cardinalities[port.cardinality]) ++port.cardinality;
     if (port.type.empty()) throw std::runtime_error(where + ": port '" + port.name + "' has no type");

@@ -20,11 +20,17 @@ bool was_open(const AsBuiltChangeT& change) {
   return change.before == ToleranceVerdict::fail || change.before == ToleranceVerdict::undecided;
 }
 
+bool is_open(const AsBuiltChangeT& change) {
+  return change.after == ToleranceVerdict::fail || change.after == ToleranceVerdict::undecided;
+}
+
 /// "2026-05: fail; 2026-06: pass, mended."
 std::string history(const AsBuiltChangeT& change, const AsBuiltChangesT& all) {
   const auto name = [](const std::string& epoch, const char* otherwise) { return epoch.empty() ? otherwise : epoch; };
+  // What passes and is left open by something else has a note of that.
+  const bool unseen = change.change == ChangeKind::unseen && change.note.empty();
   const std::string now = change.change == ChangeKind::left_out ? "no longer in the design or the plate table"
-                          : change.change == ChangeKind::unseen ? "not measured again"
+                          : unseen                              ? "not measured again"
                                                                 : EnumNameToleranceVerdict(change.after);
   return name(all.before, "campaign before") + std::string(": ") + EnumNameToleranceVerdict(change.before) + "; " +
          name(all.after, "this campaign") + ": " + now + (change.moved ? "; it was moved" : "") +
@@ -40,8 +46,13 @@ std::string title_of(const AsBuiltChangeT& change) {
       return capital(change) + ": in order, was undecided";
     case ChangeKind::left_out:
       return capital(change) + ": was open, and is no longer in the design or the plate table";
+    case ChangeKind::still_open:
+    case ChangeKind::opened:
+    case ChangeKind::opened_again:
+      return capital(change) + ": open";
     default:
-      return capital(change) + ": was open, and was not measured again";
+      return capital(change) + (change.note.empty() ? ": was open, and was not measured again"
+                                                    : ": was open, and not all of it was measured again");
   }
 }
 
@@ -90,14 +101,18 @@ BcfComment comment_on(const Said& said, const BcfOptions& options) {
   return comment;
 }
 
-/// Of a topic that was open and of which nothing fails now: closed by what was measured again, else as it was.
+/// Of a topic that was open and of which this file has no issue of its own: closed by what was measured again, else as
+/// it was.
 BcfIssue earlier_issue(const Said& said, BcfIssue issue, const BcfComment& comment) {
+  const auto keeps_open = [](const AsBuiltChangeT& change) {
+    return is_open(change) || (was_open(change) && !is_closed_by(change));
+  };
   const AsBuiltChangeT* speaks = nullptr;  // what keeps it open, else the first that was open
   for (const AsBuiltChangeT* change : said)
-    if (was_open(*change) && (!speaks || (is_closed_by(*speaks) && !is_closed_by(*change)))) speaks = change;
+    if (keeps_open(*change) ? !speaks || !keeps_open(*speaks) : was_open(*change) && !speaks) speaks = change;
   issue.guid = speaks->guid, issue.about = speaks->topic, issue.title = title_of(*speaks);
-  issue.description = comment.text, issue.closed = is_closed_by(*speaks);
-  if (!issue.closed) issue.verdict = speaks->before;
+  issue.description = comment.text, issue.closed = !keeps_open(*speaks);
+  if (!issue.closed) issue.verdict = is_open(*speaks) ? speaks->after : speaks->before;
   issue.comments.push_back(comment);
   return issue;
 }

@@ -112,9 +112,8 @@ struct AnchorRule {
   /// Reads the shapes of all elements, and not only of anchors, panels, their parts and some of the others: it is most
   /// of the work.
   bool all_shapes = false;
-  std::vector<std::string>
-      panels{};  ///< which elements are panels, in the same language; empty: plates, curtain walls,
-                 ///< cladding, and walls that hang before their anchors where there is none of these
+  std::vector<std::string> panels{};  ///< which elements are panels, in the same language; empty: plates, curtain
+                                      ///< walls, cladding, and walls that hang before anchors which hold none of these
   std::vector<FacadeRule> facades{};  ///< which way anchors and panels face, where the user says it
 };
 

@@ -149,23 +149,28 @@ bool all_hang(const Facade& facade, const JudgedValue& judged) {
                      [&](const auto& row) { return facade.panels[row.first].installed; });
 }
 
-/// Why a panel cannot be more than HOLD; empty if it can.
+constexpr const char* kNoBracket = "hangs on no bracket";
+constexpr const char* kNotMeasured = "not measured: ";
+constexpr const char* kOneBracket = "hangs on one bracket: how it turns is open";
+constexpr const char* kNotTold = "its hooks do not tell how far its corners move ";
+
+/// Why a panel cannot be more than HOLD; empty if it can. It begins with one of the words above.
 std::string obstacle(const Facade& facade, const Fit& fit, std::size_t j) {
   const Panel& panel = facade.panels[j];
-  if (panel.hooks.empty()) return "hangs on no bracket";
+  if (panel.hooks.empty()) return kNoBracket;
   std::string missing;
   for (const Hook& hook : panel.hooks)
     if (!facade.brackets[hook.bracket].measured())
       missing += (missing.empty() ? "" : ", ") + facade.brackets[hook.bracket].id;
-  if (!missing.empty()) return "not measured: " + missing + "; measure it, then plan again";
-  if (panel.hooks.size() == 1) return "hangs on one bracket: how it turns is open";
+  if (!missing.empty()) return kNotMeasured + missing + "; measure it, then plan again";
+  if (panel.hooks.size() == 1) return kOneBracket;
   if (fit.poses[j].open.cols() > 0) {
     for (int corner = 0; corner < 4; ++corner)
       for (int k = 0; k < 3; ++k)
         if (!fit.poses[j].tells(
                 fit.poses[j].movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k))))
-          return std::string("its hooks do not tell how far its corners move ") +
-                 kDirections[static_cast<std::size_t>(k)] + ": a hook more, or one that holds more";
+          return std::string(kNotTold) + kDirections[static_cast<std::size_t>(k)] +
+                 ": a hook more, or one that holds more";
   }
   return {};
 }
@@ -195,6 +200,12 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
 }
 
 }  // namespace
+
+bool is_obstacle(const std::string& reason) {
+  for (const char* begin : {kNoBracket, kNotMeasured, kOneBracket, kNotTold})
+    if (reason.starts_with(begin)) return true;
+  return false;
+}
 
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options) {
   std::vector<std::vector<std::size_t>> values(facade.panels.size());

@@ -40,4 +40,7 @@ struct PanelGate {
 /// bracket that was not measured, with values that its hooks do not tell, or without hooks is HOLD, whatever p_in.
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options = {});
 
+/// Whether a PanelGate::reason says that the panel cannot be more than HOLD, whatever p_in.
+bool is_obstacle(const std::string& reason);
+
 }  // namespace plumbline::loop

@@ -5,17 +5,19 @@
 #include <stdexcept>
 
 #include "base/text/words.hpp"
+#include "loop/gate/gate.hpp"
 
 namespace plumbline::loop {
 namespace {
 
 using Decision = std::pair<GateDecision, std::string>;
 
-/// What no rule makes GO: the plan holds it although it would be probable enough, because something is open, or it
-/// cannot tell how probable it is.
+/// What no rule makes GO: the plan holds it whatever its probability, because something is open, or it cannot tell how
+/// probable it is.
 bool is_open(const InstallationPlanT& plan, const PlannedPanelT& panel) {
   const bool told = panel.p_in >= 0;
-  return !plan.doubts.empty() || !told || (panel.gate == GateDecision::hold && panel.p_in >= plan.go_probability);
+  return !plan.doubts.empty() || !told || is_obstacle(panel.reason) ||
+         (panel.gate == GateDecision::hold && panel.p_in >= plan.go_probability);
 }
 
 /// `decide`: of a panel, its decision and why.
@@ -27,6 +29,7 @@ void decide_all(InstallationPlanT& plan, const Decide& decide) {
     if (decision.first == GateDecision::go && is_open(plan, *panel)) decision = {GateDecision::hold, panel->reason};
     if (decision.first != panel->gate) panel->reason = decision.second;
     panel->gate = decision.first;
+    if (panel->installed) continue;  // counted are panels that are still to be hung
     (panel->gate == GateDecision::go ? plan.go : panel->gate == GateDecision::hold ? plan.hold : plan.no_go)++;
   }
 }

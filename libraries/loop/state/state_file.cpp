@@ -166,7 +166,10 @@ namespace {
 void take_what_it_rests_on(const Json& json, LoopStateT& state) {
   json.at("readings").get_to(state.readings);
   state.control = marks_of(json.at("control"));
-  if (!json.contains("controls")) return note_control(state);
+  if (!json.contains("controls")) {
+    for (const auto& item : state.items) item->control = 0;
+    return note_control(state);
+  }
   for (const Json& marks : json.at("controls")) {
     state.controls.push_back(std::make_unique<ControlSetT>());
     state.controls.back()->marks = marks_of(marks);
@@ -184,9 +187,10 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     Json json = Json::parse(text);
     if (!json.is_object() || !json.contains("plumbline_loop_state"))
       throw std::runtime_error("is no state of a loop: expected state.json as a round of site_loop wrote it");
-    if (json["plumbline_loop_state"] != kVersion && json["plumbline_loop_state"] != kOldest)
-      throw std::runtime_error("is a state of version " + json["plumbline_loop_state"].dump() + ", expected " +
-                               std::to_string(kVersion));
+    const Json& stated = json["plumbline_loop_state"];
+    const int version = stated.is_number_integer() ? stated.get<int>() : 0;
+    if (version < kOldest || version > kVersion)
+      throw std::runtime_error("is a state of version " + stated.dump() + ", expected " + std::to_string(kVersion));
     const std::string seal = json.value("seal", "");
     json.erase("seal");
     if (seal != sha256_hex(dumped(json)))
@@ -202,7 +206,7 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     if (json.contains("estimate")) state.estimate = estimate_of(json["estimate"]);
     json.at("journal").get_to(state.journal);
     for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
-    if (json["plumbline_loop_state"] != kOldest) take_what_it_rests_on(json, state);
+    if (version != kOldest) take_what_it_rests_on(json, state);
     check_items(state);
     return state;
   } catch (const nlohmann::json::exception& error) {

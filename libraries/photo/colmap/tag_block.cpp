@@ -225,7 +225,8 @@ void fill_batches(const TagModel& model, const bundle::State& state, TagBlockRes
     for (size_t j = 0; j < model.problem.plates.size(); ++j)
       if (model.problem.plates[j].batch == static_cast<int>(b))
         printed += model.problem.plates[j].shape.tag_size, found += edge_of(state, j);
-    result.batches.push_back({model.problem.batches[b].name, found / printed, unknown, unknown, unknown});
+    result.batches.push_back(
+        {model.problem.batches[b].name, found / printed, unknown, unknown, unknown, model.problem.batches[b].name});
   }
 }
 

@@ -184,7 +184,10 @@ void read_lens(const YAML::Node& root, const std::string& file, InteriorOrientat
     const bool names_a_lens = std::string(key) == "distortionmodel" && !name.empty();
     const LensName lens = lens_named(name);
     if (lens == LensName::fisheye) camera.lens = LensModel::fisheye;
-    if (lens == LensName::other || (names_a_lens && lens == LensName::unknown))
+    // A fisheye of another model (COLMAP's RADIAL_FISHEYE), or none: Brown's would be a guess.
+    const auto may_be_fisheye = [&](const char* part) { return name.find(part) != std::string::npos; };
+    const bool is_doubtful = may_be_fisheye("fisheye") || may_be_fisheye("kannala") || may_be_fisheye("equidistant");
+    if (lens == LensName::other || (lens == LensName::unknown && (names_a_lens || is_doubtful)))
       refuse(file, "the distortion model is '" + model.as<std::string>() +
                        "'; known are Brown's (plumb_bob, radtan) and the fisheye (equidistant, Kannala-Brandt)");
   }

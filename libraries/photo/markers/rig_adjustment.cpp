@@ -287,7 +287,8 @@ class RigAdjuster {
     return all.segment(layout.offset(block), layout.size(block));
   }
 
-  /// What the inset of each camera's photographs moves all unknowns by; empty where none is stated.
+  /// What the inset of each camera's photographs moves all unknowns by, zero where none is stated: one of each camera,
+  /// so that those of two halves stand side by side.
   std::vector<Eigen::VectorXd> effects_of_insets(const Rig& p, const RigModel& model,
                                                  const bundle::Layout& layout) const {
     std::vector<Eigen::VectorXd> effects;
@@ -300,7 +301,8 @@ class RigAdjuster {
         moved[k] = given(p, shot).points[static_cast<size_t>(model.labels[k].second)].by_inset;
         any = any || !moved[k].isZero(0);
       }
-      if (any) effects.push_back(effect_of(model.problem, layout, model.state, moved));
+      effects.push_back(any ? effect_of(model.problem, layout, model.state, moved)
+                            : Eigen::VectorXd(Eigen::VectorXd::Zero(layout.unknown_count())));
     }
     return effects;
   }

@@ -11,6 +11,7 @@ namespace plumbline::surface {
 namespace {
 
 constexpr size_t kLeastPoints = 12;  // of a panel's strip at one place along the joint
+constexpr double kLeastSpan = 0.25;  // of the strip, from its first point to its last
 // A point in the joint that lies as far out as the panels do by chance is one of a thousand of the panel's, at most.
 const double kPriceOfAPoint = std::log(1000.0);
 constexpr double kTellApart = 1.5;  // a joint is wider than so many of the largest gaps between the panel's own points
@@ -22,7 +23,7 @@ struct Profile {
 };
 
 /// What a place along the joint says.
-enum class Saw { joint, too_few_points, no_gap, shallow };
+enum class Saw { joint, too_few_points, one_column, no_gap, shallow };
 
 class ScanStations {
  public:
@@ -49,6 +50,8 @@ class ScanStations {
     for (int side : {0, 1}) {
       const std::vector<double> strip = of_strip(profile, side);
       if (strip.size() < kLeastPoints) return Saw::too_few_points;
+      // One column along the joint says nothing of how far the next one is.
+      if (strip.back() - strip.front() < kLeastSpan * options_.strip) return Saw::one_column;
       cut[side] = cut_off(strip);
       density = std::min(density, static_cast<double>(strip.size() - 1) / (strip.back() - strip.front()));
     }
@@ -116,6 +119,9 @@ class ScanStations {
 /// Of the places without a joint, most of which say the same.
 std::string reason_of(const int* seen) {
   const int few = seen[static_cast<int>(Saw::too_few_points)], shallow = seen[static_cast<int>(Saw::shallow)];
+  const int one = seen[static_cast<int>(Saw::one_column)];
+  if (one > 0 && one >= few && one >= seen[static_cast<int>(Saw::no_gap)] + shallow)
+    return "its points stand in columns along it that are too far apart to tell where a panel ends";
   if (few > seen[static_cast<int>(Saw::no_gap)] + shallow)
     return "fewer than " + std::to_string(kLeastPoints) + " points of a panel lie beside it";
   if (shallow > seen[static_cast<int>(Saw::no_gap)])
@@ -153,7 +159,7 @@ MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace
     }
   const ScanStations stations(joint, lines, tiles, options);
   std::vector<EdgePair> edges;
-  int seen[4] = {0, 0, 0, 0};
+  int seen[5] = {0, 0, 0, 0, 0};
   for (int s = 0; s < stations.count(); ++s) {
     stop_point();
     ++measured.stations_looked_at;

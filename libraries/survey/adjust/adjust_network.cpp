@@ -297,9 +297,9 @@ void explain_left_out(const SurveyObservations& survey, const AdjustOptions& opt
   if (causes.empty()) return;
   result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
   result.validity = Validity::doubtful;
-  result.verdict =
-      "doubtful: " + std::to_string(result.left_out.size()) +
-      " points were left out because of one mistake, see the first finding; of the rest: " + result.verdict;
+  result.verdict = "doubtful: " + std::to_string(result.left_out.size()) +
+                   (result.left_out.size() == 1 ? " point was" : " points were") +
+                   " left out because of one mistake, see the first finding; of the rest: " + result.verdict;
 }
 
 }  // namespace

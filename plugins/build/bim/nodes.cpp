@@ -46,7 +46,7 @@ struct ReadIfc : Node {
       "panel_selection", std::vector<std::string>{},
       "elements that are facade panels, such as 'class=IfcWall & name~^FT-'; empty: IfcPlate, IfcCurtainWall, "
       "IfcCovering "
-      "that is CLADDING, and, where a design has none of these, walls that hang before their anchors; 'none': nothing "
+      "that is CLADDING, and walls that hang before anchors which hold none of these; 'none': nothing "
       "is "
       "a panel"};
   Param<std::vector<std::string>> facades{

@@ -1,5 +1,6 @@
 #include "build/loop/planner_node.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -81,6 +82,11 @@ double rms_corner(const InstallationPlanT& plan) {
   return count > 0 ? std::sqrt(sum / count) : kUnknown;
 }
 
+/// Of the direction that is known worst: along the view, mostly.
+double largest_variance(const Eigen::Matrix3d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()[2];
+}
+
 }  // namespace
 
 double PlannerNode::worst_station(const Facade& facade) {
@@ -88,7 +94,8 @@ double PlannerNode::worst_station(const Facade& facade) {
   double worst = 0;
   for (const Bracket& bracket : facade.brackets)
     if (bracket.measured() && !bracket.fixed)
-      worst = std::max(worst, station_covariance(nearest_station(poses, bracket.design), bracket.design).trace() / 3);
+      worst =
+          std::max(worst, largest_variance(station_covariance(nearest_station(poses, bracket.design), bracket.design)));
   return std::sqrt(worst);
 }
 
@@ -115,7 +122,7 @@ void PlannerNode::run(Context& context) {
     input.facade.errors.station = std::hypot(input.facade.errors.station, found);
     context.metric("station_sigma", input.facade.errors.station, "m");
     input.notes.push_back("robots know their place by what they see: a bracket to " + text::millimetres(found) +
-                          " at worst in each direction");
+                          " at worst, in the direction that is known worst, taken as common to a floor");
   }
   const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
   InstallationPlanT told;

@@ -93,7 +93,7 @@ struct PlannerNode : Node {
 
  private:
   FacadeRules rules();
-  /// Standard deviation of one direction of the worst bracket that is still to be set [m].
+  /// Of the worst bracket that is still to be set, in the direction that is known worst [m].
   double worst_station(const Facade& facade);
   RoundsEstimate with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result);
 };

@@ -71,6 +71,7 @@ const std::vector<Word> kWords = {
     {"joint", "Fuge"},
     {"anchor", "Anker nicht in Ordnung"},
     {"facade", "Fassade nicht bestätigt"},
+    {"doubt", "Messung nicht vertrauenswürdig"},
 };
 
 class Maker {

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
@@ -19,6 +20,17 @@ std::string how_measured(double beam) {
       "there would have been, and a beam of {:.1f} mm, as it was stated, shows all edges up to {:.1f} mm further out "
       "or in: widths err by up to {:.1f} mm alike. Both are in the standard uncertainties.",
       1e3 * beam, 0.5e3 * beam, 1e3 * beam);
+}
+
+/// Whether any point lies where the design has the joint.
+bool has_points(const Joint& joint, const std::vector<MeasuredTile>& tiles) {
+  for (const MeasuredTile& tile : tiles)
+    for (const MeasuredPoint& point : tile.points) {
+      const Eigen::Vector3d local = joint.plane.local(tile.at(point));
+      // Places are single-precision: a tenth of a millimetre is not beside a face.
+      if (std::abs(local.x()) < 0.5 * joint.width - 1e-4 && std::abs(local.y()) < 0.5 * joint.length) return true;
+    }
+  return false;
 }
 
 }  // namespace
@@ -46,6 +58,7 @@ void ScanJoints::run(Context& context) {
   std::vector<double> radius(given.tiles.size());
   in_parallel(context, radius.size(), [&](size_t t) { radius[t] = radius_of(read(t)); });
   std::vector<MeasuredJoint> found(joints.size());
+  std::vector<char> between(joints.size());
   size_t done = 0;
   std::mutex telling;
   in_parallel(context, joints.size(), [&](size_t j) {
@@ -54,10 +67,20 @@ void ScanJoints::run(Context& context) {
     for (size_t t = 0; t < given.tiles.size(); ++t)
       if ((given.tiles[t]->centre - joints[j].plane.origin).norm() <= own + radius[t]) tiles.push_back(read(t));
     found[j] = measure_scan_joint(joints[j], faces, measured, tiles, options);
+    between[j] = has_points(joints[j], tiles);
     const std::lock_guard lock(telling);
     context.progress(static_cast<double>(++done) / static_cast<double>(joints.size()),
                      joints[j].a + " | " + joints[j].b);
   });
+  // Else each panel would end where the design has its edge, and each joint be as wide as designed.
+  if (std::none_of(between.begin(), between.end(), [](char any) { return any; }))
+    for (MeasuredJoint& joint : found)
+      if (joint.not_measured.empty()) {
+        joint.not_measured =
+            "no point lies in any joint, as if none beside the faces had been kept ('beside' of dense.import keeps "
+            "them, surface.fuse does not): where panels end nobody knows";
+        joint.stations.clear();
+      }
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {
     if (!found[j].not_measured.empty())

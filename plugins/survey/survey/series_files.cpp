@@ -85,7 +85,11 @@ std::string in_words(const SeriesPoint& p, const SeriesText& text) {
   const std::vector<const SeriesPoint::At*> latest = p.latest();
   const auto has_moved = [](const SeriesPoint::At* at) { return at->moved; };
   const bool moved = std::any_of(latest.begin(), latest.end(), has_moved);
-  if (p.moves) add("moves, " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text)));
+  const std::string velocity =
+      p.velocity.array().isFinite().any()
+          ? ", " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text))
+          : "";  // it is shown in a direction that is none of E, N and H
+  if (p.moves) add("moves" + velocity);
   if (p.uneven() && (p.moves || moved)) add("not evenly");
   for (const SeriesPoint::At* at : latest)
     if (at->moved)

@@ -77,7 +77,7 @@ class Chart {
     }
     if (marks.empty()) return "";
     std::string out = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\"/>" + marks;
-    if (p_.moves) {
+    if (p_.moves && std::isfinite(p_.velocity[k])) {
       const double to = text_.times.back();
       out += line(x(from), y(0), x(to), y(1000 * p_.velocity[k] * (to - from)), colour, "5 4");
     }

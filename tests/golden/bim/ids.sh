@@ -22,6 +22,7 @@ for file in "$work"/acceptance/*not_judged.ifc; do
     echo "$file: accepted although something in it was not judged"
     exit 1
   fi
+  grep -q "not fulfilled" "$work/refused.txt" || { cat "$work/refused.txt"; exit 1; }
 done
 for ids in "$work"/*.ids; do
   check "$ids" "${ids%.ids}.two_epochs.ifc"

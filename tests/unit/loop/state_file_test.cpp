@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "loop/state/hash.hpp"
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
@@ -75,6 +78,20 @@ TEST(StateFile, WhatWasChangedIsNotTaken) {
   EXPECT_NE(error_of(text.substr(0, text.size() / 2)).find("state.json: is no state of a loop, or a torn one"),
             std::string::npos);
   EXPECT_NE(error_of("{\"items\": []}").find("expected state.json as a round"), std::string::npos);
+}
+
+/// As 0.1.0 wrote it: what rests on control rests on the last.
+TEST(StateFile, AStateOfTheVersionBeforeIsRead) {
+  auto json = nlohmann::ordered_json::parse(state_json(some_state()));
+  json["plumbline_loop_state"] = 3;
+  json.erase("controls"), json.erase("seal");
+  for (auto& item : json["items"]) item.erase("control");
+  json["seal"] = sha256_hex(json.dump(1));
+  const LoopStateT read = read_state_json(json.dump(1), "state.json");
+  ASSERT_EQ(read.control.size(), 1u);
+  ASSERT_EQ(read.controls.size(), 1u);
+  EXPECT_EQ(read.controls[0]->marks[0]->place, read.control[0]->place);
+  for (const auto& item : read.items) EXPECT_EQ(item->control, item->status == ItemStatus::planned ? 0 : 1) << item->id;
 }
 
 TEST(StateFile, AnItemStandsWhereItsJournalSays) {

@@ -235,7 +235,8 @@ TEST(CameraFiles, TellTheLensByWholeNames) {
     EXPECT_EQ(read(line), LensModel::brown) << line;
   for (const char* line : {"camera_model: KannalaBrandt8", "distortion_model: equidistant", "model: OPENCV_FISHEYE"})
     EXPECT_EQ(read(line), LensModel::fisheye) << line;
-  for (const char* line : {"distortion_model: division", "camera_model: omni\ndistortion_model: radtan", "model: FOV"})
+  for (const char* line : {"distortion_model: division", "camera_model: omni\ndistortion_model: radtan", "model: FOV",
+                           "model: SIMPLE_RADIAL_FISHEYE", "camera_model: Kannala-Brandt-6"})
     EXPECT_THAT(message_of([&] { read(line); }), HasSubstr("known are Brown's")) << line;
 }
 

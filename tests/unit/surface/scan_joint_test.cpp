@@ -170,6 +170,23 @@ TEST(ScanJoint, WhatAScanCannotTellHasAReason) {
   EXPECT_NE(measured(half, {}).not_measured.find("panel right is not measured"), std::string::npos);
 }
 
+/// Points close to each other along the joint and columns 35 mm apart: the strip beside the edge holds one of them.
+TEST(ScanJoint, OneColumnBesideAnEdgeDoesNotTellWhereThePanelEnds) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, 1);
+  MeasuredTile tile;
+  tile.centre = kPlane.origin, tile.factor.resize(6, 0);
+  for (const double u : {-0.155, -0.12, -0.085, -0.05, -0.015, 0.015, 0.05, 0.085, 0.12, 0.155})
+    for (double v = -0.199; v < 0.2; v += 0.0025) {
+      const double height = (u > 0 ? kStep : 0.0) + 0.001 * normal(random);
+      const Eigen::Vector3d place = kPlane.world({u + 1e-5 * normal(random), v, height});
+      tile.points.push_back({(place - tile.centre).cast<float>(), 0.001F});
+    }
+  const MeasuredJoint joint = measured({tile}, of_beam(0));
+  EXPECT_NE(joint.not_measured.find("columns along it"), std::string::npos) << joint.not_measured;
+  EXPECT_TRUE(joint.stations.empty()) << "30 mm with a standard deviation near zero, where 15 mm may be";
+}
+
 TEST(ScanJoint, WhatACutLeavesOut) {
   const CutOff even = cut_off({0, 1, 2, 3});
   EXPECT_NEAR(even.mean, 0.5, 1e-12);
