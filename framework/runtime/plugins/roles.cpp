@@ -33,7 +33,8 @@ std::vector<RolePort> read_ports(const YAML::Node& map, const std::string& where
     port.doc = text_of(entry.second, "doc", "");
     const std::string may_lack = text_of(entry.second, "may_lack", "false");
     if (may_lack != "true" && may_lack != "false")
-      throw std::runtime_error(where + ": port '" + port.name + "' has may_lack: " + may_lack + "; it is true or false");
+      throw std::runtime_error(where + ": port '" + port.name + "' has may_lack: " + may_lack +
+                               "; it is true or false");
     port.may_lack = may_lack == "true";
     const std::string cardinality = text_of(entry.second, "cardinality", "one");
     while (port.cardinality < 4 && cardinality != cardinalities[port.cardinality]) ++port.cardinality;
