@@ -11,7 +11,7 @@ Eigen::Matrix3d station_covariance(const PoseT& pose, const Eigen::Vector3d& poi
   if (pose.covariance.empty())
     throw std::runtime_error("the station of " + pose.path +
                              " has no covariance: how well its robot knows where it is nobody can tell; take a node "
-                             "that states it, such as pose.lambda_twist");
+                             "that states it, such as adjust.schur behind the pose node");
   const Eigen::MatrixXd covariance = unpack_symmetric(pose.covariance, 6, "the station of " + pose.path);
   const Eigen::Matrix3d turn = pose.cam_from_world.rotation.toRotationMatrix();
   Eigen::Matrix<double, 3, 6> of_pose;
