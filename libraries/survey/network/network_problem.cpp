@@ -349,7 +349,8 @@ class Assembler {
       block->map_scale = m_.map->scale(m_.initial[static_cast<size_t>(m_.index.at(set_up.station))],
                                        m_.initial[static_cast<size_t>(m_.index.at(c.point))]);
     const double factor = state_.sigma_factors[kLocalCoordinates];
-    const Eigen::Matrix3d covariance = c.covariance.allFinite() ? c.covariance : polar_covariance(c.position, options_.profile);
+    const Eigen::Matrix3d covariance =
+        c.covariance.allFinite() ? c.covariance : polar_covariance(c.position, options_.profile);
     finish_given(std::move(block), factor * factor * covariance, {first_row, first_row + 1, first_row + 2},
                  kLocalCoordinates, "local coordinates of " + c.point + " (" + place(c.source) + ")");
   }

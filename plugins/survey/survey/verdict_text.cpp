@@ -65,7 +65,8 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
   };
   const double by_chance = normal_quantile(1 - 0.5 * 0.01 / std::max(1.0, static_cast<double>(n.observations.size())));
   for (const NetworkObservationT* o : worst)
-    if (o->removed || (o->flagged && std::abs(o->w) > by_chance)) say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));
+    if (o->removed || (o->flagged && std::abs(o->w) > by_chance))
+      say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));
   std::map<std::string, bool> controlled;  // by target
   std::set<std::string> stations;
   for (const auto& s : n.set_ups) stations.insert(s->station);

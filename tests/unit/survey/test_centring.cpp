@@ -203,7 +203,8 @@ TEST(Centring, AddedToWhatIsWrittenIsThatOfTheInstrument) {
     Observation o;
     o.kind = ObservationKind::slope_distance, o.from = "M9", o.to = to;
     const auto at = [&](const std::string& id) {
-      return std::find_if(left_to_it.points.begin(), left_to_it.points.end(), [&](const Point& p) { return p.id == id; })
+      return std::find_if(left_to_it.points.begin(), left_to_it.points.end(),
+                          [&](const Point& p) { return p.id == id; })
           ->coordinates;
     };
     o.value = (at(to) - at("M9")).norm();

@@ -104,7 +104,8 @@ TEST(StarNetFlags, WhatIsFreedTakesNoPartAndIsSaid) {
 /// With ON the centring of the instrument is added to what is written, not to what is held or left to it.
 TEST(StarNetOptions, CentringIsAddedToWhatIsWrittenWhereTheFileSaysSo) {
   const std::string lines =
-      "C A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nC P 9 9 1\nD A-B 13.0000 0.010\nD A-P 12.8 &\nD B-P 12.8 !\nL A-B 12 0.1 0.001\n";
+      "C A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nC P 9 9 1\nD A-B 13.0000 0.010\nD A-P 12.8 &\nD B-P 12.8 !\nL A-B 12 0.1 "
+      "0.001\n";
   const auto added = [&](const std::string& option) {
     const auto survey = read_starnet(".3D\n" + option + "\n" + lines, "f");
     EXPECT_TRUE(survey.skipped.empty()) << option;
@@ -126,7 +127,8 @@ TEST(StarNetOptions, CentringThatIsAddedIsWrittenAndReadAgain) {
   const auto back = read_starnet(text, "g");
   ASSERT_EQ(back.observations.size(), 1u);
   EXPECT_TRUE(back.observations[0].without_centring);
-  auto both = read_starnet(".3D\nC A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0 0.010\n.ADDC ON\nD A-B 13.0 0.010\n", "f");
+  auto both =
+      read_starnet(".3D\nC A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0 0.010\n.ADDC ON\nD A-B 13.0 0.010\n", "f");
   EXPECT_THROW(write_starnet(both), std::runtime_error);
 }
 
