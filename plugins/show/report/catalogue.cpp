@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -16,7 +17,9 @@ using Part = Catalogue::Part;
 using Sentence = Catalogue::Sentence;
 using Places = std::map<std::string, std::string_view>;
 
-constexpr int kDeepest = 4;  ///< sentences within sentences
+constexpr int kDeepest = 8;  ///< sentences within sentences, and one after another
+/// Letters below which a sentence says little ("{id}: {~note}"): it is one only where nothing else fits.
+constexpr std::size_t kWeak = 6;
 
 [[noreturn]] void refuse(std::size_t line, const std::string& why) {
   throw std::runtime_error("catalogue, line " + std::to_string(line) + ": " + why);
@@ -55,10 +58,10 @@ Sentence parsed(std::string_view text, std::size_t line) {
   return sentence;
 }
 
-std::set<std::string> names_of(const Sentence& sentence) {
-  std::set<std::string> names;
+std::set<std::pair<Part::Kind, std::string>> places_of(const Sentence& sentence) {
+  std::set<std::pair<Part::Kind, std::string>> names;
   for (const Part& part : sentence)
-    if (part.kind != Part::Kind::words) names.insert(part.text);
+    if (part.kind != Part::Kind::words) names.emplace(part.kind, part.text);
   return names;
 }
 
@@ -118,7 +121,7 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
     }
     if (english.empty()) refuse(number, "a sentence of the other language without an English one before it");
     Entry entry{english, parsed(english, number), parsed(line.substr(2), number), 0};
-    if (names_of(entry.english) != names_of(entry.other))
+    if (places_of(entry.english) != places_of(entry.other))
       refuse(number, "'" + english + "' does not have the same places in both languages");
     for (const Part& part : entry.english)
       if (part.kind == Part::Kind::words) entry.letters += part.text.size();
@@ -130,7 +133,7 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
                    [](const Entry& a, const Entry& b) { return a.letters > b.letters; });
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Sentence& sentence = entries_[i].english;
-    if (names_of(sentence).empty())
+    if (places_of(sentence).empty())
       whole_.emplace(entries_[i].written, i);
     else if (sentence.front().kind == Part::Kind::words)
       begun_[static_cast<unsigned char>(sentence.front().text[0])].push_back(i);
@@ -167,8 +170,41 @@ std::optional<std::string> Catalogue::whole(const std::string& english) const {
 }
 
 std::optional<std::string> Catalogue::find(std::string_view english, int depth) const {
-  if (auto found = whole(std::string(english))) return found;
   if (depth >= kDeepest || english.empty()) return std::nullopt;
+  // A place that reaches over the end of a sentence is tried last: "Rings: {~what}." is one sentence, not all to the
+  // end.
+  if (auto found = whole(std::string(english))) return found;
+  if (auto found = paragraph(english, depth)) return found;
+  if (auto found = single(english, depth)) return found;
+  return filled(english, depth, 0, kWeak);
+}
+
+std::optional<std::string> Catalogue::paragraph(std::string_view english, int depth) const {
+  if (depth >= kDeepest) return std::nullopt;
+  for (std::size_t at = english.rfind(". "); at != std::string_view::npos && at > 0; at = english.rfind(". ", at - 1)) {
+    const auto first = single(english.substr(0, at + 1), depth + 1);
+    if (!first) continue;
+    const std::string_view rest = english.substr(at + 2);
+    auto more = paragraph(rest, depth + 1);
+    if (!more) more = single(rest, depth + 1);
+    if (more) return *first + " " + *more;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Catalogue::single(std::string_view english, int depth) const {
+  const auto said = [&](std::string_view text) {
+    auto found = whole(std::string(text));
+    return found ? found : filled(text, depth, kWeak, std::numeric_limits<std::size_t>::max());
+  };
+  if (auto found = said(english)) return found;
+  if (!english.ends_with('.')) return std::nullopt;
+  const auto clause = said(english.substr(0, english.size() - 1));
+  return clause ? std::optional(*clause + ".") : std::nullopt;
+}
+
+std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
+                                             std::size_t most) const {
   const std::vector<std::size_t>& begun = begun_[static_cast<unsigned char>(english[0])];
   auto next_begun = begun.begin();
   auto next_open = open_.begin();
@@ -176,9 +212,7 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
     const bool of_begun = next_open == open_.end() || (next_begun != begun.end() && *next_begun < *next_open);
     const Entry& entry = entries_[of_begun ? *next_begun++ : *next_open++];
     Places places;
-    if (!fits(entry.english, 0, english, places)) continue;
-    std::map<std::string, Part::Kind> kinds;
-    for (const Part& part : entry.english) kinds[part.text] = part.kind;
+    if (entry.letters >= most || entry.letters < least || !fits(entry.english, 0, english, places)) continue;
     std::string text;
     for (const Part& part : entry.other) {
       if (part.kind == Part::Kind::words) {
@@ -186,10 +220,9 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
         continue;
       }
       const std::string_view taken = places.at(part.text);
-      const Part::Kind kind = kinds.at(part.text);
-      text += kind == Part::Kind::taken    ? std::string(taken)
-              : kind == Part::Kind::number ? number(std::string(taken))
-                                           : sentence(taken, depth + 1).value_or(std::string(taken));
+      text += part.kind == Part::Kind::taken    ? std::string(taken)
+              : part.kind == Part::Kind::number ? number(std::string(taken))
+                                                : sentence(taken, depth + 1).value_or(std::string(taken));
     }
     return text;
   }

@@ -13,8 +13,8 @@ namespace plumbline::report {
 /// Whole sentences, so that the other language may have its own order of words, cases and plurals. A place that is
 /// filled in has a name, the same on both sides: `{anchor}` is taken as it is, `{#n}` is a number and gets the decimal
 /// sign of the language, `{~reason}` is a sentence of the catalogue itself, or a list of such with ", ", "; " or " and
-/// " between; where it is neither, it is taken as it is. Where several sentences fit, the one with most letters of its
-/// own is meant. A no-break space counts as a space.
+/// " between; where it is neither, it is taken as it is. Sentences may stand one after another. Where several sentences
+/// fit, the one with most letters of its own is meant. A no-break space counts as a space.
 class Catalogue {
  public:
   struct Part {
@@ -43,6 +43,12 @@ class Catalogue {
 
  private:
   std::optional<std::string> find(std::string_view english, int depth) const;
+  /// By a sentence with places that has so many letters of its own.
+  std::optional<std::string> filled(std::string_view english, int depth, std::size_t least, std::size_t most) const;
+  /// Two sentences or more, each of the catalogue.
+  std::optional<std::string> paragraph(std::string_view english, int depth) const;
+  /// One sentence, or a clause of the catalogue with a full stop.
+  std::optional<std::string> single(std::string_view english, int depth) const;
   std::optional<std::string> sentence(std::string_view english, int depth) const;
 
   char decimal_sign_;

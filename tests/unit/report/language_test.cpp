@@ -37,7 +37,11 @@ TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
   EXPECT_EQ(catalogue.find("Anchor A is far mm too low."), std::nullopt) << "a number is asked for";
   EXPECT_EQ(catalogue.find("1 anchor, 2 anchor and too low is out"), "1 Anker, 2 Anker und Zu tief außerhalb")
       << "a list";
+  EXPECT_EQ(catalogue.find("too low. Anchor A is 3.5 mm too low. 2 anchor."),
+            "Zu tief. Zu tief liegt Anker A um 3,5 mm. 2 Anker.")
+      << "sentences one after another";
   EXPECT_EQ(catalogue.find("something else"), std::nullopt);
+  EXPECT_EQ(catalogue.find("too low. something else."), std::nullopt) << "nothing half and half";
 }
 
 TEST(Catalogue, RefusesWithTheLine) {
@@ -184,6 +188,7 @@ const std::vector<std::string> kGiven = {"Facade anchors, full height",
                                          "name~^C-: azimuth=135deg",
                                          "Level ",
                                          "campaign.yaml",
+                                         "observations.csv",
                                          "survey/station1.gsi",
                                          "station1.gsi",
                                          "station2.gsi",
