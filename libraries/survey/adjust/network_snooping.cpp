@@ -1,6 +1,7 @@
 // Data snooping, robust start and variance components of the adjustment.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "geometry/statistics.hpp"
 #include "survey/adjust/adjuster.hpp"
@@ -87,9 +88,9 @@ void Adjuster::mend(Pass& pass) {
   }
 }
 
-/// The worst row, and of a large network those that have nothing to do with it or each other: no point in common.
-/// Each would go by itself too, and every removal is an adjustment of the whole. A row that is much smaller may be its
-/// shadow and waits.
+/// The worst row, and of a large network those that have nothing to do with it or each other: their stations see no
+/// point in common. Each would go by itself too, and every removal is an adjustment of the whole. A row that is much
+/// smaller may be its shadow and waits.
 std::vector<int> Adjuster::worst_rows(const Pass& pass, const std::set<int>& kept, int most) const {
   constexpr double kShadow = 0.3;  // of the largest |w|
   std::vector<std::pair<double, int>> failing;
@@ -101,14 +102,21 @@ std::vector<int> Adjuster::worst_rows(const Pass& pass, const std::set<int>& kep
   }
   std::stable_sort(failing.begin(), failing.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<int> rows;
+  if (failing.size() < 2) {
+    for (const auto& [w, row] : failing)
+      if (most > 0) rows.push_back(row);
+    return rows;
+  }
+  std::map<std::string, std::set<std::string>> seen_from;
+  for (const ResultRow& r : m_.rows) seen_from[r.from].insert({r.from, r.to});
   std::set<std::string> touched;
   for (const auto& [w, row] : failing) {
     if (static_cast<int>(rows.size()) >= most || -w < kShadow * -failing.front().first) break;
     const ResultRow& r = m_.rows[static_cast<size_t>(row)];
-    if (touched.contains(r.from) || touched.contains(r.to)) continue;
+    const std::set<std::string>& own = seen_from.at(r.from);
+    if (std::any_of(own.begin(), own.end(), [&](const std::string& id) { return touched.contains(id); })) continue;
     rows.push_back(row);
-    for (const std::string& id : {r.from, r.to})
-      if (!id.empty()) touched.insert(id);
+    touched.insert(own.begin(), own.end());
   }
   return rows;
 }
