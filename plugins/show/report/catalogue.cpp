@@ -65,9 +65,10 @@ std::set<std::pair<Part::Kind, std::string>> places_of(const Sentence& sentence)
   return names;
 }
 
-/// Digits with a sign and a decimal sign, and the mark of those that are in the units spoken already.
+/// Digits with a sign and a decimal sign, or a fraction ("1-7/16"), and the mark of those that are in the units spoken
+/// already.
 bool is_number(std::string_view text) {
-  bool digit = false;
+  bool digit = false, decimal = false;
   if (text.ends_with('\x03')) text.remove_suffix(1);
   if (text.starts_with('+') || text.starts_with('-'))
     text.remove_prefix(1);
@@ -76,8 +77,12 @@ bool is_number(std::string_view text) {
   for (const char c : text) {
     if (std::isdigit(static_cast<unsigned char>(c)))
       digit = true;
-    else if (c != '.' && c != ',')
-      return false;
+    else if (digit && (c == '/' || c == '-'))
+      continue;
+    else if ((c != '.' && c != ',') || decimal)
+      return false;  // "0.2.0" is a version
+    else
+      decimal = true;
   }
   return digit && (text.empty() || std::isdigit(static_cast<unsigned char>(text.back())) != 0);
 }
@@ -121,7 +126,14 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
     }
     if (english.empty()) refuse(number, "a sentence of the other language without an English one before it");
     Entry entry{english, parsed(english, number), parsed(line.substr(2), number), 0};
-    if (places_of(entry.english) != places_of(entry.other))
+    const auto places = places_of(entry.english);
+    std::set<std::string> names;
+    for (const auto& [kind, name] : places) names.insert(name);
+    const auto filled_in = std::count_if(entry.english.begin(), entry.english.end(),
+                                         [](const Part& part) { return part.kind != Part::Kind::words; });
+    if (static_cast<std::size_t>(filled_in) != names.size())
+      refuse(number, "'" + english + "' has two places of one name: one would be told in the other's place");
+    if (places != places_of(entry.other))
       refuse(number, "'" + english + "' does not have the same places in both languages");
     for (const Part& part : entry.english)
       if (part.kind == Part::Kind::words) entry.letters += part.text.size();
@@ -181,7 +193,7 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
 
 std::optional<std::string> Catalogue::paragraph(std::string_view english, int depth) const {
   if (depth >= kDeepest) return std::nullopt;
-  for (std::size_t at = english.rfind(". "); at != std::string_view::npos && at > 0; at = english.rfind(". ", at - 1)) {
+  for (std::size_t at = english.find(". "); at != std::string_view::npos; at = english.find(". ", at + 1)) {
     const auto first = single(english.substr(0, at + 1), depth + 1);
     if (!first) continue;
     const std::string_view rest = english.substr(at + 2);
@@ -229,7 +241,9 @@ std::optional<std::string> Catalogue::filled(std::string_view english, int depth
   return std::nullopt;
 }
 
-std::optional<std::string> Catalogue::find(std::string_view english) const { return find(plain_spaces(english), 0); }
+std::optional<std::string> Catalogue::find(std::string_view english) const {
+  return sentence(plain_spaces(english), 0);
+}
 
 const Catalogue& german() {
   static const Catalogue catalogue(parts::german_sentences, ',');

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -29,7 +30,8 @@ constexpr Speech kGerman{Language::german, Units::millimetres}, kInches{Language
 TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
   const Catalogue catalogue(
       "# a comment\n\nAnchor {id} is {#x} mm {~way}.\n  {~way} liegt Anker {id} um {#x} mm.\ntoo low\n  Zu tief\n"
-      "{#n} anchor\n  {#n} Anker\n{~a} is out\n  {~a} außerhalb\n",
+      "{#n} anchor\n  {#n} Anker\n{~a} is out\n  {~a} außerhalb\n"
+      "Camera: {name}.\n  Kamera: {name}.\nDate: {day}.\n  Tag: {day}.\n",
       ',');
   EXPECT_EQ(catalogue.find("Anchor F1.2 is −3.5 mm too low."), "Zu tief liegt Anker F1.2 um −3,5 mm.");
   EXPECT_EQ(catalogue.find("Anchor A is 3.5\u00A0mm too low."), "Zu tief liegt Anker A um 3,5 mm.")
@@ -40,6 +42,9 @@ TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
   EXPECT_EQ(catalogue.find("too low. Anchor A is 3.5 mm too low. 2 anchor."),
             "Zu tief. Zu tief liegt Anker A um 3,5 mm. 2 Anker.")
       << "sentences one after another";
+  EXPECT_EQ(catalogue.find("Camera: A. Date: B."), "Kamera: A. Tag: B.")
+      << "no place reaches over the end of a sentence";
+  EXPECT_EQ(catalogue.find("1.5.0 anchor"), std::nullopt) << "a version is no number";
   EXPECT_EQ(catalogue.find("something else"), std::nullopt);
   EXPECT_EQ(catalogue.find("too low. something else."), std::nullopt) << "nothing half and half";
 }
@@ -58,6 +63,7 @@ TEST(Catalogue, RefusesWithTheLine) {
   EXPECT_NE(error("a\nb\n  c\n").find("nothing in the other language"), std::string::npos);
   EXPECT_NE(error("a\n").find("nothing in the other language"), std::string::npos);
   EXPECT_NE(error("{a}{b}\n  {b} {a}\n").find("between them"), std::string::npos);
+  EXPECT_NE(error("a {#x} of {x}\n  b {#x} {x}\n").find("one name"), std::string::npos);
   EXPECT_EQ(error("a {x}\n  b {x}\n"), "taken");
 }
 
@@ -216,6 +222,38 @@ TEST(German, NoEnglishWordIsLeftOnAPage) {
     ADD_FAILURE() << "report: " << text;
 }
 
+/// Numbers of a text; a fraction in brackets says one again and does not count.
+std::vector<std::string> numbers_of(const std::string& text) {
+  const std::string plain = std::regex_replace(text, std::regex(" \\((?:\\d+-)?\\d+(?:/\\d+)?\\)"), "");
+  std::vector<std::string> numbers;
+  const std::regex number("\\d+(?:\\.\\d+)?");
+  for (std::sregex_iterator at(plain.begin(), plain.end(), number), end; at != end; ++at) numbers.push_back(at->str());
+  return numbers;
+}
+
+/// No sentence loses a number, tells one twice or changes one.
+TEST(German, EverySentenceHasTheNumbersOfTheEnglishOne) {
+  const ReportInput input = full_example();
+  const auto sorted = [](std::string text, bool comma) {
+    if (comma) text = std::regex_replace(text, std::regex("(\\d),(\\d)"), "$1.$2");
+    std::vector<std::string> numbers = numbers_of(text);
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
+  };
+  const auto page = texts_read(render_report(input)), sheets = texts_read(render_sheets(input));
+  const Speaking speaking(kGerman);
+  for (const auto& [english, other] :
+       {std::pair(page, texts_read(render_report(input))), std::pair(sheets, texts_read(render_sheets(input)))}) {
+    ASSERT_LE(english.size(), other.size());
+    int numbers = 0;
+    for (std::size_t i = 0; i < english.size(); ++i) {
+      EXPECT_EQ(sorted(english[i], false), sorted(other[i], true)) << english[i] << " | " << other[i];
+      numbers += static_cast<int>(numbers_of(english[i]).size());
+    }
+    EXPECT_GT(numbers, 100);
+  }
+}
+
 TEST(German, NoEnglishWordIsLeftInTheSummary) {
   const Speaking speaking(kGerman);
   const ReportInput input = full_example();
@@ -255,15 +293,6 @@ TEST(German, EnglishIsAsItWas) {
   EXPECT_EQ(render_report(input), before) << "a language ends with its scope";
   EXPECT_EQ(before.find("id=\"spoken\">"), std::string::npos);
   EXPECT_EQ(spoken("Measure it."), "Measure it.");
-}
-
-/// Numbers of a text; a fraction in brackets says one again and does not count.
-std::vector<std::string> numbers_of(const std::string& text) {
-  const std::string plain = std::regex_replace(text, std::regex(" \\((?:\\d+-)?\\d+(?:/\\d+)?\\)"), "");
-  std::vector<std::string> numbers;
-  const std::regex number("\\d+(?:\\.\\d+)?");
-  for (std::sregex_iterator at(plain.begin(), plain.end(), number), end; at != end; ++at) numbers.push_back(at->str());
-  return numbers;
 }
 
 /// Whether `inches` is what `millimetres` says, both as they are rounded.
@@ -399,6 +428,9 @@ TEST(Inches, WhatIsToBeSetHasAFractionToo) {
   EXPECT_EQ(spoken(to_set(0.0254)), "1.000\u00A0in (1)");
   EXPECT_EQ(spoken(to_set(0.0365125)), "1.438\u00A0in (1-7/16)");
   EXPECT_EQ(spoken(tolerance(0.003175)), "0.125\u00A0in");
+  const Speaking both({Language::german, Units::inches});
+  EXPECT_EQ(spoken("Reset or shim: " + to_set(0.0365125) + " outward, " + to_set(-0.0025) + " up."),
+            "Versetzen oder unterlegen: 1,438\u00A0Zoll (1-7/16) nach außen, 0,098\u00A0Zoll (3/32) nach oben.");
 }
 
 }  // namespace
