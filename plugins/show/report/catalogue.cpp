@@ -87,6 +87,38 @@ bool is_number(std::string_view text) {
   return digit && (text.empty() || std::isdigit(static_cast<unsigned char>(text.back())) != 0);
 }
 
+bool is_letter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// Runs of letters.
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto begin = static_cast<std::size_t>(
+        std::find_if(text.begin() + static_cast<std::ptrdiff_t>(at), text.end(), is_letter) - text.begin());
+    at = static_cast<std::size_t>(
+        std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), is_letter) - text.begin());
+    if (at > begin) words.push_back(text.substr(begin, at - begin));
+  }
+  return words;
+}
+
+/// Of the sentence's own words, but for those that a place may continue ("sigma{#s}").
+std::string longest_word(const Sentence& sentence) {
+  std::string longest;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    if (sentence[i].kind != Part::Kind::words) continue;
+    const std::string_view text = sentence[i].text;
+    for (const std::string_view word : words_of(text)) {
+      const bool continued = (i > 0 && word.data() == text.data()) ||
+                             (i + 1 < sentence.size() && word.data() + word.size() == text.data() + text.size());
+      if (!continued && word.size() > longest.size()) longest = word;
+    }
+  }
+  return longest;
+}
+
 /// Whether `text` is the sentence from `part` on; places get the least that lets the rest fit.
 bool fits(const Sentence& sentence, std::size_t part, std::string_view text, Places& places) {
   if (part == sentence.size()) return text.empty();
@@ -145,12 +177,12 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
                    [](const Entry& a, const Entry& b) { return a.letters > b.letters; });
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Sentence& sentence = entries_[i].english;
-    if (places_of(sentence).empty())
+    if (places_of(sentence).empty()) {
       whole_.emplace(entries_[i].written, i);
-    else if (sentence.front().kind == Part::Kind::words)
-      begun_[static_cast<unsigned char>(sentence.front().text[0])].push_back(i);
-    else
-      open_.push_back(i);
+      continue;
+    }
+    const std::string word = longest_word(sentence);
+    (word.empty() ? without_word_ : by_word_[word]).push_back(i);
   }
 }
 
@@ -217,12 +249,13 @@ std::optional<std::string> Catalogue::single(std::string_view english, int depth
 
 std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
                                              std::size_t most) const {
-  const std::vector<std::size_t>& begun = begun_[static_cast<unsigned char>(english[0])];
-  auto next_begun = begun.begin();
-  auto next_open = open_.begin();
-  while (next_begun != begun.end() || next_open != open_.end()) {
-    const bool of_begun = next_open == open_.end() || (next_begun != begun.end() && *next_begun < *next_open);
-    const Entry& entry = entries_[of_begun ? *next_begun++ : *next_open++];
+  std::vector<std::size_t> candidates = without_word_;
+  for (const std::string_view word : words_of(english))
+    if (const auto found = by_word_.find(std::string(word)); found != by_word_.end())
+      candidates.insert(candidates.end(), found->second.begin(), found->second.end());
+  std::sort(candidates.begin(), candidates.end());  // those with most letters first
+  for (const std::size_t candidate : candidates) {
+    const Entry& entry = entries_[candidate];
     Places places;
     if (entry.letters >= most || entry.letters < least || !fits(entry.english, 0, english, places)) continue;
     std::string text;
