@@ -32,7 +32,7 @@ def rules(data):
         # Sites.
         (r"plumbline run site_campaign folder=june (epoch=\S+ before=out/may/as_built.json)", r"plumbline run site_campaign folder=site \1"),
         (r"plumbline run site_surfaces folder=\S+(.*)", r"plumbline run site_surfaces folder=small"),
-        (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*)", r"\1 folder=site"),
+        (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*?)( --out \S+)?", r"\1 folder=site\2"),
         (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),
         (r"plumbline run (site_observations|plan_installation) folder=\S+(.*)", r"plumbline run \1 folder=observed\2"),
         (r"plumbline run site_loop folder=(\S+) first=true(.*)", f"plumbline run site_loop folder=site {ROUND} --out rounds/1"),
@@ -101,7 +101,7 @@ def rules(data):
         (r"plumbline bench (benchmarks/paper/rendered.yaml).*",
          rf'plumbline bench \1 --scenario "single floor" --scenario "JPEG quality 50" {RENDERED}'),
         (r"plumbline bench (benchmarks/paper/detectors.yaml).*", rf'plumbline bench \1 --scenario ideal {RENDERED}'),
-        (r"plumbline bench (benchmarks/paper/campaign.yaml).*", r"plumbline bench \1 floors=1 images_per_floor=4 --seeds 1 --out out/campaign"),
+        (r"plumbline bench (benchmarks/paper/campaign.yaml).*", r'plumbline bench \1 --scenario "single floor" --scenario "full height, readings of a total station" floors=1 images_per_floor=4 --seeds 1 --out out/campaign'),
         (r"plumbline bench (benchmarks/\S+\.yaml).*", r"plumbline bench \1 --seeds 1 --out out/paper"),
     ]
 
@@ -137,7 +137,7 @@ OTHERS = [
     (r"build/bin/detect_benchmark scene .*", "PROGRAMS/detect_benchmark scene scene.jpg tag36h11 1600 1200 9 24 60"),
     (r"build/bin/detect_benchmark (compare tag36h11 scene.jpg --repeat 3|file tag36h11 scene.jpg)", r"PROGRAMS/detect_benchmark \1"),
     (r"build/bin/detect_benchmark (compare DICT_6X6_1000|tag_free tag36h11) PHOTOGRAPHS...", r"PROGRAMS/detect_benchmark \1 few/*.jpg"),
-    (r"build/bin/runtime_benchmark .*", "PROGRAMS/runtime_benchmark . 100"),
+    (r"build/bin/runtime_benchmark .*", "PROGRAMS/runtime_benchmark /dev/shm 100"),
     (r"build/bin/survey_network_benchmark .*", "PROGRAMS/survey_network_benchmark 30 4 6 1"),
     (r"(PLUMBLINE_SHOW=1 )?build/bin/survey_mistakes_benchmark\b.*", r"\1PROGRAMS/survey_mistakes_benchmark 1 feet"),
     (r"build/bin/survey_file_mistakes_benchmark .*", 'PROGRAMS/survey_file_mistakes_benchmark 1 "" 1000001'),
