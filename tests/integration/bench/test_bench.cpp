@@ -48,6 +48,29 @@ TEST(Bench, SaysWhichOfTwoPluginsItUses) {
   EXPECT_EQ(plumbline.answer.err.find(words, first + 1), std::string::npos) << plumbline.answer.err;
 }
 
+/// A part of a shipped bench, by the names that its file has; words behind --seeds that set something are overrides.
+TEST(Bench, ScenariosThatAreNamedRunAloneWithWhatSpeaksOfThem) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-8\nscenarios: {one floor: {factor: 1}, 'far, dark': {factor: 2}, near: {factor: 3}}\n"
+      "alternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\nweights: {one floor: 1, 'far, dark': 3, "
+      "near: 1}\n"
+      "exclude: [{scenario: near, method: worse, why: it cannot}]\n");
+  const Json all = plumbline.run({"--seeds", "1-3"});
+  EXPECT_EQ(all["cells"], 15);
+  const Json some = plumbline.run({"--scenario", "far, dark", "--scenario", "one floor", "--seeds", "1-3"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(some["cells"], 12);
+  EXPECT_EQ(some["found"], 12);  // the same cells as of the whole
+  const Json other = plumbline.run({"--scenario", "near", "--seeds", "1", "factor=1"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(other["cells"], 1);
+  const auto refused = plumbline({"bench", "b.yaml", "--scenario", "one flor"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("no scenario 'one flor' — did you mean 'one floor'?; it has 'one floor', 'far, dark', 'near'"));
+}
+
 TEST(Bench, TheOrderOfAlternativesAndOtherNamesForThemChangeNothing) {
   BenchProgram plumbline;
   plumbline.bench_file(two);
