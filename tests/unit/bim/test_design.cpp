@@ -415,6 +415,40 @@ TEST(Panels, AWallBeforeItsBasePlateIsThePanel) {
   EXPECT_FALSE(named(read(bytes, rule), "Panel 1").is_panel);
 }
 
+/// Small panels before the wall that their anchors are fixed to: plates that stand edge to edge are panels, and nobody
+/// has to say what that wall is. Two beside each other may be the base plates of neighbours.
+TEST(Panels, SmallPlatesEdgeToEdgeAreNoFixings) {
+  const auto before_a_wall = [](const std::vector<double>& places) {
+    std::string plates;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      std::string plate = plate_at_anchor(500, ",$");
+      for (char digit = '0'; digit < '8'; ++digit)
+        for (size_t at; (at = plate.find(std::string("#50") + digit)) != std::string::npos;)
+          plate.replace(at, 4, "#" + std::to_string(600 + 10 * static_cast<int>(i) + digit - '0'));
+      plate.replace(plate.find("2000.,-20.,400."), 15, text::format_fixed(places[i], 1) + ",-60.,400.");
+      plate.replace(plate.find("3bvc"), 4, "3b" + std::to_string(60 + i));
+      plate.replace(plate.find("'Base'"), 6, "'Base " + std::to_string(i) + "'");
+      plates += plate;
+    }
+    std::string bytes = small_building("IFC4", plates);
+    for (const auto& [from, to] : {std::pair{"IFCCURTAINWALL(", "IFCBUILDINGELEMENTPROXY("},
+                                   {"#228=IFCPLATE(", "#228=IFCWALL("},
+                                   {"(3000.,-100.,0.)", "(3000.,100.,0.)"}})
+      bytes.replace(bytes.find(from), std::string(from).size(), to);
+    return read(bytes);
+  };
+  const auto asks = [](const Design& design) {
+    return std::any_of(design.not_applied.begin(), design.not_applied.end(),
+                       [](const NotApplied& n) { return n.asked == "walls at anchors (Panel 1)"; });
+  };
+  const Design field = before_a_wall({1490, 2000, 2510, 3020, 3530, 4040});
+  EXPECT_FALSE(asks(field));
+  for (const char* name : {"Base 0", "Base 1", "Base 5"}) EXPECT_TRUE(named(field, name).is_panel) << name;
+  EXPECT_FALSE(named(field, "Panel 1").is_panel);
+  EXPECT_TRUE(asks(before_a_wall({1990, 2500, 3530, 4040}))) << "pairs";
+  EXPECT_TRUE(asks(before_a_wall({1450, 2010, 2570, 3430, 3990}))) << "60 mm apart";
+}
+
 TEST(Georeference, IsHandedOnAndDoubtfulScalesAreNamed) {
   const std::string crs = "#500=IFCPROJECTEDCRS('EPSG:25832',$,$,$,$,$,#501);#501=IFCSIUNIT(*,.LENGTHUNIT.,$,.METRE.);";
   const Design good =
