@@ -2,9 +2,13 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <memory>
+#include <set>
 
 #include "runtime/base/digest.hpp"
+#include "runtime/plugins/executable_node.hpp"
+#include "runtime/plugins/library.hpp"
 #include "runtime/run/executor.hpp"
 
 namespace plumbline::runtime {
@@ -67,6 +71,14 @@ std::vector<MergedGraph> graphs_of(const std::vector<const SweepCell*>& cells) {
   return graphs;
 }
 
+std::string sha256_of_existing(const fs::path& file) {
+  try {
+    return sha256_of_file(file);
+  } catch (const std::exception&) {
+    return "absent";
+  }
+}
+
 constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
 
 }  // namespace
@@ -75,6 +87,20 @@ std::string this_host() {
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
   return host;
+}
+
+std::vector<std::string> changed_plugins(const Registry& registry) {
+  std::set<std::string> changed;
+  for (const auto& plugin : registry.plugins()) {
+    if (plugin->executable) {
+      for (const auto& [file, identity] : plugin->executable->identities)
+        if (file_identity(file) != identity) changed.insert(file.string());
+    } else if (file_identity(plugin->identity.path) != plugin->file_identity &&
+               sha256_of_existing(plugin->identity.path) != plugin->sha256) {
+      changed.insert(plugin->identity.path.string());
+    }
+  }
+  return {changed.begin(), changed.end()};
 }
 
 SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Registry& registry, Store& store,
@@ -109,8 +135,11 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
   std::error_code ignored;
   if (!plan.file.keep_everything) fs::remove_all(own, ignored);
   if (answer.cancelled) return answer;
+  const auto failed = [](const auto& cell) { return cell.second.failed; };
+  answer.plugins_changed = std::any_of(done.begin(), done.end(), failed) && !changed_plugins(registry).empty();
   const CellRecords records(store);
   for (const auto& [cell, record] : done) {
+    if (record.failed && answer.plugins_changed) continue;
     answer.failed += record.failed;
     records.put(cell->key, record);
   }

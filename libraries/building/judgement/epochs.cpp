@@ -143,7 +143,9 @@ bool has_left(const EpochItem& item, const DesignElements* design) {
   if (has_left(item.guid, design)) return true;
   constexpr std::string_view joint = "joint/";
   if (!design || !item.topic.starts_with(joint)) return false;
-  const auto has = [&](const std::string& name) { return design->names.contains(name) || design->guids.contains(name); };
+  const auto has = [&](const std::string& name) {
+    return design->names.contains(name) || design->guids.contains(name);
+  };
   const std::string neighbour = item.topic.substr(joint.size());
   return !has(neighbour) && !has(neighbour.substr(0, neighbour.rfind('/')));
 }

@@ -167,7 +167,8 @@ class Converter {
     const std::string_view id = node.attribute("id").value();
     const std::uint64_t number = id.empty() ? (instances_.push_back({}), instances_.size()) : number_of(id, node);
     Instance& made = instances_[number - 1];
-    if (made.entity) fail(node, "found its id a second time, first at " + place_of(offset_of(made.node)), "one of each");
+    if (made.entity)
+      fail(node, "found its id a second time, first at " + place_of(offset_of(made.node)), "one of each");
     made.entity = &entity, made.node = node;
     for (const auto& attribute : entity.attributes) made.arguments.push_back(attribute.derived ? derived : null);
     for (const pugi::xml_attribute given : node.attributes())
@@ -285,8 +286,7 @@ class Converter {
   void take_inverse(pugi::xml_node node, const XmlSchema::Inverse& inverse, std::uint64_t owner) {
     const auto relate = [&](std::uint64_t relation) { inverses_.push_back({relation, inverse.forward, owner}); };
     const auto* declared = schema_->entity(inverse.entity);
-    if (refers(node) || entity_said(node))
-      return relate(reference_or(node, [&] { return define(node, *declared); }));
+    if (refers(node) || entity_said(node)) return relate(reference_or(node, [&] { return define(node, *declared); }));
     for (const pugi::xml_node child : elements_of(node)) {
       const auto* entity = schema_->entity(local(child));
       if (!entity && declared->attribute(local(child))) return relate(define(node, *declared));
@@ -345,8 +345,7 @@ class Converter {
     line("ENDSEC;");
     line("DATA;");
     for (std::size_t i = 0; i < instances_.size(); ++i) {
-      const auto next =
-          std::upper_bound(line_starts_.begin(), line_starts_.end(), offset_of(instances_[i].node));
+      const auto next = std::upper_bound(line_starts_.begin(), line_starts_.end(), offset_of(instances_[i].node));
       line(instance(i + 1, capitals(instances_[i].entity->name), instances_[i].arguments),
            static_cast<std::uint32_t>(next - line_starts_.begin()));
     }

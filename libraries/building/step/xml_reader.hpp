@@ -1,9 +1,9 @@
 // ifcXML (ISO 10303-28) turned into the STEP file that says the same, for readers that know STEP.
 //
-// Both arrangements that exporters write: that of IFC4 and later (root `ifcXML`; simple attributes as attributes of XML,
-// inverses as elements around the relation) and that of IFC2x3 (`iso_10303_28` around `uos`; everything as elements).
-// Names of the schema are taken in any case, enumerations in small letters; numbers that are not (Revit's NAN for what
-// is not set) are left out. Instances are numbered in the order in which the file first speaks of them.
+// Both arrangements that exporters write: that of IFC4 and later (root `ifcXML`; simple attributes as attributes of
+// XML, inverses as elements around the relation) and that of IFC2x3 (`iso_10303_28` around `uos`; everything as
+// elements). Names of the schema are taken in any case, enumerations in small letters; numbers that are not (Revit's
+// NAN for what is not set) are left out. Instances are numbered in the order in which the file first speaks of them.
 #pragma once
 
 #include <cstdint>

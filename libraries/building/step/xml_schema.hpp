@@ -11,8 +11,8 @@ namespace plumbline::step {
 
 std::string capitals(std::string_view name);
 
-/// An EXPRESS schema as scripts/express_attributes writes it. Types are told as there: s r i b l x e ?, "[n]T" for lists
-/// of T (n 0 unless it is always the same), else the name of a type or entity.
+/// An EXPRESS schema as scripts/express_attributes writes it. Types are told as there: s r i b l x e ?, "[n]T" for
+/// lists of T (n 0 unless it is always the same), else the name of a type or entity.
 class XmlSchema {
  public:
   struct Attribute {

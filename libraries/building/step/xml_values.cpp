@@ -43,7 +43,8 @@ std::optional<std::string> truth(std::string_view text, bool may_be_unknown) {
 
 std::optional<std::string> enumerated(std::string_view text) {
   if (text.empty()) return null;
-  const bool is_name = std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+  const bool is_name =
+      std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
   return is_name ? std::optional(enumeration(capitals(text))) : std::nullopt;
 }
 
@@ -58,8 +59,8 @@ std::optional<std::vector<std::string>> in_groups(const std::vector<std::string>
   if (size == 0 || items.size() % size != 0) return std::nullopt;
   std::vector<std::string> groups;
   for (std::size_t i = 0; i < items.size(); i += size)
-    groups.push_back(list({items.begin() + static_cast<std::ptrdiff_t>(i),
-                           items.begin() + static_cast<std::ptrdiff_t>(i + size)}));
+    groups.push_back(
+        list({items.begin() + static_cast<std::ptrdiff_t>(i), items.begin() + static_cast<std::ptrdiff_t>(i + size)}));
   return groups;
 }
 
@@ -98,15 +99,24 @@ std::optional<std::string> argument_of(std::string_view text, std::string_view k
 
 std::string words_of_kind(std::string_view kind) {
   switch (kind[0]) {
-    case 's': return "a text";
-    case 'r': return "a number";
-    case 'i': return "a whole number";
-    case 'b': return "true or false";
-    case 'l': return "true, false or unknown";
-    case 'x': return "hexadecimal digits";
-    case 'e': return "a name of an enumeration";
-    case '[': return "values with blanks between them, as many as lists of that kind have";
-    default: return "an element with " + std::string(kind);
+    case 's':
+      return "a text";
+    case 'r':
+      return "a number";
+    case 'i':
+      return "a whole number";
+    case 'b':
+      return "true or false";
+    case 'l':
+      return "true, false or unknown";
+    case 'x':
+      return "hexadecimal digits";
+    case 'e':
+      return "a name of an enumeration";
+    case '[':
+      return "values with blanks between them, as many as lists of that kind have";
+    default:
+      return "an element with " + std::string(kind);
   }
 }
 

@@ -10,10 +10,10 @@
 
 namespace plumbline::step {
 
-/// The argument that a text is: of a simple kind (s r i b l x e, as XmlSchema has them) or of a list of them, whose items
-/// stand one after the other with blanks between; a list of lists is cut where the inner ones all have one length.
-/// `resolve` gives what a type comes down to. Nothing where the text is no such value. Numbers that are none (NAN, INF)
-/// and empty ones are values that are not given.
+/// The argument that a text is: of a simple kind (s r i b l x e, as XmlSchema has them) or of a list of them, whose
+/// items stand one after the other with blanks between; a list of lists is cut where the inner ones all have one
+/// length. `resolve` gives what a type comes down to. Nothing where the text is no such value. Numbers that are none
+/// (NAN, INF) and empty ones are values that are not given.
 std::optional<std::string> argument_of(std::string_view text, std::string_view kind,
                                        const std::function<std::string_view(std::string_view)>& resolve);
 /// "a number", "true or false", …

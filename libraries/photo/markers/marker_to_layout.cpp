@@ -138,7 +138,7 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
 
 MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOptions& options) {
   MarkerBlock held = block;
-  bool estimated = false;  // a camera of which something is known, but not as exact
+  bool estimated = false;   // a camera of which something is known, but not as exact
   bool calibrated = false;  // by more than what EXIF says
   for (MarkerCamera& camera : held.cameras)
     if (camera.covariance.size() > 0 && !camera.held)

@@ -73,8 +73,9 @@ struct ReadIfc : Node {
   void run(Context& context) override {
     const auto index = index_of(*file, context);
     if (index->was_xml())
-      context.info(index->name() + " is ifcXML: it is read as the STEP file that says the same, and the as-built model is "
-                                   "written as that STEP file with the additions");
+      context.info(index->name() +
+                   " is ifcXML: it is read as the STEP file that says the same, and the as-built model is "
+                   "written as that STEP file with the additions");
     const Design result = read_design(*index, rule());
     for (const std::string& warning : result.warnings) context.warn(warning);
     const PointsT points = ifc::anchor_points(result);

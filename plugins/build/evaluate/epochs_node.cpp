@@ -10,7 +10,8 @@ namespace {
 
 DesignElements elements_of(const DesignT& design) {
   DesignElements elements;
-  for (const auto& element : design.elements) elements.guids.insert(element->guid), elements.names.insert(element->name);
+  for (const auto& element : design.elements)
+    elements.guids.insert(element->guid), elements.names.insert(element->name);
   return elements;
 }
 

@@ -30,8 +30,7 @@ struct View {
 
 double shortest_edge(const TagT& tag) {
   double shortest = 1e300;
-  for (std::size_t k = 0; k < 4; ++k)
-    shortest = std::min(shortest, (tag.corners[(k + 1) % 4] - tag.corners[k]).norm());
+  for (std::size_t k = 0; k < 4; ++k) shortest = std::min(shortest, (tag.corners[(k + 1) % 4] - tag.corners[k]).norm());
   return shortest;
 }
 

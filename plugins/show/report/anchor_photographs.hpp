@@ -20,17 +20,17 @@ namespace plumbline::report {
 struct AnchorPhotograph {
   std::string anchor, photograph, tag;
   ToleranceVerdict verdict = ToleranceVerdict::not_measured;
-  std::string jpeg;                           ///< grey
-  double width = 0, height = 0;               ///< of the part [px of the photograph]
-  std::vector<Eigen::Vector2d> outline;       ///< of the marker
+  std::string jpeg;                                 ///< grey
+  double width = 0, height = 0;                     ///< of the part [px of the photograph]
+  std::vector<Eigen::Vector2d> outline;             ///< of the marker
   std::optional<Eigen::Vector2d> design, as_built;  ///< the surveyed point; nothing without a pose in its frame
 };
 
 struct AnchorPhotographs {
-  std::vector<AnchorPhotograph> parts;    ///< in the order of worst_first()
-  std::vector<std::string> not_shown;     ///< anchors that are not in order and that no photograph at hand shows
+  std::vector<AnchorPhotograph> parts;          ///< in the order of worst_first()
+  std::vector<std::string> not_shown;           ///< anchors that are not in order and that no photograph at hand shows
   std::map<std::string, std::string> not_read;  ///< photographs that cannot be opened, with the reason
-  std::size_t left_out = 0;               ///< anchors above the number that a page takes
+  std::size_t left_out = 0;                     ///< anchors above the number that a page takes
 };
 
 /// What is known of a campaign's photographs.

@@ -47,13 +47,12 @@ void draw_part(Markup& html, const AnchorPhotograph& part) {
   Scope figure(html, "figure", {{"class", "crop"}});
   {
     const double scale = kEdge / std::max(part.width, part.height);
-    const Scope svg = drawing(html, scale * part.width, scale * part.height,
-                              "Anchor " + part.anchor + " in " + part.photograph);
+    const Scope svg =
+        drawing(html, scale * part.width, scale * part.height, "Anchor " + part.anchor + " in " + part.photograph);
     draw_jpeg(html, part.jpeg, 0, 0, scale * part.width, scale * part.height);
-    html.empty("polygon", {{"points", points_of(part.outline, scale)},
-                           {"fill", "none"},
-                           {"stroke", "#009e73"},
-                           {"stroke-width", "2"}});
+    html.empty(
+        "polygon",
+        {{"points", points_of(part.outline, scale)}, {"fill", "none"}, {"stroke", "#009e73"}, {"stroke-width", "2"}});
     if (part.as_built) draw_ring(html, scale * *part.as_built);
     if (part.design) draw_cross(html, scale * *part.design);
   }
@@ -73,12 +72,12 @@ void write_photographs(Markup& html, const AnchorPhotographs& photographs) {
   const bool projected = std::any_of(photographs.parts.begin(), photographs.parts.end(),
                                      [](const AnchorPhotograph& part) { return part.design.has_value(); });
   if (!photographs.parts.empty())
-    html.element("p",
-                 std::string("The photographs in which the marker of a failing or undecided anchor is largest, the worst "
-                             "anchor first. Green: the marker as it was detected") +
-                     (projected ? "; orange ring: where its point was measured; blue cross: where the design has it."
-                                : ". The poses of the photographs are in another frame than the design: where the design "
-                                  "has the point is not drawn."));
+    html.element(
+        "p", std::string("The photographs in which the marker of a failing or undecided anchor is largest, the worst "
+                         "anchor first. Green: the marker as it was detected") +
+                 (projected ? "; orange ring: where its point was measured; blue cross: where the design has it."
+                            : ". The poses of the photographs are in another frame than the design: where the design "
+                              "has the point is not drawn."));
   {
     Scope grid(html, "div", {{"class", "crops"}});
     for (const AnchorPhotograph& part : photographs.parts) draw_part(html, part);

@@ -249,6 +249,55 @@ TEST(Bench, AFailedCellIsAResultWithItsReasonEveryTimeItIsShown) {
   EXPECT_EQ(plumbline.run({"--retry"})["found"], 20 - plumbline.summary()["cells"]["failed"].get<int>());
 }
 
+/// A bench whose first node is a script that does `more` [Python] when it has run, once.
+class ChangingBench : public BenchProgram {
+ public:
+  explicit ChangingBench(const std::string& more) {
+    const auto own = folder.path() / "plugins";
+    std::filesystem::copy(plugins(), own, std::filesystem::copy_options::recursive);
+    std::ofstream(own / "pass.node.yaml")
+        << "plumbline_node: 1\nkind: outside.pass\nversion: 1\nsummary: Hands on a number\n"
+           "run: [/usr/bin/python3, pass.py]\ninputs: {number: {type: plumbline.Number/1, doc: a number}}\n"
+           "outputs: {number: {type: plumbline.Number/1, doc: the same}}\n";
+    const std::string once = (work() / "once").string();
+    std::ofstream(own / "pass.py") << "from plumbline_artifacts import Call\nimport os, shutil\ncall = Call()\n"
+                                      "number = call.inputs('number', 'plumbline.Number/1')[0].value\n"
+                                      "call.commit('number', 'plumbline.Number/1', {'value': number})\n"
+                                      "if not os.path.exists('"
+                                   << once << "'):\n  open('" << once << "', 'w').close()\n  " << more << "\n";
+    use_plugins(own);
+    write("trial.yaml",
+          "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+          "  pass: {use: outside.pass, in: {number: site.number}}\n"
+          "  solver: {use: trial.plain, in: {site: pass.number}}\n");
+    bench_file("seeds: 1-3\nalternatives: {method: {sound: {}, other: {solver.with.factor: 2}}}\n");
+  }
+};
+
+/// What fails because somebody edits a node while cells run says nothing of the alternatives: as a failed cell it would
+/// be counted as lost, now and whenever the bench is run again.
+TEST(Bench, WhatFailsBecauseAPluginChangedIsNoResult) {
+  ChangingBench plumbline("open(__file__, 'a').write('# edited\\n')");
+  const Answer stopped = plumbline({"bench", "b.yaml", "--out", "out/b", "--workers", "1"});
+  EXPECT_EQ(stopped.code, 1);
+  EXPECT_THAT(stopped.err, HasSubstr("pass.py was changed while cells ran"));
+  EXPECT_THAT(plumbline.results(), testing::IsEmpty()) << "a failure that is kept is counted as a loss for ever";
+  const Json counts = plumbline.run();
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(counts["done"], 6);
+  EXPECT_EQ(counts["failed"], 0);
+}
+
+TEST(Bench, APluginLinkedAnewToTheSameBytesIsTheSame) {
+  const std::string name = std::filesystem::path(PLUMBLINE_TRIAL_PLUGIN).filename();
+  ChangingBench plumbline("library = os.path.join(os.path.dirname(__file__), '" + name +
+                          "'); shutil.copy(library, library + '.new'); os.replace(library + '.new', library)");
+  const Json counts = plumbline.run({"--workers", "1"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(counts["done"], 6);
+  EXPECT_EQ(counts["failed"], 0);
+}
+
 TEST(Bench, AnAlternativeThatFailedInAllItsCellsWasNotMeasured) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-4\nalternatives: {method: {sound: {}, weak: {solver.with.fails: 1}}}\n");

@@ -77,23 +77,24 @@ TEST(XmlReader, TheArrangementOfIfc4) {
 }
 
 TEST(XmlReader, TheArrangementOfIfc2x3) {
-  EXPECT_EQ(data_of(ifc2x3("<IfcDirection id='i2'><DirectionRatios ex:cType='list'><ex:double-wrapper pos='1'>1"
-                           "</ex:double-wrapper><ex:double-wrapper pos='0'>0.</ex:double-wrapper></DirectionRatios>"
-                           "</IfcDirection>\n"
-                           "<IfcAxis2Placement2D id='i3'><Location><IfcCartesianPoint ref='i9' xsi:nil='true'/></Location>"
-                           "<RefDirection><IfcDirection ref='i2' xsi:nil='true'/></RefDirection></IfcAxis2Placement2D>\n"
-                           "<IfcCartesianPoint id='i9'><Coordinates ex:cType='list'><IfcLengthMeasure pos='0'>1.5"
-                           "</IfcLengthMeasure><IfcLengthMeasure pos='1'>0.</IfcLengthMeasure></Coordinates>"
-                           "</IfcCartesianPoint>\n"
-                           "<IfcPropertySingleValue id='i4'><Name>On</Name><NominalValue><ifcboolean-wrapper>true"
-                           "</ifcboolean-wrapper></NominalValue></IfcPropertySingleValue>\n"
-                           "<IfcSite id='i5'><GlobalId>1x</GlobalId><CompositionType>element</CompositionType>"
-                           "<RefElevation>NAN(SNAN)</RefElevation></IfcSite>\n")),
-            "#1=IFCDIRECTION((0.,1.));\n"
-            "#2=IFCAXIS2PLACEMENT2D(#3,#1);\n"
-            "#3=IFCCARTESIANPOINT((1.5,0.));\n"
-            "#4=IFCPROPERTYSINGLEVALUE('On',$,IFCBOOLEAN(.T.),$);\n"
-            "#5=IFCSITE('1x',$,$,$,$,$,$,$,.ELEMENT.,$,$,$,$,$);\n");
+  EXPECT_EQ(
+      data_of(ifc2x3("<IfcDirection id='i2'><DirectionRatios ex:cType='list'><ex:double-wrapper pos='1'>1"
+                     "</ex:double-wrapper><ex:double-wrapper pos='0'>0.</ex:double-wrapper></DirectionRatios>"
+                     "</IfcDirection>\n"
+                     "<IfcAxis2Placement2D id='i3'><Location><IfcCartesianPoint ref='i9' xsi:nil='true'/></Location>"
+                     "<RefDirection><IfcDirection ref='i2' xsi:nil='true'/></RefDirection></IfcAxis2Placement2D>\n"
+                     "<IfcCartesianPoint id='i9'><Coordinates ex:cType='list'><IfcLengthMeasure pos='0'>1.5"
+                     "</IfcLengthMeasure><IfcLengthMeasure pos='1'>0.</IfcLengthMeasure></Coordinates>"
+                     "</IfcCartesianPoint>\n"
+                     "<IfcPropertySingleValue id='i4'><Name>On</Name><NominalValue><ifcboolean-wrapper>true"
+                     "</ifcboolean-wrapper></NominalValue></IfcPropertySingleValue>\n"
+                     "<IfcSite id='i5'><GlobalId>1x</GlobalId><CompositionType>element</CompositionType>"
+                     "<RefElevation>NAN(SNAN)</RefElevation></IfcSite>\n")),
+      "#1=IFCDIRECTION((0.,1.));\n"
+      "#2=IFCAXIS2PLACEMENT2D(#3,#1);\n"
+      "#3=IFCCARTESIANPOINT((1.5,0.));\n"
+      "#4=IFCPROPERTYSINGLEVALUE('On',$,IFCBOOLEAN(.T.),$);\n"
+      "#5=IFCSITE('1x',$,$,$,$,$,$,$,.ELEMENT.,$,$,$,$,$);\n");
 }
 
 TEST(XmlReader, NamesLineAndElementOfAMistake) {
@@ -190,10 +191,13 @@ TEST(XmlReader, FilesOfOthersAreReadByTheirSchema) {
   PLUMBLINE_REQUIRE_DATA("ifc/xml");
   PLUMBLINE_REQUIRE_DATA("ifc/express");
   const std::filesystem::path folder = test::data_file("ifc/xml"), express = test::data_file("ifc/express");
-  const std::map<std::string, std::size_t> files = {  // with their instances
-      {"4walls1floorSite.ifcxml", 579}, {"Dimensions.ifcxml", 21},     {"IkeaKitchenCabinets.ifcXML", 156},
-      {"ImplicitPropertyTyping.ifcxml", 39}, {"InvalidNan.ifcxml", 468}, {"QuantityTest.ifcxml", 7},
-      {"IfcDerivedUnit.ifcxml", 7}, {"MyFirstIfcFile.ifcxml", 3456}, {"HelloWallXml.ifczip", 163}, {"Small.ifcxml", 256}};
+  const std::map<std::string, std::size_t> files = {
+      // with their instances
+      {"4walls1floorSite.ifcxml", 579},    {"Dimensions.ifcxml", 21},
+      {"IkeaKitchenCabinets.ifcXML", 156}, {"ImplicitPropertyTyping.ifcxml", 39},
+      {"InvalidNan.ifcxml", 468},          {"QuantityTest.ifcxml", 7},
+      {"IfcDerivedUnit.ifcxml", 7},        {"MyFirstIfcFile.ifcxml", 3456},
+      {"HelloWallXml.ifczip", 163},        {"Small.ifcxml", 256}};
   std::map<std::string, test::ExpressSchema> schemas;
   for (const auto& [name, instances] : files) {
     const File file = File::read((folder / name).string());
