@@ -12,10 +12,7 @@
 #include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
-#include "artifacts/image.hpp"
-#include "artifacts/image_tags.hpp"
 #include "artifacts/input_files_text.hpp"
-#include "artifacts/plates.hpp"
 #include "artifacts/poses.hpp"
 #include "artifacts/site_frames.hpp"
 #include "artifacts/surfaces.hpp"
@@ -30,6 +27,7 @@
 #include "show/report/image_block_page_node.hpp"
 #include "show/report/installation_page_node.hpp"
 #include "show/report/network_page.hpp"
+#include "show/report/photographs_node.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
 #include "show/report/sheets_node.hpp"
@@ -137,12 +135,7 @@ struct ReportHtml : Node {
                                       "provenance"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels as they are: colours behind the anchors"};
   Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facade's picture behind the anchors"};
-  List<Image> photographs{"photographs", "the photographs, for parts of them around what is not in order"};
-  List<ImageTags> tags{"tags", "the tags that were detected in them"};
-  Optional<Plates> plates{"plates", frame("frame=?F"), "which tag is at which anchor"};
-  Optional<Poses> adjusted_poses{"adjusted_poses", frame("frame=?F"),
-                                 "the photographs' poses as adjusted, to draw where the design has an anchor"};
-  Optional<Camera> adjusted_camera{"adjusted_camera", "the camera of these poses"};
+  Optional<Folder> photographs{"photographs", "of report.photographs: parts of them around what is not in order"};
   Optional<InputFiles> inputs{"inputs",
                               "the files that were read, and evidence that was set aside, for the provenance"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
@@ -183,7 +176,7 @@ struct ReportHtml : Node {
     }
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
-    if (input.deviation && tags.size() > 0) input.photographs = photographs_of(*input.deviation, sources_of(context));
+    if (photographs) input.photographs = read_photographs(context, photographs.unpack());
     add_nodes(*pipeline, input.provenance);
     add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
     FileT file;
@@ -191,18 +184,6 @@ struct ReportHtml : Node {
     const std::string html = render_report(input);
     file.content.assign(html.begin(), html.end());
     out.commit(file);
-  }
-
- private:
-  PhotographSources sources_of(Context& context) const {
-    PhotographSources sources;
-    for (size_t i = 0; i < tags.size(); ++i) sources.tags.push_back(tags.unpack(i));
-    for (size_t i = 0; i < photographs.size(); ++i)
-      sources.files[photographs[i].path()->str()] = context.resolve(photographs[i].uri()->str());
-    if (plates) sources.plates = plates.unpack();
-    if (adjusted_poses) sources.poses = adjusted_poses.unpack();
-    if (adjusted_camera) sources.camera = adjusted_camera.unpack();
-    return sources;
   }
 };
 
@@ -241,4 +222,5 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
                  plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
-                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets)
+                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets,
+                 plumbline::report::ReportPhotographs)

@@ -253,11 +253,8 @@ void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& 
                          const std::vector<ScanPlace>& common, const std::optional<ScanPlace>& own,
                          const std::string& folder, const std::string& uri) const {
   SurfacePointsT artifact;
-<<<<<<< HEAD
   artifact.source = "scan", artifact.left_out = copies_of(faces.left_out), artifact.search = *search;
-=======
-  artifact.source = "scan", artifact.warnings = faces.left_out, artifact.search = *search, artifact.beside = *beside;
->>>>>>> hub/main
+  artifact.beside = *beside;
   for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());
   if (own) artifact.rank += 6 * static_cast<int>(tiles.scans());
   FolderT listing;

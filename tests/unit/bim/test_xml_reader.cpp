@@ -138,6 +138,27 @@ TEST(XmlReader, AFileIsReadLikeStepAndSaysWhereItsXmlIs) {
   EXPECT_EQ(File(wide, "t.ifcxml").instances().size(), 1u);
 }
 
+TEST(XmlReader, EveryChangedByteIsReadOrNamed) {
+  const std::string sound = ifc4(
+      "<IfcProject id='p' Name='N'><UnitsInContext><Units><IfcSIUnit UnitType='lengthunit' Name='metre'/></Units>"
+      "</UnitsInContext><IsDecomposedBy><IfcRelAggregates><RelatedObjects><IfcSite id='s' RefLatitude='47 22 30'/>"
+      "</RelatedObjects></IfcRelAggregates></IsDecomposedBy></IfcProject><IfcPropertySingleValue Name='L'>"
+      "<NominalValue><IfcLengthMeasure-wrapper>5</IfcLengthMeasure-wrapper></NominalValue></IfcPropertySingleValue>");
+  int read = 0, named = 0;
+  for (std::size_t at = 0; at < sound.size(); at += 2)
+    for (const char with : {'<', 'x', '\''}) {
+      std::string changed = sound;
+      changed[at] = with;
+      try {
+        read += File(changed, "t.ifcxml").instances().size() > 0;
+      } catch (const Error& error) {
+        named += std::string(error.what()).starts_with("t.ifcxml");
+      }
+    }
+  EXPECT_GT(read, 100);
+  EXPECT_GT(named, 500);
+}
+
 /// What an instance says, with what it refers to in its place: the same in any numbering.
 std::string meaning_of(const File& file, std::uint64_t id, std::map<std::uint64_t, std::string>& known) {
   if (const auto found = known.find(id); found != known.end()) return found->second;

@@ -50,8 +50,7 @@ struct Site {
     write_photograph(folder.path() / "near.jpg", 450, 300, 100);
     write_photograph(folder.path() / "far.jpg", 300, 200, 40);
     write_photograph(folder.path() / "edge.jpg", 880, 590, 20);
-    for (const char* name : {"near.jpg", "far.jpg", "edge.jpg"})
-      sources.files[name] = (folder.path() / name).string();
+    for (const char* name : {"near.jpg", "far.jpg", "edge.jpg"}) sources.files[name] = (folder.path() / name).string();
     sources.tags = {seen("far.jpg", 1, 299.5, 199.5, 40), seen("near.jpg", 1, 449.5, 299.5, 100),
                     seen("edge.jpg", 1, 879.5, 589.5, 20)};
     auto plate = std::make_unique<PlateT>();
