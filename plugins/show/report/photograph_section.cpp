@@ -4,6 +4,7 @@
 #include "base/text/words.hpp"
 #include "show/report/facade_backdrop.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -47,8 +48,8 @@ void draw_part(Markup& html, const AnchorPhotograph& part) {
   Scope figure(html, "figure", {{"class", "crop"}});
   {
     const double scale = kEdge / std::max(part.width, part.height);
-    const Scope svg =
-        drawing(html, scale * part.width, scale * part.height, "Anchor " + part.anchor + " in " + part.photograph);
+    const Scope svg = drawing(html, scale * part.width, scale * part.height,
+                              "Anchor " + verbatim(part.anchor) + " in " + verbatim(part.photograph));
     draw_jpeg(html, part.jpeg, 0, 0, scale * part.width, scale * part.height);
     html.empty(
         "polygon",
@@ -57,10 +58,10 @@ void draw_part(Markup& html, const AnchorPhotograph& part) {
     if (part.design) draw_cross(html, scale * *part.design);
   }
   Scope caption(html, "figcaption");
-  html.element("strong", part.anchor);
+  html.element("strong", verbatim(part.anchor));
   html.text(" ");
   verdict_badge(html, part.verdict);
-  html.text(" " + part.photograph + ", " + part.tag);
+  html.text(verbatim(" " + part.photograph + ", " + part.tag));
 }
 
 }  // namespace
@@ -71,23 +72,29 @@ void write_photographs(Markup& html, const AnchorPhotographs& photographs) {
   html.element("h2", "Photographs of what is not in order");
   const bool projected = std::any_of(photographs.parts.begin(), photographs.parts.end(),
                                      [](const AnchorPhotograph& part) { return part.design.has_value(); });
-  if (!photographs.parts.empty())
-    html.element(
-        "p", std::string("The photographs in which the marker of a failing or undecided anchor is largest, the worst "
-                         "anchor first. Green: the marker as it was detected") +
-                 (projected ? "; orange ring: where its point was measured; blue cross: where the design has it."
-                            : ". The poses of the photographs are in another frame than the design: where the design "
-                              "has the point is not drawn."));
+  const std::string shown =
+      "The photographs in which the marker of a failing or undecided anchor is largest, the worst anchor first. ";
+  if (projected)
+    html.element("p",
+                 shown +
+                     "Green: the marker as it was detected; orange ring: where its point was measured; blue cross: "
+                     "where the design has it.");
+  else if (!photographs.parts.empty())
+    html.element("p",
+                 shown +
+                     "Green: the marker as it was detected. The poses of the photographs are in another frame than "
+                     "the design: where the design has the point is not drawn.");
   {
     Scope grid(html, "div", {{"class", "crops"}});
     for (const AnchorPhotograph& part : photographs.parts) draw_part(html, part);
   }
   if (photographs.left_out > 0)
-    html.element("p", count(static_cast<long>(photographs.left_out), "anchor", "anchors") +
-                          " more are not in order; their photographs are left out of this page.");
+    html.element("p", "The photographs of " + count(static_cast<long>(photographs.left_out), "anchor", "anchors") +
+                          " more are left out of this page.");
   if (!photographs.not_shown.empty())
     html.element("p", "No photograph at hand shows the marker of " + text::join(photographs.not_shown, 12) + ".");
-  for (const auto& [path, reason] : photographs.not_read) html.element("p", path + " cannot be shown: " + reason);
+  for (const auto& [path, reason] : photographs.not_read)
+    html.element("p", verbatim(path) + " cannot be shown: " + verbatim(reason));
 }
 
 }  // namespace plumbline::report
