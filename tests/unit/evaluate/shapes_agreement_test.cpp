@@ -12,8 +12,10 @@
 #include "agreement.hpp"
 #include "artifacts.hpp"
 #include "build/evaluate/design_input.hpp"
+#include "building/ifc/bcf.hpp"
 #include "building/ifc/ifc_guid.hpp"
 #include "building/ifc/match_elements.hpp"
+#include "building/judgement/worst_first.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -184,6 +186,79 @@ int expect_orders(const Campaign& c, const Shape& shape) {
   return orders;
 }
 
+/// The three coordinates in an element of a viewpoint.
+Eigen::Vector3d vector_in(const std::string& view, const std::string& element, std::size_t from = 0) {
+  Eigen::Vector3d v;
+  std::size_t at = view.find("<" + element + ">", from);
+  for (int k = 0; k < 3; ++k) {
+    const std::string open = std::string("<") + "XYZ"[k] + ">";
+    at = view.find(open, at) + open.size();
+    v[k] = std::stod(view.substr(at));
+  }
+  return v;
+}
+
+std::vector<std::string> guids_in(const std::string& view, const std::string& element) {
+  std::vector<std::string> guids;
+  const std::size_t begin = view.find("<" + element), end = view.find("</" + element + ">", begin);
+  const std::string key = "IfcGuid=\"";
+  for (std::size_t at = begin; (at = view.find(key, at)) < end;)
+    at += key.size(), guids.push_back(view.substr(at, view.find('"', at) - at));
+  return guids;
+}
+
+/// Whether the way from a to b goes through the element's box.
+bool in_the_way(const ifc::Element& element, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const RigidTransform own = element.project_from_element.inverse();
+  const Eigen::Vector3d from = own * a, way = own * b - from;
+  double enters = 0, leaves = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double first = (element.box_low[k] - from[k]) / way[k], second = (element.box_high[k] - from[k]) / way[k];
+    if (std::abs(way[k]) < 1e-12) {
+      if (from[k] < element.box_low[k] || from[k] > element.box_high[k]) return false;
+      continue;
+    }
+    enters = std::max(enters, std::min(first, second)), leaves = std::min(leaves, std::max(first, second));
+  }
+  return enters < leaves;
+}
+
+/// The BCF read back: every camera sees its anchor or panel, past what is hidden and what is clipped. How many there
+/// are.
+int expect_seen(const Campaign& c) {
+  ifc::BcfOptions options;
+  options.project_guid = "0YvctVUKr0kugbFTf53O9L";
+  const std::string bcf =
+      ifc::write_bcf(c.deviation, worst_first(c.deviation), worst_panels_first(c.deviation), options);
+  std::map<std::string, const ifc::Element*> elements;
+  for (const ifc::Element& element : c.design.elements) elements[element.guid] = &element;
+  int views = 0;
+  for (std::size_t at = 0; (at = bcf.find("<VisualizationInfo ", at)) != std::string::npos; ++at) {
+    const std::string view = bcf.substr(at, bcf.find("</VisualizationInfo>", at) - at);
+    const std::string selected = guids_in(view, "Selection").at(0);
+    if (!elements.contains(selected)) continue;  // of the whole
+    const ifc::Element& target = *elements.at(selected);
+    const Eigen::Vector3d place =
+        target.project_from_element * Eigen::Vector3d(0.5 * (target.box_low + target.box_high));
+    const Eigen::Vector3d camera = vector_in(view, "CameraViewPoint"), direction = vector_in(view, "CameraDirection");
+    EXPECT_GT(direction.dot((place - camera).normalized()), std::cos(25 * kDegree)) << selected << " is in the picture";
+    const std::size_t planes = view.find("<ClippingPlane>");
+    const Eigen::Vector3d clip = vector_in(view, "Location", planes), clipped = vector_in(view, "Direction", planes);
+    EXPECT_LT(clipped.dot(place - clip), 0) << selected << " is not cut away itself";
+    // From where the half-space that is shown begins.
+    const double share = clipped.dot(camera - clip) / clipped.dot(camera - place);
+    const Eigen::Vector3d from = share > 0 ? Eigen::Vector3d(camera + share * (place - camera)) : camera;
+    const std::vector<std::string> hidden = guids_in(view, "Visibility");
+    for (const ifc::Element& other : c.design.elements) {
+      if (other.guid == selected || other.is_anchor || !other.has_box) continue;
+      if (std::find(hidden.begin(), hidden.end(), other.guid) != hidden.end()) continue;
+      EXPECT_FALSE(in_the_way(other, from, place)) << other.name << " is before " << target.name;
+    }
+    ++views;
+  }
+  return views;
+}
+
 void expect_case(const Campaign& c, const Case& what) {
   const DeviationT& d = c.deviation;
   for (std::size_t i = 0; i < d.anchors.size(); ++i) {
@@ -214,7 +289,7 @@ TEST(Agreement, OfEveryShapeInEveryCaseThatWasOnceSilent) {
   const bool all = std::getenv("PLUMBLINE_LONG") != nullptr;
   std::array<int, 4> seen{};
   std::uint64_t number = 0;
-  int orders = 0;
+  int orders = 0, views = 0;
   for (const Shape& shape : plumbline::test::shapes())
     for (std::size_t k = 0; k < kCases.size(); ++k) {
       const Cut cuts[] = {plumbline::test::everything, plumbline::test::no_slabs, plumbline::test::podium};
@@ -224,11 +299,13 @@ TEST(Agreement, OfEveryShapeInEveryCaseThatWasOnceSilent) {
         SCOPED_TRACE(std::string(shape.name) + ", " + kCases[k].name + ", cut " + std::to_string(cut));
         const Campaign c = campaign_of(shape, cuts[cut], kCases[k], number);
         orders += expect_orders(c, shape);
+        if (k == 1) views += expect_seen(c);
         expect_case(c, kCases[k]);
         expect_agreement(c, number % 2 ? "" : "2026-05", seen);
       }
     }
   EXPECT_GT(orders, 500);
+  EXPECT_GT(views, 100);
   for (const int verdict : {1, 2, 3}) EXPECT_GT(seen[static_cast<std::size_t>(verdict)], 0);
 }
 
