@@ -93,7 +93,8 @@ void describe_images(const PointBlockResult& result, TargetBlockT& targets) {
     entry->angles_sigma = sigma.tail<3>();
     entry->correlations = correlations_of(result.orientation_covariance[i]);
     const Eigen::MatrixXd& with_interior = result.pose_interior_correlation[i];
-    entry->largest_interior_correlation = with_interior.size() > 0 ? with_interior.cwiseAbs().maxCoeff() : 0;
+    entry->largest_interior_correlation =
+        with_interior.size() > 0 ? with_interior.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() : 0;
     entry->rms = 0;
     targets.images.push_back(std::move(entry));
   }
@@ -342,6 +343,11 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
             : "",  // Cameras of other models are estimated unless somebody said otherwise.
         camera.lens == bundle::Lens::correcting ? " (block.with.free=[c, xp, yp, K1, K2] estimates it)" : ""));
   }
+  if (options.by_gradients)
+    artifact.warnings.emplace_back(
+        "solver=gradients: the normal equations were not factorised. There are no standard deviations, redundancy "
+        "numbers or tests for blunders, and it was not looked whether the observations determine all unknowns together "
+        "(only each image, camera and point by itself)");
   for (const std::string& words :
        {control_against_images(result), blunders_in_words(result), turned_images(given, result)})
     if (!words.empty()) artifact.warnings.push_back(words);
@@ -377,7 +383,8 @@ PosesT target_poses(const PointBlockResult& result) {
     jacobian.topRightCorner<3, 3>() = turned;
     jacobian.bottomLeftCorner<3, 3>() = -rotation.toRotationMatrix();
     jacobian.bottomRightCorner<3, 3>() = -skew(entry->cam_from_world.translation) * turned;
-    entry->covariance = pack_symmetric(Matrix6(jacobian * result.pose_covariance[i] * jacobian.transpose()));
+    if (result.pose_covariance[i].allFinite())
+      entry->covariance = pack_symmetric(Matrix6(jacobian * result.pose_covariance[i] * jacobian.transpose()));
     poses.poses.push_back(std::move(entry));
   }
   std::vector<double> squares(poses.poses.size());
