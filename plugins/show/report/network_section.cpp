@@ -107,6 +107,42 @@ void write_banner(Markup& html, const NetworkPage& n) {
   html.element("strong", words + ".");
 }
 
+/// First rows open, more of them behind a click: `row(i)` writes one. A page grows with what is found, not with what
+/// was measured: of a large network those behind `most` stand `elsewhere`.
+struct LongTable {
+  std::vector<Cell> head;
+  std::size_t rows;
+  std::string noun;  ///< of a row
+  std::size_t most;
+  std::string elsewhere;
+};
+
+template <typename Row>
+void write_long_table(Markup& html, const LongTable& table_of, const Row& row) {
+  constexpr std::size_t shown = 25;
+  const auto& [head, all, noun, most, elsewhere] = table_of;
+  const std::size_t rows = std::min(all, most);
+  const auto write_rows = [&](std::size_t first, std::size_t last) {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html, head);
+    Scope body(html, "tbody");
+    for (std::size_t i = first; i < last; ++i) row(i);
+  };
+  write_rows(0, std::min(shown, rows));
+  if (rows <= shown) return;
+  Scope details(html, "details");
+  const std::string of_all = rows < all ? "The next " : "The other ";
+  html.element("summary", of_all + count(static_cast<long>(rows - shown), noun, noun + "s"));
+  write_rows(shown, rows);
+  if (rows < all)
+    html.element("p", {{"class", "note"}},
+                 count(static_cast<long>(all - rows), "further " + noun + " is", "further " + noun + "s are") + " in " +
+                     elsewhere + ".");
+}
+
+constexpr std::size_t kMostRows = 250;
+
 void write_set_ups(Markup& html, const NetworkPage& n) {
   if (n.set_ups.empty()) return;
   html.element("h3", "Set-ups");
@@ -115,21 +151,25 @@ void write_set_ups(Markup& html, const NetworkPage& n) {
                "network says the zenith angles and distances of the set-up have in "
                "common, each estimated alone; beyond three times its ± it is a mistake or belongs into the instrument. "
                "A dash: the network cannot tell it.");
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table");
-  table_head(html, {"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
-                    "Collimation [mgon]", "Index [mgon]", "Constant [mm]", "ppm"});
-  Scope body(html, "tbody");
   constexpr double mgon = 200e3 / M_PI;
-  for (const auto& s : n.set_ups) {
-    const double turn = s.orientation * 200 / M_PI;
-    table_row(html,
-              {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
-               std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
-               with_sigma(s.height_correction, std::nan(""), 1e3, 1),
-               with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
-               with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
-  }
+  write_long_table(
+      html,
+      {{"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
+        "Collimation [mgon]", "Index [mgon]", "Constant [mm]", "ppm"},
+       n.set_ups.size(),
+       "set-up",
+       kMostRows,
+       "network.json"},
+      [&](std::size_t i) {
+        const auto& s = n.set_ups[i];
+        const double turn = s.orientation * 200 / M_PI;
+        table_row(html,
+                  {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
+                   std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
+                   with_sigma(s.height_correction, std::nan(""), 1e3, 1),
+                   with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
+                   with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
+      });
 }
 
 /// What is to be mended stands first; notes are folded away where they are many.
@@ -193,42 +233,6 @@ std::string flags_of(const NetworkPage::Observation& o) {
   return flags;
 }
 
-/// First rows open, more of them behind a click: `row(i)` writes one. A page grows with what is found, not with what
-/// was measured: of a large network those behind `most` stand `elsewhere`.
-struct LongTable {
-  std::vector<Cell> head;
-  std::size_t rows;
-  std::string noun;  ///< of a row
-  std::size_t most;
-  std::string elsewhere;
-};
-
-template <typename Row>
-void write_long_table(Markup& html, const LongTable& table_of, const Row& row) {
-  constexpr std::size_t shown = 25;
-  const auto& [head, all, noun, most, elsewhere] = table_of;
-  const std::size_t rows = std::min(all, most);
-  const auto write_rows = [&](std::size_t first, std::size_t last) {
-    Scope wide(html, "div", {{"class", "wide"}});
-    Scope table(html, "table", {{"class", "sortable"}});
-    table_head(html, head);
-    Scope body(html, "tbody");
-    for (std::size_t i = first; i < last; ++i) row(i);
-  };
-  write_rows(0, std::min(shown, rows));
-  if (rows <= shown) return;
-  Scope details(html, "details");
-  const std::string of_all = rows < all ? "The next " : "The other ";
-  html.element("summary", of_all + count(static_cast<long>(rows - shown), noun, noun + "s"));
-  write_rows(shown, rows);
-  if (rows < all)
-    html.element("p", {{"class", "note"}},
-                 count(static_cast<long>(all - rows), "further " + noun + " is", "further " + noun + "s are") + " in " +
-                     elsewhere + ".");
-}
-
-constexpr std::size_t kMostRows = 2000;
-
 void write_observations(Markup& html, const NetworkPage& n) {
   html.element("h3", "Observations, most suspect first");
   html.element("p",
@@ -250,7 +254,7 @@ void write_observations(Markup& html, const NetworkPage& n) {
                     order.size(),
                     "observation",
                     std::max(kMostRows, static_cast<std::size_t>(suspect)),
-                    "network.json"},
+                    "observations.csv"},
                    [&](std::size_t i) {
                      const NetworkPage::Observation& o = *order[i];
                      table_row(html, {name_of(o), reading_of(o), size_of(o, o.residual, false),
