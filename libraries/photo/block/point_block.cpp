@@ -11,6 +11,7 @@
 #include "photo/block/point_block_by_gradients.hpp"
 #include "photo/block/point_block_checks.hpp"
 #include "plumbline/rigid_transform.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -151,8 +152,8 @@ Built build(const PointBlock& block, const PointBlockOptions& options, const Eig
     built.state.points.push_back(point.position - origin);
   }
   for (const auto& m : block.measurements)
-    problem.image_points.push_back(
-        {m.image, m.point, m.position, Eigen::Matrix2d::Identity() / sigma_of(m, options), group_images});
+    stop_point(), problem.image_points.push_back(
+                      {m.image, m.point, m.position, Eigen::Matrix2d::Identity() / sigma_of(m, options), group_images});
   for (const auto& bar : block.scale_bars)
     problem.distances.push_back(
         {bar.name, {bundle::Kind::point, bar.from}, {bundle::Kind::point, bar.to}, bar.length, bar.sigma, group_bars});

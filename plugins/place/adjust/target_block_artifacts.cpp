@@ -9,6 +9,7 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "photo/block/point_block_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -104,6 +105,7 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
   std::vector<std::pair<double, size_t>> conspicuous;
   double squares = 0;
   for (size_t m = 0; m < result.block.measurements.size(); ++m) {
+    stop_point();
     const auto& [x, y] = result.measurement_reliability[m];
     auto& image = *targets.images[static_cast<size_t>(result.block.measurements[m].image)];
     ++image.measurements;
@@ -134,6 +136,7 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
 
 void describe_points(const PointBlockResult& result, TargetBlockT& targets) {
   for (size_t j = 0; j < result.block.points.size(); ++j) {
+    stop_point();
     auto entry = std::make_unique<AdjustedPointT>();
     const Eigen::Matrix3d& c = result.point_covariances[j];
     entry->id = result.block.points[j].name;
@@ -215,10 +218,10 @@ PointBlock target_block_of(const ImageBlockT& artifact) {
         {entry->id, index(entry->camera, block.cameras.size(), "camera"), entry->centre, entry->angles});
   for (const auto& entry : artifact.points) block.points.push_back({entry->id, entry->position});
   for (const auto& m : artifact.measurements)
-    block.measurements.push_back({index(m.image(), block.images.size(), "image"),
-                                  index(m.point(), block.points.size(), "point"),
-                                  {m.x(), m.y()},
-                                  m.sigma()});
+    stop_point(), block.measurements.push_back({index(m.image(), block.images.size(), "image"),
+                                                index(m.point(), block.points.size(), "point"),
+                                                {m.x(), m.y()},
+                                                m.sigma()});
   for (const auto& bar : artifact.scale_bars)
     block.scale_bars.push_back({bar->name, index(bar->from, block.points.size(), "point"),
                                 index(bar->to, block.points.size(), "point"), bar->length, bar->sigma});
@@ -257,7 +260,7 @@ ImageBlockT target_block_artifact(const ReadBlock& read) {
     artifact.points.push_back(std::move(entry));
   }
   for (const auto& m : read.block.measurements)
-    artifact.measurements.emplace_back(m.image, m.point, m.position.x(), m.position.y(), m.sigma);
+    stop_point(), artifact.measurements.emplace_back(m.image, m.point, m.position.x(), m.position.y(), m.sigma);
   for (const auto& bar : read.block.scale_bars) {
     auto entry = std::make_unique<ScaleBarT>();
     entry->name = bar.name;
