@@ -5,6 +5,7 @@
 
 #include "base/text/words.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/sections.hpp"
 
@@ -21,13 +22,13 @@ std::string kind_words(const std::string& kind) {
 /// Angles in mgon, lengths in mm, as a surveyor reads them.
 std::string size_of(const NetworkPage::Observation& o, double value, bool with_unit) {
   if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
-  const double shown = o.angular ? value * 200e3 / M_PI : 1e3 * value;
-  return signed_fixed(shown, 2) + (with_unit ? (o.angular ? "\u00A0mgon" : "\u00A0mm") : "");
+  return (o.angular ? signed_fixed(value * 200e3 / M_PI, 2) : signed_mm(value)) +
+         (with_unit ? (o.angular ? "\u00A0mgon" : "\u00A0mm") : "");
 }
 
 std::string positive_size_of(const NetworkPage::Observation& o, double value) {
   if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
-  return fixed(o.angular ? value * 200e3 / M_PI : 1e3 * value, 2);
+  return o.angular ? fixed(value * 200e3 / M_PI, 2) : mm(value);
 }
 
 /// An observed value as it is read off: gon with 0.1 mgon, metres with 0.1 mm.
@@ -90,6 +91,12 @@ std::string with_sigma(double value, double sigma, double factor, int digits) {
   if (!std::isfinite(value)) return unknown;
   const std::string text = signed_fixed(factor * value, digits);
   return std::isfinite(sigma) ? text + " ± " + fixed(factor * sigma, digits) : text;
+}
+
+/// The same of lengths [m].
+std::string length_with_sigma(double value, double sigma, int digits) {
+  if (!std::isfinite(value)) return unknown;
+  return std::isfinite(sigma) ? signed_mm(value, digits) + " ± " + mm(sigma, digits) : signed_mm(value, digits);
 }
 
 /// The verdict first, in the words that the terminal has: a result must not be taken for one where it is none.
@@ -166,9 +173,9 @@ void write_set_ups(Markup& html, const NetworkPage& n) {
         table_row(html,
                   {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
                    std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
-                   with_sigma(s.height_correction, std::nan(""), 1e3, 1),
+                   length_with_sigma(s.height_correction, std::nan(""), 1),
                    with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
-                   with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
+                   length_with_sigma(s.constant, s.constant_sigma, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
       });
 }
 
@@ -182,7 +189,7 @@ void write_findings(Markup& html, const NetworkPage& n) {
     for (const auto& f : n.findings) {
       if (is_note(f) != of_notes) continue;
       Scope item(html, "li");
-      html.element("strong", f.severity + ": ").text(f.text);
+      html.element("strong", spoken(f.severity) + ": ").text(f.text);
     }
   };
   if (notes < static_cast<long>(n.findings.size())) list(false);
@@ -284,7 +291,7 @@ void write_points(Markup& html, const NetworkPage& n) {
        "coordinates.csv"},
       [&](std::size_t i) {
         const NetworkPage::Coordinates& p = n.coordinates[i];
-        table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
+        table_row(html, {verbatim(p.id), fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
                          mm(p.sigma.x()), mm(p.sigma.y()), mm(p.sigma.z()), mm(p.plan_95), mm(p.height_95)});
       });
 }

@@ -26,6 +26,7 @@
 #include "show/report/format.hpp"
 #include "show/report/image_block_page_node.hpp"
 #include "show/report/installation_page_node.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
@@ -143,9 +144,12 @@ struct ReportHtml : Node {
   Param<std::string> pipeline{"pipeline", "",
                               "what ran, for the provenance: a line 'node: kind parameter=value' for each node, as "
                               "${pipeline} gives it"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "report.html"};
 
   void run(Context& context) override {
+    const Speaking speaking(speech_of(*language, *units));
     ReportInput input;
     if (surfaces) input.surfaces = surfaces.unpack();
     if (orthophoto) input.pictures = read_pictures(context, orthophoto.unpack());
@@ -163,7 +167,7 @@ struct ReportHtml : Node {
     if (survey && survey->info()) survey->info()->UnPackTo(&survey_info);
     if (input.subtitle.empty()) input.subtitle = survey_info.title;
     if (!survey_info.date.empty() && input.subtitle.find(survey_info.date) == std::string::npos)
-      input.subtitle += (input.subtitle.empty() ? "" : ", ") + ("measured " + survey_info.date);
+      input.subtitle += (input.subtitle.empty() ? "" : ", ") + spoken("measured " + survey_info.date);
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
     add_campaign(input.accuracy, camera ? &read_camera : nullptr, survey ? &survey_info : nullptr, input.provenance);
     if (!survey_info.date.empty()) input.provenance.emplace_back("Measured", survey_info.date);
@@ -192,9 +196,12 @@ struct ReportSummary : Node {
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the text"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths in it; data files keep theirs"};
   Out<File> out{"file", "summary.txt"};
 
   void run(Context&) override {
+    const Speaking speaking(speech_of(*language, *units));
     FileT file;
     file.name = "summary.txt", file.media_type = "text/plain";
     std::optional<DeviationT> built;
@@ -206,7 +213,7 @@ struct ReportSummary : Node {
     if (unread) left = unread.unpack();
     const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
     const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
-                             words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
+                             spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used));
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }

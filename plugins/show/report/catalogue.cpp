@@ -1,0 +1,239 @@
+#include "show/report/catalogue.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include "report_page_parts.hpp"
+
+namespace plumbline::report {
+
+namespace {
+
+using Part = Catalogue::Part;
+using Sentence = Catalogue::Sentence;
+using Places = std::map<std::string, std::string_view>;
+
+constexpr int kDeepest = 8;  ///< sentences within sentences, and one after another
+/// Letters below which a sentence says little ("{id}: {~note}"): it is one only where nothing else fits.
+constexpr std::size_t kWeak = 6;
+
+[[noreturn]] void refuse(std::size_t line, const std::string& why) {
+  throw std::runtime_error("catalogue, line " + std::to_string(line) + ": " + why);
+}
+
+/// With plain spaces in place of U+00A0, and none at the end.
+std::string plain_spaces(std::string_view text) {
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text.substr(i, 2) == "\u00A0")
+      out += ' ', ++i;
+    else
+      out += text[i];
+  }
+  return out;
+}
+
+Sentence parsed(std::string_view text, std::size_t line) {
+  Sentence sentence;
+  while (!text.empty()) {
+    const std::size_t brace = std::min(text.find('{'), text.size());
+    if (brace > 0) sentence.push_back({Part::Kind::words, std::string(text.substr(0, brace))});
+    text.remove_prefix(brace);
+    if (text.empty()) break;
+    const std::size_t end = text.find('}');
+    if (end == std::string_view::npos || end < 2) refuse(line, "a '{' without a name and '}'");
+    std::string name(text.substr(1, end - 1));
+    const auto kind = name[0] == '#' ? Part::Kind::number : name[0] == '~' ? Part::Kind::sentence : Part::Kind::taken;
+    if (kind != Part::Kind::taken) name.erase(0, 1);
+    if (!sentence.empty() && sentence.back().kind != Part::Kind::words)
+      refuse(line, "two places without a word between them: nobody can tell them apart");
+    sentence.push_back({kind, std::move(name)});
+    text.remove_prefix(end + 1);
+  }
+  return sentence;
+}
+
+std::set<std::pair<Part::Kind, std::string>> places_of(const Sentence& sentence) {
+  std::set<std::pair<Part::Kind, std::string>> names;
+  for (const Part& part : sentence)
+    if (part.kind != Part::Kind::words) names.emplace(part.kind, part.text);
+  return names;
+}
+
+/// Digits with a sign and a decimal sign, and the mark of those that are in the units spoken already.
+bool is_number(std::string_view text) {
+  bool digit = false;
+  if (text.ends_with('\x03')) text.remove_suffix(1);
+  if (text.starts_with('+') || text.starts_with('-'))
+    text.remove_prefix(1);
+  else if (text.starts_with("\u2212") || text.starts_with("\u2013"))
+    text.remove_prefix(3), digit = text.empty();  // "–": not known
+  for (const char c : text) {
+    if (std::isdigit(static_cast<unsigned char>(c)))
+      digit = true;
+    else if (c != '.' && c != ',')
+      return false;
+  }
+  return digit && (text.empty() || std::isdigit(static_cast<unsigned char>(text.back())) != 0);
+}
+
+/// Whether `text` is the sentence from `part` on; places get the least that lets the rest fit.
+bool fits(const Sentence& sentence, std::size_t part, std::string_view text, Places& places) {
+  if (part == sentence.size()) return text.empty();
+  const Part& now = sentence[part];
+  if (now.kind == Part::Kind::words)
+    return text.starts_with(now.text) && fits(sentence, part + 1, text.substr(now.text.size()), places);
+  const auto takes = [&](std::size_t length) {
+    const std::string_view taken = text.substr(0, length);
+    if (taken.empty() || (now.kind == Part::Kind::number && !is_number(taken))) return false;
+    places[now.text] = taken;
+    return true;
+  };
+  if (part + 1 == sentence.size()) return takes(text.size());
+  const std::string& next = sentence[part + 1].text;
+  for (std::size_t at = text.find(next, 1); at != std::string_view::npos; at = text.find(next, at + 1))
+    if (takes(at) && fits(sentence, part + 1, text.substr(at), places)) return true;
+  return false;
+}
+
+}  // namespace
+
+Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(decimal_sign) {
+  std::string english;
+  std::set<std::string> known;
+  std::size_t number = 0;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    ++number;
+    if (line.empty() || line[0] == '#') continue;
+    if (line[0] != ' ') {
+      if (!english.empty()) refuse(number, "'" + english + "' has nothing in the other language");
+      english = line;
+      if (!known.insert(english).second) refuse(number, "'" + english + "' stands twice");
+      continue;
+    }
+    if (english.empty()) refuse(number, "a sentence of the other language without an English one before it");
+    Entry entry{english, parsed(english, number), parsed(line.substr(2), number), 0};
+    if (places_of(entry.english) != places_of(entry.other))
+      refuse(number, "'" + english + "' does not have the same places in both languages");
+    for (const Part& part : entry.english)
+      if (part.kind == Part::Kind::words) entry.letters += part.text.size();
+    entries_.push_back(std::move(entry));
+    english.clear();
+  }
+  if (!english.empty()) refuse(number, "'" + english + "' has nothing in the other language");
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [](const Entry& a, const Entry& b) { return a.letters > b.letters; });
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const Sentence& sentence = entries_[i].english;
+    if (places_of(sentence).empty())
+      whole_.emplace(entries_[i].written, i);
+    else if (sentence.front().kind == Part::Kind::words)
+      begun_[static_cast<unsigned char>(sentence.front().text[0])].push_back(i);
+    else
+      open_.push_back(i);
+  }
+}
+
+std::string Catalogue::number(std::string text) const {
+  std::replace(text.begin(), text.end(), '.', decimal_sign_);
+  return text;
+}
+
+std::optional<std::string> Catalogue::sentence(std::string_view english, int depth) const {
+  if (is_number(english)) return number(std::string(english));
+  if (auto found = find(english, depth)) return found;
+  static constexpr std::pair<std::string_view, std::string_view> lists[] = {
+      {"; ", "; "}, {", ", ", "}, {" and ", " und "}};
+  for (const auto& [between, other] : lists) {
+    const std::size_t at = english.find(between);
+    if (at == std::string_view::npos || at == 0) continue;
+    const auto first = sentence(english.substr(0, at), depth);
+    const auto rest = first ? sentence(english.substr(at + between.size()), depth) : std::nullopt;
+    if (rest) return *first + std::string(other) + *rest;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Catalogue::whole(const std::string& english) const {
+  const auto found = whole_.find(english);
+  if (found == whole_.end()) return std::nullopt;
+  const Sentence& other = entries_[found->second].other;
+  return other.empty() ? std::string() : other.front().text;
+}
+
+std::optional<std::string> Catalogue::find(std::string_view english, int depth) const {
+  if (depth >= kDeepest || english.empty()) return std::nullopt;
+  // A place that reaches over the end of a sentence is tried last: "Rings: {~what}." is one sentence, not all to the
+  // end.
+  if (auto found = whole(std::string(english))) return found;
+  if (auto found = paragraph(english, depth)) return found;
+  if (auto found = single(english, depth)) return found;
+  return filled(english, depth, 0, kWeak);
+}
+
+std::optional<std::string> Catalogue::paragraph(std::string_view english, int depth) const {
+  if (depth >= kDeepest) return std::nullopt;
+  for (std::size_t at = english.rfind(". "); at != std::string_view::npos && at > 0; at = english.rfind(". ", at - 1)) {
+    const auto first = single(english.substr(0, at + 1), depth + 1);
+    if (!first) continue;
+    const std::string_view rest = english.substr(at + 2);
+    auto more = paragraph(rest, depth + 1);
+    if (!more) more = single(rest, depth + 1);
+    if (more) return *first + " " + *more;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Catalogue::single(std::string_view english, int depth) const {
+  const auto said = [&](std::string_view text) {
+    auto found = whole(std::string(text));
+    return found ? found : filled(text, depth, kWeak, std::numeric_limits<std::size_t>::max());
+  };
+  if (auto found = said(english)) return found;
+  if (!english.ends_with('.')) return std::nullopt;
+  const auto clause = said(english.substr(0, english.size() - 1));
+  return clause ? std::optional(*clause + ".") : std::nullopt;
+}
+
+std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
+                                             std::size_t most) const {
+  const std::vector<std::size_t>& begun = begun_[static_cast<unsigned char>(english[0])];
+  auto next_begun = begun.begin();
+  auto next_open = open_.begin();
+  while (next_begun != begun.end() || next_open != open_.end()) {
+    const bool of_begun = next_open == open_.end() || (next_begun != begun.end() && *next_begun < *next_open);
+    const Entry& entry = entries_[of_begun ? *next_begun++ : *next_open++];
+    Places places;
+    if (entry.letters >= most || entry.letters < least || !fits(entry.english, 0, english, places)) continue;
+    std::string text;
+    for (const Part& part : entry.other) {
+      if (part.kind == Part::Kind::words) {
+        text += part.text;
+        continue;
+      }
+      const std::string_view taken = places.at(part.text);
+      text += part.kind == Part::Kind::taken    ? std::string(taken)
+              : part.kind == Part::Kind::number ? number(std::string(taken))
+                                                : sentence(taken, depth + 1).value_or(std::string(taken));
+    }
+    return text;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::string> Catalogue::find(std::string_view english) const { return find(plain_spaces(english), 0); }
+
+const Catalogue& german() {
+  static const Catalogue catalogue(parts::german_sentences, ',');
+  return catalogue;
+}
+
+}  // namespace plumbline::report
