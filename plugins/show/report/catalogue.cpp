@@ -65,9 +65,10 @@ std::set<std::pair<Part::Kind, std::string>> places_of(const Sentence& sentence)
   return names;
 }
 
-/// Digits with a sign and a decimal sign, and the mark of those that are in the units spoken already.
+/// Digits with a sign and a decimal sign, or a fraction ("1-7/16"), and the mark of those that are in the units spoken
+/// already.
 bool is_number(std::string_view text) {
-  bool digit = false;
+  bool digit = false, decimal = false;
   if (text.ends_with('\x03')) text.remove_suffix(1);
   if (text.starts_with('+') || text.starts_with('-'))
     text.remove_prefix(1);
@@ -76,10 +77,46 @@ bool is_number(std::string_view text) {
   for (const char c : text) {
     if (std::isdigit(static_cast<unsigned char>(c)))
       digit = true;
-    else if (c != '.' && c != ',')
-      return false;
+    else if (digit && (c == '/' || c == '-'))
+      continue;
+    else if ((c != '.' && c != ',') || decimal)
+      return false;  // "0.2.0" is a version
+    else
+      decimal = true;
   }
   return digit && (text.empty() || std::isdigit(static_cast<unsigned char>(text.back())) != 0);
+}
+
+bool is_letter(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0 || static_cast<unsigned char>(c) >= 0x80;
+}
+
+/// Runs of letters.
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto begin = static_cast<std::size_t>(
+        std::find_if(text.begin() + static_cast<std::ptrdiff_t>(at), text.end(), is_letter) - text.begin());
+    at = static_cast<std::size_t>(
+        std::find_if_not(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), is_letter) - text.begin());
+    if (at > begin) words.push_back(text.substr(begin, at - begin));
+  }
+  return words;
+}
+
+/// Of the sentence's own words, but for those that a place may continue ("sigma{#s}").
+std::string longest_word(const Sentence& sentence) {
+  std::string longest;
+  for (std::size_t i = 0; i < sentence.size(); ++i) {
+    if (sentence[i].kind != Part::Kind::words) continue;
+    const std::string_view text = sentence[i].text;
+    for (const std::string_view word : words_of(text)) {
+      const bool continued = (i > 0 && word.data() == text.data()) ||
+                             (i + 1 < sentence.size() && word.data() + word.size() == text.data() + text.size());
+      if (!continued && word.size() > longest.size()) longest = word;
+    }
+  }
+  return longest;
 }
 
 /// Whether `text` is the sentence from `part` on; places get the least that lets the rest fit.
@@ -121,7 +158,14 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
     }
     if (english.empty()) refuse(number, "a sentence of the other language without an English one before it");
     Entry entry{english, parsed(english, number), parsed(line.substr(2), number), 0};
-    if (places_of(entry.english) != places_of(entry.other))
+    const auto places = places_of(entry.english);
+    std::set<std::string> names;
+    for (const auto& [kind, name] : places) names.insert(name);
+    const auto filled_in = std::count_if(entry.english.begin(), entry.english.end(),
+                                         [](const Part& part) { return part.kind != Part::Kind::words; });
+    if (static_cast<std::size_t>(filled_in) != names.size())
+      refuse(number, "'" + english + "' has two places of one name: one would be told in the other's place");
+    if (places != places_of(entry.other))
       refuse(number, "'" + english + "' does not have the same places in both languages");
     for (const Part& part : entry.english)
       if (part.kind == Part::Kind::words) entry.letters += part.text.size();
@@ -133,12 +177,12 @@ Catalogue::Catalogue(std::string_view text, char decimal_sign) : decimal_sign_(d
                    [](const Entry& a, const Entry& b) { return a.letters > b.letters; });
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const Sentence& sentence = entries_[i].english;
-    if (places_of(sentence).empty())
+    if (places_of(sentence).empty()) {
       whole_.emplace(entries_[i].written, i);
-    else if (sentence.front().kind == Part::Kind::words)
-      begun_[static_cast<unsigned char>(sentence.front().text[0])].push_back(i);
-    else
-      open_.push_back(i);
+      continue;
+    }
+    const std::string word = longest_word(sentence);
+    (word.empty() ? without_word_ : by_word_[word]).push_back(i);
   }
 }
 
@@ -181,7 +225,7 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
 
 std::optional<std::string> Catalogue::paragraph(std::string_view english, int depth) const {
   if (depth >= kDeepest) return std::nullopt;
-  for (std::size_t at = english.rfind(". "); at != std::string_view::npos && at > 0; at = english.rfind(". ", at - 1)) {
+  for (std::size_t at = english.find(". "); at != std::string_view::npos; at = english.find(". ", at + 1)) {
     const auto first = single(english.substr(0, at + 1), depth + 1);
     if (!first) continue;
     const std::string_view rest = english.substr(at + 2);
@@ -205,12 +249,13 @@ std::optional<std::string> Catalogue::single(std::string_view english, int depth
 
 std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
                                              std::size_t most) const {
-  const std::vector<std::size_t>& begun = begun_[static_cast<unsigned char>(english[0])];
-  auto next_begun = begun.begin();
-  auto next_open = open_.begin();
-  while (next_begun != begun.end() || next_open != open_.end()) {
-    const bool of_begun = next_open == open_.end() || (next_begun != begun.end() && *next_begun < *next_open);
-    const Entry& entry = entries_[of_begun ? *next_begun++ : *next_open++];
+  std::vector<std::size_t> candidates = without_word_;
+  for (const std::string_view word : words_of(english))
+    if (const auto found = by_word_.find(std::string(word)); found != by_word_.end())
+      candidates.insert(candidates.end(), found->second.begin(), found->second.end());
+  std::sort(candidates.begin(), candidates.end());  // those with most letters first
+  for (const std::size_t candidate : candidates) {
+    const Entry& entry = entries_[candidate];
     Places places;
     if (entry.letters >= most || entry.letters < least || !fits(entry.english, 0, english, places)) continue;
     std::string text;
@@ -229,7 +274,9 @@ std::optional<std::string> Catalogue::filled(std::string_view english, int depth
   return std::nullopt;
 }
 
-std::optional<std::string> Catalogue::find(std::string_view english) const { return find(plain_spaces(english), 0); }
+std::optional<std::string> Catalogue::find(std::string_view english) const {
+  return sentence(plain_spaces(english), 0);
+}
 
 const Catalogue& german() {
   static const Catalogue catalogue(parts::german_sentences, ',');

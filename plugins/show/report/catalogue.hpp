@@ -1,7 +1,6 @@
 // A catalogue of sentences: what the program says in English, and the same in another language.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,8 +53,9 @@ class Catalogue {
   char decimal_sign_;
   std::vector<Entry> entries_;                          ///< those with most letters first
   std::unordered_map<std::string, std::size_t> whole_;  ///< sentences without places
-  std::array<std::vector<std::size_t>, 256> begun_;     ///< sentences with places, by their first byte
-  std::vector<std::size_t> open_;                       ///< those that begin with a place
+  /// Sentences with places by the longest of their own words, which a text that is one must have; those without a word.
+  std::unordered_map<std::string, std::vector<std::size_t>> by_word_;
+  std::vector<std::size_t> without_word_;
 };
 
 /// The German catalogue, read once.

@@ -190,8 +190,10 @@ std::string limits_of_speech() {
   std::string text;
   if (current.language == Language::german)
     text =
-        "Namen und Texte des Projekts stehen, wie sie gegeben sind. Was Ausgleichungen, Löser und Prüfungen der "
-        "Vermessung melden, und die Parameter des Laufs, stehen auf Englisch. Datumsangaben nach ISO 8601.";
+        "Namen und Texte des Projekts stehen, wie sie gegeben sind. Was beim Lesen von Dateien auffiel, die Befunde "
+        "der "
+        "Vermessung bis auf die häufigsten und die Parameter des Laufs stehen auf Englisch. Datumsangaben nach ISO "
+        "8601.";
   if (current.units == Units::inches) {
     text += text.empty() ? "" : " ";
     text +=
