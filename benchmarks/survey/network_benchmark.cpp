@@ -204,8 +204,10 @@ void run(int markers, int set_ups, int sights, int runs, const std::vector<std::
 // gama-local's default is envelope; gso is the fastest of its four on these networks.
 int main(int argc, char** argv) {
   if (argc == 4 || argc == 5) {
-    run(std::atoi(argv[1]), std::atoi(argv[2]), std::atoi(argv[3]), argc == 5 ? std::max(1, std::atoi(argv[4])) : 5,
-        {"gso"});
+    const int markers = std::atoi(argv[1]);
+    std::vector<std::string> algorithms = {"gso"};
+    if (markers <= 200) algorithms.emplace_back("envelope");  // at 300 it takes minutes
+    run(markers, std::atoi(argv[2]), std::atoi(argv[3]), argc == 5 ? std::max(1, std::atoi(argv[4])) : 5, algorithms);
     return 0;
   }
   run(100, 6, 6, 5, {"envelope", "gso"});  // 1 800 observations

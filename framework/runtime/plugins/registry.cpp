@@ -31,7 +31,7 @@ const plumbline_port* find_port(const plumbline_port* const* ports, uint32_t cou
 /// The library behind a plugin, loaded when it is first needed.
 struct Plugin::Library {
   fs::path path;
-  std::string identity;  // of the file when it was scanned
+  std::string identity, sha256;  // of the file when it was scanned
   std::unique_ptr<PluginTable> description;
   struct Node {
     Library* library;
@@ -45,18 +45,23 @@ struct Plugin::Library {
   const plumbline_plugin_table& load() {
     std::call_once(once, [this] {
       try {
-        const std::string changed = path.string() + " is not the file any more that was looked at; run again";
-        if (runtime::file_identity(path) != identity) throw std::runtime_error(changed);
+        // Linked anew, but to the same bytes: nothing that was said of it is wrong.
+        if (const std::string now = runtime::file_identity(path); now != identity && sha256_of_file(path) == sha256)
+          identity = now;
+        if (runtime::file_identity(path) != identity) throw std::runtime_error(changed());
         table = open_table(path);
         if (!table || table->magic != PLUMBLINE_MAGIC || serialise(*table) != serialise(description->table()))
           throw std::runtime_error(path.string() + " offers something else than when it was looked at; rebuild it");
       } catch (const std::exception& error) {
-        problem = error.what();
+        // Of a file that is just being written the loader says all kinds of things.
+        problem = runtime::file_identity(path) != identity ? changed() : error.what();
       }
     });
     if (!problem.empty()) throw std::runtime_error(problem);
     return *table;
   }
+
+  std::string changed() const { return path.string() + " is not the file any more that was looked at; run again"; }
 
   /// run() of every entry of the description.
   static int run(const plumbline_host* host, const plumbline_node* entry) {
@@ -208,7 +213,7 @@ bool Registry::load(const fs::path& library, bool look_again) {
       auto behind = std::make_unique<Plugin::Library>();
       behind->path = fs::absolute(library);
       behind->identity = plugin->file_identity = file_identity(behind->path);
-      plugin->sha256 = sha256_of_file(library);
+      behind->sha256 = plugin->sha256 = sha256_of_file(library);
       PluginScan scan = scan_plugin(behind->path, plugin->sha256, roles_, look_again);
       problem = scan.problem;
       behind->description = std::move(scan.table);

@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <memory>
+#include <set>
 
 #include "runtime/base/digest.hpp"
+#include "runtime/plugins/executable_node.hpp"
+#include "runtime/plugins/library.hpp"
 #include "runtime/run/executor.hpp"
 
 namespace plumbline::runtime {
@@ -67,6 +70,14 @@ std::vector<MergedGraph> graphs_of(const std::vector<const SweepCell*>& cells) {
   return graphs;
 }
 
+std::string sha256_of_existing(const fs::path& file) {
+  try {
+    return sha256_of_file(file);
+  } catch (const std::exception&) {
+    return "absent";
+  }
+}
+
 constexpr size_t largest_in_memory = size_t{4} << 20;  ///< of what a node hands on, where only results are kept
 
 }  // namespace
@@ -75,6 +86,21 @@ std::string this_host() {
   char host[65] = "host";
   gethostname(host, sizeof host - 1);
   return host;
+}
+
+std::vector<std::string> changed_plugins(const Graph& graph) {
+  std::set<std::string> changed;
+  for (const GraphNode& node : graph.nodes) {
+    const Plugin* plugin = node.kind.plugin;
+    if (plugin->executable) {
+      for (const auto& [file, identity] : plugin->executable->identities)
+        if (file_identity(file) != identity) changed.insert(file.string());
+    } else if (file_identity(plugin->identity.path) != plugin->file_identity &&
+               sha256_of_existing(plugin->identity.path) != plugin->sha256) {
+      changed.insert(plugin->identity.path.string());
+    }
+  }
+  return {changed.begin(), changed.end()};
 }
 
 SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Registry& registry, Store& store,
@@ -111,6 +137,10 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
   if (answer.cancelled) return answer;
   const CellRecords records(store);
   for (const auto& [cell, record] : done) {
+    if (record.failed && !changed_plugins(cell->graph->graph).empty()) {
+      answer.plugins_changed = true;
+      continue;
+    }
     answer.failed += record.failed;
     records.put(cell->key, record);
   }

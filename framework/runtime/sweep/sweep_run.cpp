@@ -146,6 +146,7 @@ class Pool {
     jobs_ = std::move(jobs);
     while (!failure_ && (!jobs_.empty() || any_busy())) {
       if (cancelled()) jobs_.clear(), progress_.cancelled = true;
+      if (!changed_plugin_.empty()) jobs_.clear();
       for (Worker& worker : workers_)
         if (!worker.busy && !jobs_.empty()) give(worker);
       listen();
@@ -153,6 +154,11 @@ class Pool {
     if (failure_)
       throw StoreError("a worker could not keep its results; is the disk full? See 'df " + store_.folder().string() +
                        "'");
+    if (!changed_plugin_.empty())
+      throw std::runtime_error(
+          changed_plugin_ +
+          " was changed while cells ran; the bench was stopped, because what failed since then says nothing of its "
+          "alternatives. Run again: cells that were done are kept, if what computed them is still the same");
   }
 
  private:
@@ -248,11 +254,16 @@ class Pool {
   void finished(Worker& worker, const SweepAnswer& answer) {
     worker.busy = false;
     failure_ |= answer.store_failed;
+    for (const size_t cell : worker.job.cells)
+      if (answer.plugins_changed && changed_plugin_.empty()) {
+        const std::vector<std::string> changed = changed_plugins(plan_.cells[cell].graph->graph);
+        changed_plugin_ = changed.empty() ? "a plugin" : changed.front();
+      }
     progress_.nodes += answer.nodes;
     progress_.merged_nodes += answer.merged;
     progress_.executed += answer.executed;
     progress_.cancelled |= answer.cancelled;
-    if (answer.cancelled || answer.store_failed) return;
+    if (answer.cancelled || answer.store_failed || answer.plugins_changed) return;
     progress_.done += worker.job.cells.size();
     progress_.failed += answer.failed;
     tell_(progress_);
@@ -290,6 +301,7 @@ class Pool {
   int threads_ = 1;
   uint64_t memory_ = 0;
   bool failure_ = false;
+  std::string changed_plugin_;  ///< while cells ran
   std::vector<Worker> workers_;
   std::deque<SweepJob> jobs_;
 };

@@ -27,7 +27,7 @@ class Descent {
 
   DescentSummary run() {
     double before = 0;
-    while (!summary_.converged && summary_.iterations < options_.max_iterations) {
+    while (!summary_.converged && counted() < options_.max_iterations) {
       stop_point();
       ++summary_.iterations;
       const std::optional<double> predicted = system_.solve(damping_);
@@ -36,6 +36,7 @@ class Descent {
         break;
       }
       predicted_ = predicted.value_or(0);
+      refused_ += !predicted;
       const double last = std::exchange(before, predicted_);
       if (predicted && system_.has_chords() && predicted_ < near * last) {
         if (!settle()) break;
@@ -53,6 +54,8 @@ class Descent {
     summary_.converged = true;
     summary_.message = why;
   }
+
+  int counted() const { return summary_.iterations - (options_.counts_refused ? 0 : refused_); }
 
   double relieved() const {
     const double less = damping_ / relief;
@@ -72,6 +75,7 @@ class Descent {
     if (!judgement.taken) {
       system_.reject();
       if (judgement.converged) system_.build(Where::place, damping_);
+      ++refused_;
       return false;
     }
     const double ratio = gain / predicted_;
@@ -88,7 +92,7 @@ class Descent {
   /// Steps with the factors at hand, until they get no smaller: then the system is that of where they led. False if
   /// that was all.
   bool settle() {
-    for (int steps = 0; summary_.iterations < options_.max_iterations; ++steps) {
+    for (int steps = 0; counted() < options_.max_iterations; ++steps) {
       system_.try_step();
       const std::optional<double> cost = system_.cost_of_trial();
       if (!cost || !(*cost < cost_)) {
@@ -125,6 +129,7 @@ class Descent {
   const DescentOptions& options_;
   DescentSummary summary_;
   double cost_, damping_, growth_ = 2;
+  int refused_ = 0;       ///< steps that did not lower the cost
   double predicted_ = 0;  ///< what the step should lower the cost by
 };
 

@@ -41,7 +41,8 @@ class DampedSystem {
 };
 
 struct DescentOptions {
-  int max_iterations = 100;
+  int max_iterations = 100;     ///< steps that are taken, or with `counts_refused` that are tried
+  bool counts_refused = true;   ///< false: what is refused is bounded by the damping alone
   double first_damping = 1e-4;  ///< 0: undamped steps first
   double least_damping = 1e-4;  ///< that the first rise of the cost asks for
   /// Below `smallest_damping` it is `rest_damping`.

@@ -140,7 +140,7 @@ Solution solve(Problem& problem, const SolverOptions& options) {
   Solution s = start(problem, options);
   NetworkDescent system(problem, s, options);
   DescentOptions how;  // damping in units of the scaled normal matrix, whose diagonal is 1
-  how.max_iterations = options.max_iterations;
+  how.max_iterations = options.max_iterations, how.counts_refused = false;
   how.first_damping = how.rest_damping = 0;
   how.least_damping = 1e-3, how.smallest_damping = 1e-4, how.largest_damping = 1e9;
   s.converged = descend(system, how).converged;

@@ -14,6 +14,7 @@
 #include "base/text/whole_file.hpp"
 #include "photo/detect/aruco_detector.hpp"
 #include "photo/detect/board_geometry.hpp"
+#include "photo/detect/charuco_layout.hpp"
 #include "photo/detect/chessboard.hpp"
 #include "photo/detect/one_thread.hpp"
 #include "photo/detect/tag_grid.hpp"
@@ -92,42 +93,23 @@ TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, con
   }
 }
 
-/// Centres of a ChArUco board's markers by id. `legacy`: the top left square holds a marker, as OpenCV before 4.6 drew
-/// boards with an even number of rows.
-std::map<int, Eigen::Vector2d> charuco_markers(const Board& board, bool legacy) {
-  std::map<int, Eigen::Vector2d> centres;
-  int id = board.first_id;
-  for (int row = 0; row < board.rows; ++row)
-    for (int column = 0; column < board.columns; ++column)
-      if ((row + column) % 2 == (legacy ? 0 : 1))
-        centres[id++] = {(column + 0.5) * board.square, -(row + 0.5) * board.square};
-  return centres;
-}
-
-/// Squares per unit of length: homographies work best near 1.
-struct Layout {
-  bool legacy = false;
-  double misfit = 1e9;  ///< of the median marker [px]
-  double score = 1e9;   ///< mean over all markers, each bounded: every other row alone fits the wrong layout exactly
-  Eigen::Matrix3d onto_image = Eigen::Matrix3d::Identity();
-};
-
-/// Corners of markers that are drawn turned, all alike (OpenCV draws libapriltag's families upside down), get the order
-/// that they have on the board.
-void turn_alike(std::vector<DetectedTag>& tags, const std::map<int, Eigen::Vector2d>& centres,
-                const Eigen::Matrix3d& onto_image, const Board& board) {
-  const double h = 0.5 * board.marker;
-  const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
-  std::vector<TagCorners> expected, seen;
-  for (const auto& tag : tags) {
-    const auto at = centres.find(tag.id);
-    if (at == centres.end()) continue;
-    TagCorners& corners = expected.emplace_back();
-    for (size_t k = 0; k < 4; ++k) corners[k] = mapped(onto_image, (at->second + offsets[k]) / board.square);
-    seen.push_back(tag.corners);
+/// Edge of a marker at `centre` [m] in squares, by the corners of the squares around it: over these a lens is as good
+/// as straight. nan where they are fewer than four, or in a row.
+double marker_in_squares(const TagCorners& marker, const Eigen::Vector2d& centre, const std::vector<SeenPoint>& points,
+                         double square) {
+  std::vector<cv::Point2f> from, to;
+  Eigen::AlignedBox2d box;
+  for (const SeenPoint& p : points) {
+    const Eigen::Vector2d at = (p.board.head<2>() - centre) / square;
+    if (at.norm() > 1.7) continue;
+    from.push_back(point(p.pixel)), to.push_back(point(at)), box.extend(at);
   }
-  const int quarter = turn_of(expected, seen).quarter;
-  for (auto& tag : tags) std::rotate(tag.corners.begin(), tag.corners.begin() + (4 - quarter) % 4, tag.corners.end());
+  if (from.size() < 4 || box.sizes().minCoeff() < 0.5) return std::nan("");
+  const Eigen::Matrix3d onto_board = homography(from, to, 0);
+  if (!onto_board.allFinite()) return std::nan("");
+  TagCorners on_board;
+  for (size_t k = 0; k < 4; ++k) on_board[k] = mapped(onto_board, marker[k]);
+  return side(on_board);
 }
 
 SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
@@ -151,36 +133,15 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
                    "dictionary and first_id, or photograph it larger and sharper";
     return seen;
   }
-  Layout best;
-  for (const bool legacy : {false, true}) {
-    const auto centres = charuco_markers(board, legacy);
-    std::vector<cv::Point2f> from, to;
-    for (const auto& tag : tags)
-      if (const auto at = centres.find(tag.id); at != centres.end()) {
-        from.push_back(point(at->second / board.square));
-        to.push_back(point(0.25 * (tag.corners[0] + tag.corners[1] + tag.corners[2] + tag.corners[3])));
-      }
-    if (from.size() < 4) continue;
-    const Eigen::Matrix3d h = homography(from, to, cv::RANSAC);
-    if (!h.allFinite()) continue;
-    std::vector<double> misfits;
-    for (size_t i = 0; i < from.size(); ++i)
-      misfits.push_back((mapped(h, {static_cast<double>(from[i].x), static_cast<double>(from[i].y)}) -
-                         Eigen::Vector2d(static_cast<double>(to[i].x), static_cast<double>(to[i].y)))
-                            .norm());
-    std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2), misfits.end());
-    const double bound = 0.01 * std::max(image.width, image.height);
-    double score = 0;
-    for (const double m : misfits) score += std::min(m, bound) / static_cast<double>(misfits.size());
-    if (score < best.score) best = {legacy, misfits[misfits.size() / 2], score, h};
-  }
-  if (best.misfit > 0.01 * std::max(image.width, image.height)) {
+  const double bound = 0.01 * std::max(image.width, image.height);
+  const CharucoLayout best = find_layout(board, tags, image.width, image.height, bound);
+  if (best.misfit > bound) {
     seen.problem = "the markers are not where the board file has them: they miss their squares by " +
-                   std::to_string(best.misfit) + " px; check columns, rows and first_id";
+                   std::to_string(best.misfit) + " px, with a lens as wide as any; check columns, rows and first_id";
     return seen;
   }
   const auto centres = charuco_markers(board, best.legacy);
-  turn_alike(tags, centres, best.onto_image, board);
+  turn_alike(tags, centres, best, board);
   std::map<int, const DetectedTag*> by_id;
   for (const auto& tag : tags) by_id[tag.id] = &tag;
   // Each inner corner from the markers around it: over a few squares a lens is as good as straight.
@@ -227,13 +188,11 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     seen.problem = std::to_string(points.size()) + " inner corners have a marker beside them, needed are 6";
     return seen;
   }
-  std::vector<cv::Point2f> from, to;
   for (size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector2d refined(static_cast<double>(corners[i].x), static_cast<double>(corners[i].y));
     if ((refined - points[i].pixel).norm() > std::max(1.5, 0.15 * smallest_square)) continue;
     points[i].pixel = refined;
     seen.points.push_back(points[i]);
-    from.push_back(point(refined)), to.push_back(point(points[i].board.head<2>() / board.square));
   }
   if (seen.points.size() < 6) {
     seen.problem =
@@ -241,14 +200,13 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     seen.points.clear();
     return seen;
   }
-  const Eigen::Matrix3d back = homography(from, to, 0);
   double ratio = 0;
   size_t measured = 0;
   for (const auto& tag : tags) {
-    if (!centres.count(tag.id) || !back.allFinite()) continue;
-    std::array<Eigen::Vector2d, 4> on_board;
-    for (size_t k = 0; k < 4; ++k) on_board[k] = mapped(back, tag.corners[k]);
-    ratio += side(on_board), ++measured;
+    const auto at = centres.find(tag.id);
+    if (at == centres.end()) continue;
+    const double squares = marker_in_squares(tag.corners, at->second, seen.points, board.square);
+    if (std::isfinite(squares)) ratio += squares, ++measured;
   }
   if (measured) seen.marker_ratio = ratio / static_cast<double>(measured);
   if (!(seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2)) {

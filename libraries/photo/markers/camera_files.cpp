@@ -176,7 +176,9 @@ void set_distortion(const std::vector<double>& d, const std::string& file, Inter
 
 /// By whole names: "ds" is a lens model, and a part of many cameras' names. What stands under `distortion_model` is
 /// one, so a name that nobody knows is refused there; `camera_model` and `model` are often the camera's own name.
-void read_lens(const YAML::Node& root, const std::string& file, InteriorOrientation& camera) {
+/// Returns the name of a model whose coefficients are not Brown's although they are called so, else nothing.
+std::string read_lens(const YAML::Node& root, const std::string& file, InteriorOrientation& camera) {
+  std::string not_quite_brown;
   for (const char* key : {"distortionmodel", "cameramodel", "model"}) {
     const YAML::Node model = find(root, {key});
     if (!model.IsDefined() || !model.IsScalar()) continue;
@@ -184,6 +186,7 @@ void read_lens(const YAML::Node& root, const std::string& file, InteriorOrientat
     const bool names_a_lens = std::string(key) == "distortionmodel" && !name.empty();
     const LensName lens = lens_named(name);
     if (lens == LensName::fisheye) camera.lens = LensModel::fisheye;
+    if (lens == LensName::not_quite_brown) not_quite_brown = model.as<std::string>();
     // A fisheye of another model (COLMAP's RADIAL_FISHEYE), or none: Brown's would be a guess.
     const auto may_be_fisheye = [&](const char* part) { return name.find(part) != std::string::npos; };
     const bool is_doubtful = may_be_fisheye("fisheye") || may_be_fisheye("kannala") || may_be_fisheye("equidistant");
@@ -191,6 +194,7 @@ void read_lens(const YAML::Node& root, const std::string& file, InteriorOrientat
       refuse(file, "the distortion model is '" + model.as<std::string>() +
                        "'; known are Brown's (plumb_bob, radtan) and the fisheye (equidistant, Kannala-Brandt)");
   }
+  return not_quite_brown;
 }
 
 void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& result) {
@@ -214,7 +218,7 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
     result.camera.fx = fx[0], result.camera.fy = fy.size() == 1 ? fy[0] : fx[0];
     result.camera.cx = cx[0], result.camera.cy = cy[0];
   }
-  read_lens(root, file, result.camera);
+  const std::string not_quite_brown = read_lens(root, file, result.camera);
   const YAML::Node fisheye = find(root, {"fisheyemodel"});
   if (fisheye.IsDefined() && whole(fisheye).value_or(0) != 0) result.camera.lens = LensModel::fisheye;
   const YAML::Node list = find(root, {"distortioncoefficients", "distcoeffs", "distcoeff", "distortion", "dist", "d",
@@ -237,6 +241,14 @@ void read_opencv(const YAML::Node& root, const std::string& file, CameraFile& re
       if (value.IsDefined() && !value.IsNull()) named[i] = number(value, file, names[i]);
     }
   }
+  const bool distorts = std::any_of(named.begin(), named.end(), [](double v) { return v != 0; });
+  if (!not_quite_brown.empty() && distorts)
+    refuse(file,
+           "the distortion model is '" + not_quite_brown +
+               "', whose coefficients are not those of Brown's: an inverse model leads from the distorted point to "
+               "the ideal one (programs do not agree which way), the modified one takes decentring at the distorted "
+               "point. Calibrate the camera from photographs (calibrate_camera); with all coefficients zero the file "
+               "is taken");
   set_distortion(named, file, result.camera);
 }
 

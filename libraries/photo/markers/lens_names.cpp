@@ -11,8 +11,8 @@ LensName lens_named(const std::string& name) {
   };
   if (is_of({"brown",
              "brownconrady",
-             "modifiedbrownconrady",
-             "inversebrownconrady",
+             "rs2distortionbrownconrady",
+             "distortionbrownconrady",
              "plumbbob",
              "radtan",
              "radial",
@@ -34,6 +34,12 @@ LensName lens_named(const std::string& name) {
              "pinholeequidistant", "pinholefisheye", "kannalabrandt", "kannalabrandt4", "kannalabrandt8", "kb", "kb4",
              "kb8"}))
     return LensName::fisheye;
+  // RealSense's: the polynomial may run from the distorted to the ideal point, and of some versions of its library it
+  // runs there in one function and back in another. In the modified one decentring counts at the distorted point.
+  if (is_of({"inversebrownconrady", "modifiedbrownconrady", "rs2distortioninversebrownconrady",
+             "rs2distortionmodifiedbrownconrady", "distortioninversebrownconrady", "distortionmodifiedbrownconrady"}) ||
+      name.find("inverse") != std::string::npos)
+    return LensName::not_quite_brown;
   if (is_of({"omni",
              "omniradtan",
              "omninone",

@@ -209,13 +209,10 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 /// Where set-ups contradict each other, that is the cause, and what the solver says of it a consequence.
 [[noreturn]] void fail_with_cause(const NetworkModel& model, const NetworkError& error) {
-  for (const Finding& f : model.findings)
-    if (model.contradicted && f.severity != Finding::Severity::note) {
-      std::vector<Finding> findings = {f};
-      findings.insert(findings.end(), error.findings.begin(), error.findings.end());
-      throw NetworkError(f.text + "; mend that first. As it is, " + error.what(), findings);
-    }
-  throw error;
+  if (model.contradiction.empty()) throw error;
+  std::vector<Finding> findings = {{Finding::Severity::warning, model.contradiction, {}}};
+  findings.insert(findings.end(), error.findings.begin(), error.findings.end());
+  throw NetworkError(model.contradiction + "; mend that first. As it is, " + error.what(), findings);
 }
 
 }  // namespace
@@ -289,17 +286,40 @@ std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const Ad
   return findings;
 }
 
-/// What is left of a network whose other points were left out may be sound: not if one mistake explains why they were.
+/// Set-ups of which nothing is left where their stations were left out.
+std::vector<std::string> lost_set_ups(const SurveyObservations& survey, const NetworkResult& result) {
+  std::set<std::string> out(result.left_out.begin(), result.left_out.end());
+  std::vector<std::string> lost;
+  for (const SetUp& s : survey.set_ups)
+    if (out.contains(s.station)) lost.push_back(s.id);
+  return lost;
+}
+
+/// What is left of a network whose other points were left out may be sound: not if one mistake explains why they were,
+/// and not if set-ups went with them, whose readings nothing has tested.
 void explain_left_out(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
                       NetworkResult& result) {
   if (result.left_out.empty()) return;
   const std::vector<Finding> causes = confirmed_causes(survey, options, control, result.sigma0, result.left_out.size());
-  if (causes.empty()) return;
-  result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
+  const std::string points =
+      std::to_string(result.left_out.size()) + (result.left_out.size() == 1 ? " point" : " points");
+  if (!causes.empty()) {
+    result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
+    result.validity = Validity::doubtful;
+    result.verdict = "doubtful: " + points + " left out because of one mistake (" +
+                     causes.front().text.substr(0, causes.front().text.find(". Adjusted with")) +
+                     "); of the rest: " + result.verdict;
+    return;
+  }
+  const std::vector<std::string> lost = lost_set_ups(survey, result);
+  if (lost.empty()) {
+    result.verdict += "; " + points + " left out as not determined";
+    return;
+  }
   result.validity = Validity::doubtful;
-  result.verdict = "doubtful: " + std::to_string(result.left_out.size()) +
-                   (result.left_out.size() == 1 ? " point was" : " points were") +
-                   " left out because of one mistake, see the first finding; of the rest: " + result.verdict;
+  result.verdict = "doubtful: " + std::string(lost.size() == 1 ? "set-up " : "set-ups ") + join(lost, 6) +
+                   (lost.size() == 1 ? " hangs" : " hang") + " in the air, and no reading of " +
+                   (lost.size() == 1 ? "it" : "them") + " took part or was tested; of the rest: " + result.verdict;
 }
 
 }  // namespace

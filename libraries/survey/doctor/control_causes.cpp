@@ -79,19 +79,53 @@ class ControlCauses {
   }
 
   std::vector<ControlCause> run() {
-    if (seen_.size() < 3) return {};
+    if (seen_.size() < 3) return of_two_points();
     const auto as_it_is = fit_with([](const Vector3d& p) { return p; });
     if (as_it_is && as_it_is->agree == static_cast<int>(seen_.size())) return {};
     if (!as_it_is || 2 * as_it_is->agree <= static_cast<int>(seen_.size())) of_all(as_it_is ? as_it_is->agree : 0);
+    if (found_.empty()) of_distances(as_it_is ? as_it_is->agree : 0);
     if (found_.empty() && as_it_is && as_it_is->agree >= 2) of_some(*as_it_is);
     return std::move(found_);
   }
 
  private:
-  std::optional<FigureFit> fit_with(const Undo& undo) const {
+  std::optional<FigureFit> fit_with(const Undo& undo, double scale = 1) const {
     std::vector<FigurePair> pairs;
     for (const LocalSight& s : seen_) pairs.push_back({&s, undo(known_.at(s.point)), tolerance_});
-    return fit_robustly(pairs, 1);
+    return fit_robustly(pairs, scale);
+  }
+
+  /// Two say nothing but how far they are apart.
+  std::vector<ControlCause> of_two_points() {
+    constexpr double kClose = 0.002;  // a map's scale, readings of a centimetre over 5 m
+    if (seen_.size() != 2) return {};
+    const double seen = (seen_[0].ray - seen_[1].ray).head<2>().norm(),
+                 known = (known_.at(seen_[0].point) - known_.at(seen_[1].point)).head<2>().norm();
+    for (const LengthUnit& unit : kLengthUnits)
+      if (seen > 0 && std::abs(known / seen / unit.metres - 1) < kClose)
+        add_distances(unit, "so " + seen_[0].point + " and " + seen_[1].point + " are " + fixed_digits(known, 2) +
+                                " m apart as known, as they are, " + fixed_digits(seen, 2) + " m");
+    return std::move(found_);
+  }
+
+  /// Nothing but known points has a scale: with all distances in another unit the set-ups agree as well.
+  void of_distances(int agree_now) {
+    for (const LengthUnit& unit : kLengthUnits) {
+      const auto fit = fit_with([](const Vector3d& p) { return p; }, unit.metres);
+      if (!fit || fit->agree <= agree_now || 5 * fit->agree < 4 * static_cast<int>(seen_.size())) continue;
+      add_distances(unit, "so " + std::to_string(fit->agree) + " of " + std::to_string(seen_.size()) +
+                              " known points lie where the readings see them, as they are, " +
+                              std::to_string(agree_now));
+    }
+  }
+
+  void add_distances(const LengthUnit& unit, const std::string& tried) {
+    ControlCause cause{
+        "all distances are in " + std::string(unit.name) + " and were read as metres: " + tried, {}, survey_, control_};
+    for (Observation& o : cause.survey.observations)
+      if (o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance)
+        o.value *= unit.metres;
+    found_.push_back(std::move(cause));
   }
 
   void add(const std::string& text, const std::set<std::string>& points, const Undo& undo) {

@@ -74,13 +74,14 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
                                  [](const Finding& f) { return f.severity == Finding::Severity::error; });
   const long suspects = failing(r, critical);
   const std::string broken = broken_set_up(r);
-  if (model.contradicted || error || !broken.empty() || (high && r.sigma0 > kLargestSigma0)) {
+  const bool contradicted = !model.contradiction.empty();
+  if (contradicted || error || !broken.empty() || (high && r.sigma0 > kLargestSigma0)) {
     r.validity = Validity::invalid;
     r.verdict = "not a result: " +
-                std::string(model.contradicted ? "set-ups contradict each other, see the first finding"
-                            : error            ? "the coordinates are probably wrong"
-                            : !broken.empty()  ? broken
-                                               : "the readings contradict each other") +
+                std::string(contradicted      ? "set-ups contradict each other: " + model.contradiction
+                            : error           ? "the coordinates are probably wrong"
+                            : !broken.empty() ? broken
+                                              : "the readings contradict each other") +
                 " (" + sigma0 + "); mend what the findings name and adjust again";
     const double factor = std::max(1.0, r.sigma0 * r.sigma0 / r.variance_factor);
     r.cofactors.multiply(factor);

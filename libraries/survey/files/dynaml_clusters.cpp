@@ -143,12 +143,8 @@ void DynaMlReader::read_points(pugi::xml_node node) {
     if (!(std::abs(earth.norm() - 6.37e6) < 5e4) || !(place.head<2>().norm() < kFarthestStation))
       return reject(points[i], "a point of " + type + " far from the stations", "X, Y, Z of the same frame");
     group.values.segment<3>(at) = place;
-    for (int k = 0; k < 3; ++k) {  // symmetric: a metre is nothing to the curvature of the earth
-      const Eigen::Vector3d step = Eigen::Vector3d::Unit(k);
-      turn.block<3, 1>(at, at + k) =
-          0.5 * factors.cwiseProduct(plane_->place(earth + step) - plane_->place(earth - step));
-      group.components.push_back({id, k});
-    }
+    turn.block<3, 3>(at, at) = factors.asDiagonal() * plane_->change(earth);
+    for (int k = 0; k < 3; ++k) group.components.push_back({id, k});
   }
   const Eigen::MatrixXd given = covariance_of(node, points, "PointCovariance");
   if (given.size() == 0) return;

@@ -13,8 +13,6 @@
 
 namespace plumbline::survey {
 
-constexpr double kFarthestStation = 500000;  // [m] from the middle of the stations
-
 /// What DynAdjust calls a type of measurement: "a GNSS baseline (G)".
 std::string name_of_dynaml_type(const std::string& type);
 

@@ -14,7 +14,8 @@ namespace plumbline::survey {
 /// stdev, the cov-mat of the cluster, or the defaults of <points-observations>; a height difference without one gets
 /// sigma-apr * sqrt(dist / km) mm. Units of the file: m, gon or d-m-s; mm, cc (arc seconds where the value is d-m-s).
 /// Observations that cannot be used are listed as skipped. Throws SurveyReadError when the file is no gama-local input
-/// or holds nothing.
+/// or holds nothing. Likewise of a gama-g3 network (gnu-gama-data): vectors, observed places, distances and level
+/// differences of the earth, E and N on a plane about its middle that is named as its map.
 SurveyObservations read_gama_xml(std::string_view bytes, const std::string& file);
 
 /// gama-local XML with axes-xy="en", left-handed angles, gon, cc and mm, to the last digit of a double. Means of faces

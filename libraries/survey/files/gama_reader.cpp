@@ -17,10 +17,11 @@ using text::parse_number;
 SurveyObservations GamaReader::read() {
   const auto root = xml_.root();
   const auto root_name = text::local_name(root);
+  if (root_name == "gnu-gama-data") return read_g3(xml_, file_);
   const auto network = text::child(root, "network");
   if ((root_name != "gama-local" && root_name != "gama-xml") || !network)
     throw SurveyReadError(xml_.position(root), "an XML file with root <" + std::string(root_name) + ">",
-                          "<gama-local> with a <network>");
+                          "<gama-local> with a <network>, or <gnu-gama-data> with a <g3-model>");
   if (xml_.damage()) builder_.survey.skipped.push_back(*xml_.damage());
   read_network(network);
   const auto parameters = text::child(network, "parameters");

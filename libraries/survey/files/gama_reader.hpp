@@ -28,6 +28,9 @@ struct ClusterItem {
   double sense = 1;  // -1: the sign of the value was changed
 };
 
+/// A gama-g3 network (root gnu-gama-data), whose E and N are of a map of its own.
+SurveyObservations read_g3(const text::XmlFile& xml, const std::string& file);
+
 class GamaReader {
  public:
   GamaReader(std::string_view bytes, const std::string& file)

@@ -97,6 +97,15 @@ Eigen::Vector3d GroundPlane::place(const Eigen::Vector3d& geocentric) const {
   return {plan.x(), plan.y(), p.height};
 }
 
+Eigen::Matrix3d GroundPlane::change(const Eigen::Vector3d& geocentric) const {
+  Eigen::Matrix3d columns;
+  for (int k = 0; k < 3; ++k) {  // symmetric: a metre is nothing to the curvature of the earth
+    const Eigen::Vector3d step = Eigen::Vector3d::Unit(k);
+    columns.col(k) = 0.5 * (place(geocentric + step) - place(geocentric - step));
+  }
+  return columns;
+}
+
 Eigen::Vector2d GroundPlane::operator()(const Geodetic& p) const {
   return projection_.forward(p) - Eigen::Vector2d(0, north_);
 }

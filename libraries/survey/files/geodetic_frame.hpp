@@ -6,6 +6,8 @@
 
 namespace plumbline::survey {
 
+inline constexpr double kFarthestStation = 500000;  ///< [m] from the middle of a network that is laid on a plane
+
 struct Geodetic {
   double latitude = 0, longitude = 0;  ///< [rad], north and east positive
   double height = 0;                   ///< [m], as given or above the ellipsoid
@@ -36,6 +38,8 @@ class GroundPlane {
   Eigen::Vector2d operator()(const Geodetic& p) const;
   /// East, north and height above the ellipsoid of geocentric coordinates [m].
   Eigen::Vector3d place(const Eigen::Vector3d& geocentric) const;
+  /// What a metre along X, Y, Z there is in east, north and height: columns [m/m].
+  Eigen::Matrix3d change(const Eigen::Vector3d& geocentric) const;
   /// The plane as PROJ writes it, so that it can be a map: "+proj=tmerc ...".
   std::string as_map() const;
 

@@ -58,7 +58,7 @@ std::optional<SurveyFormat> xml_format(std::string_view text) {
   if (root == "LandXML") return SurveyFormat::landxml;
   if (root == "DnaXmlFormat") return SurveyFormat::dynaml;
   if (root == "JOBFile") return SurveyFormat::jobxml;
-  if (root == "gama-local" || root == "gama-xml") return SurveyFormat::gama_xml;
+  if (root == "gama-local" || root == "gama-xml" || root == "gnu-gama-data") return SurveyFormat::gama_xml;
   return std::nullopt;
 }
 

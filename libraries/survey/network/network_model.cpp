@@ -309,7 +309,7 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
                                                             : "; left out";
       m.findings.push_back({Finding::Severity::warning, p.text + (done ? what : ""), p.points});
       if (done && !by_itself) m.set_aside.insert(m.set_aside.end(), p.observations.begin(), p.observations.end());
-      m.contradicted |= !done && p.kind != Kind::reading;
+      if (!done && p.kind != Kind::reading && m.contradiction.empty()) m.contradiction = p.text;
     }
     if (!mended) return chain;
   }

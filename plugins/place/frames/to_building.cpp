@@ -140,6 +140,14 @@ void require_map_scale(const CommonPoints& common, const PlanTransform& transfor
   throw std::runtime_error(text);
 }
 
+/// Largest distance of an anchor from the first, in plan [m].
+double extent_of(const CommonPoints& common) {
+  double extent = 0;
+  for (const Eigen::Vector3d& p : common.design)
+    extent = std::max(extent, (p - common.design.front()).head<2>().norm());
+  return extent;
+}
+
 /// Length on the map over length on the ground at the design's origin; nothing where the file names no map that is
 /// known. Its height is taken as that above the ellipsoid: 50 m of geoid are 8 ppm.
 std::optional<double> scale_of_map(const DesignT& design) {
@@ -163,9 +171,21 @@ void check_design_scale(const CommonPoints& common, const PlanTransform& transfo
   const auto drawn = scale_of_map(design);
   if (!drawn || how == "same" || how == "fitted" || how == "given") return;
   const double missing = *drawn / transform.scale;
-  if (std::abs(missing - 1) < kHeights) return;
-  const PlanScale scale = plan_scale(common, transform);
   const std::string& map = design.map_conversion->crs_name;
+  if (std::abs(missing - 1) < kHeights) {
+    constexpr double kTold = 1e-3;  // [m]
+    const double off = extent_of(common) * std::abs(missing - 1);
+    if (off > kTold)
+      context.warn(fmt::format(
+          "the map conversion of {} has the scale {:.6f}, and its map {} draws lengths there at {:.6f} if its height "
+          "is "
+          "above the ellipsoid: {:.0f} ppm, {:.1f} mm over the anchors. A geoid makes as much (50 m of it 8 ppm), and "
+          "nothing here says which height it is; take frames.with.use=given with the grid_scale of the survey's map if "
+          "it matters",
+          design.file_name, transform.scale, map, *drawn, 1e6 * std::abs(missing - 1), 1e3 * off));
+    return;
+  }
+  const PlanScale scale = plan_scale(common, transform);
   if (std::abs(missing - 1) > 4 * scale.sigma) {
     if (std::abs(scale.value - missing) > 3 * scale.sigma + kHeights) return;
     throw std::runtime_error(fmt::format(

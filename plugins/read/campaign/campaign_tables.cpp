@@ -308,6 +308,13 @@ std::vector<TrueCamera> parse_true_cameras(const std::string& csv, const std::fi
     if (!(cells >> camera.image >> q.w() >> q.x() >> q.y() >> q.z() >> t.x() >> t.y() >> t.z()))
       throw std::runtime_error(shown.string() + ":" + std::to_string(number) +
                                ": expected the name of an image and seven numbers");
+    const double length = q.norm();
+    if (!(std::abs(length - 1) < 1e-3) || !t.allFinite())
+      throw std::runtime_error(shown.string() + ":" + std::to_string(number) +
+                               (t.allFinite()
+                                    ? ": the rotation of '" + camera.image + "' is a quaternion w,x,y,z of length " +
+                                          std::to_string(length) + ", expected 1"
+                                    : ": the translation of '" + camera.image + "' is not finite"));
     q.normalize();
     cameras.push_back(camera);
   }

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -83,11 +84,11 @@ void write_row(Markup& html, const Entry& entry, const ReportInput& input, bool 
   const int floor = entry.built ? entry.built->floor : a->floor;
   const PlacedRow row(html, floor, entry.built ? facade_of(entry.built->facade) : "",
                       entry.built ? entry.built->verdict : ToleranceVerdict::not_measured);
-  html.element("th", {{"scope", "row"}}, entry.id());
+  html.element("th", {{"scope", "row"}}, verbatim(entry.id()));
   html.element("td", floor > 0 ? std::to_string(floor) : unknown);
   if (with_design && !input.grid.empty()) {
     const std::string place = entry.built ? place_in_grid(input, entry.built->design) : "";
-    html.element("td", {{"class", "text"}}, place.empty() ? unknown : place);
+    html.element("td", {{"class", "text"}}, place.empty() ? unknown : verbatim(place));
   }
   if (with_design) write_built_cells(html, entry);
   html.element("td", {{"class", "text"}}, a ? EnumNameAnchorUse(a->use) : unknown);
@@ -134,10 +135,10 @@ void write_all_numbers(Markup& html, const DeviationT& deviation) {
       if (axis->axis == "in_plane") in_plane = axis_with_u(*axis, *a);
       if (axis->axis == "space") in_space = axis_with_u(*axis, *a);
       if (axis->tolerance > 0)
-        tolerances += (tolerances.empty() ? "" : ", ") + words_of(axis->axis) + " " + fixed(1e3 * axis->tolerance, 1) +
+        tolerances += (tolerances.empty() ? "" : ", ") + words_of(axis->axis) + " " + mm(axis->tolerance, 1) +
                       (axis->source == "default" ? "" : " (" + axis->source + ")");
     }
-    table_row(html, {a->id, left(a->guid.empty() ? unknown : a->class_ + " " + a->guid),
+    table_row(html, {verbatim(a->id), left(a->guid.empty() ? unknown : verbatim(a->class_ + " " + a->guid)),
                      left(a->found_by.empty() ? unknown : a->found_by),
                      left(a->reference_point_rule.empty() ? unknown : words_of(a->reference_point_rule)),
                      left(position(a->design)), left(position(a->as_built)), signed_mm(a->deviation.x()),

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -77,7 +78,7 @@ void write_facades(Markup& html, const DeviationT& deviation) {
   Scope body(html, "tbody");
   for (const auto& facade : deviation.facades) {
     Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, facade->name);
+    html.element("th", {{"scope", "row"}}, verbatim(facade->name));
     html.element("td", std::to_string(facade->anchors));
     html.element("td", std::to_string(facade->panels));
     const auto source = sources.find(facade->source);

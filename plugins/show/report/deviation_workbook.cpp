@@ -8,71 +8,10 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/judgement/worst_first.hpp"
+#include "show/report/catalogue.hpp"
 
 namespace plumbline::report {
 namespace {
-
-const std::vector<Word> kWords = {
-    {"Anchors", "Anker"},
-    {"Panels", "Paneele"},
-    {"Floors", "Geschosse"},
-    {"Asked for", "Gefordert"},
-    {"Anchor", "Anker"},
-    {"Panel", "Paneel"},
-    {"GlobalId", "GlobalId"},
-    {"Floor", "Geschoss"},
-    {"Storey", "Stockwerk"},
-    {"Facade", "Fassade"},
-    {"Verdict", "Urteil"},
-    {"Decided by", "Entscheidend"},
-    {"Within tolerance with", "In Toleranz mit"},
-    {"All at once, at least", "Alle zugleich, mindestens"},
-    {"Horizontal [mm]", "Horizontal [mm]"},
-    {"Height [mm]", "Höhe [mm]"},
-    {"In plane [mm]", "In der Fassade [mm]"},
-    {"Out of plane [mm]", "Aus der Fassade [mm]"},
-    {"In space [mm]", "Im Raum [mm]"},
-    {"u", "u"},
-    {"Tolerance", "Toleranz"},
-    {"Design x [m]", "Soll x [m]"},
-    {"Design y [m]", "Soll y [m]"},
-    {"Design z [m]", "Soll z [m]"},
-    {"dx [mm]", "dx [mm]"},
-    {"dy [mm]", "dy [mm]"},
-    {"dz [mm]", "dz [mm]"},
-    {"Sideways [mm]", "Seitlich [mm]"},
-    {"Note", "Bemerkung"},
-    {"Shims outward [mm]", "Futter nach außen [mm]"},
-    {"Anchors pass", "Anker in Ordnung"},
-    {"Anchors undecided", "Anker unentschieden"},
-    {"Anchors fail", "Anker außerhalb"},
-    {"Anchors not measured", "Anker nicht gemessen"},
-    {"Panels pass", "Paneele in Ordnung"},
-    {"Panels undecided", "Paneele unentschieden"},
-    {"Panels fail", "Paneele außerhalb"},
-    {"By", "Durch"},
-    {"Not judged because", "Nicht beurteilt, weil"},
-    {"pass", "in Ordnung"},
-    {"undecided", "unentschieden"},
-    {"fail", "außerhalb"},
-    {"not measured", "nicht gemessen"},
-    {"horizontal", "horizontal"},
-    {"vertical", "Höhe"},
-    {"in_plane", "in der Fassade"},
-    {"out_of_plane", "aus der Fassade"},
-    {"space", "im Raum"},
-    {"not_judged", "nicht beurteilt"},
-    {"missing_anchor", "Anker fehlt"},
-    {"sideways", "seitlich"},
-    {"tilt", "Neigung"},
-    {"warp", "Verwindung"},
-    {"misfit", "Langlöcher"},
-    {"corner", "Ecke"},
-    {"joint", "Fuge"},
-    {"anchor", "Anker nicht in Ordnung"},
-    {"facade", "Fassade nicht bestätigt"},
-    {"doubt", "Messung nicht vertrauenswürdig"},
-};
 
 class Maker {
  public:
@@ -85,9 +24,7 @@ class Maker {
 
   /// In the language of the workbook. What the program does not know (a name of a rule) stays as it is.
   std::string word(const std::string& english) const {
-    for (const Word& known : kWords)
-      if (english == known.english) return language_ == Language::german ? known.german : known.english;
-    return english;
+    return language_ == Language::german ? german().find(english).value_or(english) : english;
   }
   std::string verdict(ToleranceVerdict verdict) const {
     const char* words[] = {"not measured", "pass", "undecided", "fail"};
@@ -137,7 +74,7 @@ class Maker {
       }
       for (int k = 0; k < 3; ++k) row.emplace_back(1e3 * a->deviation[k]);
       for (int k = 0; k < 3; ++k) row.emplace_back(a->design[k]);
-      row.emplace_back(a->note);
+      row.emplace_back(word(a->note));
       sheet.rows.push_back(std::move(row));
     }
     return sheet;
@@ -160,7 +97,7 @@ class Maker {
       const auto length = [](const std::unique_ptr<JudgedLengthT>& l) { return l ? 1e3 * l->value : nan; };
       sheet.rows.push_back({p->name.empty() ? p->guid : p->name, p->guid, floor_of(p->floor), facade_of(p->facade),
                             verdict(p->verdict), word(p->decided_by), p->pass_probability, length(p->out_of_plane),
-                            length(p->sideways), length(p->vertical), shims, p->reason});
+                            length(p->sideways), length(p->vertical), shims, word(p->reason)});
     }
     return sheet;
   }
@@ -188,10 +125,10 @@ class Maker {
     sheet.name = word("Asked for");
     for (const char* text : {"Asked for", "By", "Anchors", "Panels", "Not judged because"}) head(sheet, text, 0);
     for (const auto& r : deviation_.requests)
-      sheet.rows.push_back(
-          {r->asked, r->by, static_cast<double>(r->anchors), static_cast<double>(r->panels), r->not_judged});
+      sheet.rows.push_back({word(r->asked), word(r->by), static_cast<double>(r->anchors),
+                            static_cast<double>(r->panels), word(r->not_judged)});
     for (const auto& doubt : deviation_.doubts)
-      sheet.rows.push_back({std::string(), "", nan, nan, ifc::in_words(*doubt)});
+      sheet.rows.push_back({std::string(), "", nan, nan, word(ifc::in_words(*doubt))});
     return sheet;
   }
 
@@ -200,8 +137,6 @@ class Maker {
 };
 
 }  // namespace
-
-const std::vector<Word>& workbook_words() { return kWords; }
 
 std::vector<Sheet> deviation_sheets(const DeviationT& deviation, Language language) {
   return Maker(deviation, language).all();

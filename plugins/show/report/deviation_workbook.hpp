@@ -5,20 +5,12 @@
 #include <vector>
 
 #include "artifacts/deviation.hpp"
+#include "show/report/language.hpp"
 #include "show/report/workbook.hpp"
 
 namespace plumbline::report {
 
-enum class Language { english, german };
-
-/// A word of the workbook in both languages.
-struct Word {
-  const char *english, *german;
-};
-/// All of them, for the test that none is missing.
-const std::vector<Word>& workbook_words();
-
-/// Anchors and panels in the order in which they are to be mended; lengths in mm, coordinates in m.
+/// Anchors and panels in the order in which they are to be mended; lengths in mm, coordinates in m, whatever is spoken.
 std::vector<Sheet> deviation_sheets(const DeviationT& deviation, Language language);
 
 }  // namespace plumbline::report

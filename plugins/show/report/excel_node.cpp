@@ -8,8 +8,7 @@ void ReportExcel::run(Context&) {
   FileT file;
   file.name = "deviations.xlsx";
   file.media_type = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet";
-  const std::string bytes =
-      write_workbook(deviation_sheets(deviation.unpack(), *language == "de" ? Language::german : Language::english));
+  const std::string bytes = write_workbook(deviation_sheets(deviation.unpack(), speech_of(*language, "mm").language));
   file.content.assign(bytes.begin(), bytes.end());
   out.commit(file);
 }

@@ -1,6 +1,7 @@
 // Search by name, facade, floor and verdict: of the rows of all tables those that are asked for.
 #include <set>
 
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -28,7 +29,7 @@ void write_filter(Markup& html, const DeviationT& deviation) {
     for (const auto& [value, words] : all) html.element("option", {{"value", value}}, words);
   };
   std::vector<std::pair<std::string, std::string>> facades, levels, verdicts;
-  for (const auto& facade : deviation.facades) facades.emplace_back(facade->name, facade->name);
+  for (const auto& facade : deviation.facades) facades.emplace_back(facade->name, verbatim(facade->name));
   for (const int floor : floors)
     levels.emplace_back(std::to_string(floor), floor > 0 ? std::to_string(floor) : "unknown");
   for (const auto verdict :

@@ -4,6 +4,7 @@
 
 #include "geometry/statistics.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -18,16 +19,18 @@ double width_of(const AccuracyComparisonT& c) {
   return std::clamp(80 + 110.0 * static_cast<double>(c.floors.size()), 380.0, widest);
 }
 
-/// Value with the half length of its confidence interval [mm].
+/// Value with the half length of its confidence interval, in the units spoken.
 struct Bar {
   double value, half;
 };
 
-Bar bar(double metres, double u, double factor) { return {1e3 * metres, std::isfinite(u) ? 1e3 * u * factor : 0}; }
+Bar bar(double metres, double u, double factor) {
+  return {in_units(metres), std::isfinite(u) ? in_units(u) * factor : 0};
+}
 
-/// Half height of the chart that holds the tolerance and all bars [mm].
+/// Half height of the chart that holds the tolerance and all bars, in the units spoken.
 double range_of(const AccuracyT& accuracy, const AccuracyComparisonT& c, double factor) {
-  double largest = 1e3 * accuracy.tau;
+  double largest = in_units(accuracy.tau);
   for (const auto& f : c.floors)
     for (const Bar b : {bar(f->mean_dz, f->u_mean_dz, factor), bar(f->drift, f->u_drift, factor)})
       if (std::isfinite(b.value)) largest = std::max(largest, std::abs(b.value) + b.half);
@@ -59,14 +62,14 @@ Axes drift_axes(const AccuracyComparisonT& c, double range) {
     axes.x_ticks.push_back(static_cast<double>(i));
     axes.x_labels.push_back("Floor " + std::to_string(c.floors[i]->floor));
   }
-  axes.y_title = "mm";
+  axes.y_title = unit_of_lengths();
   return axes;
 }
 
 void draw_drift_chart(Markup& html, const AccuracyT& accuracy, const AccuracyComparisonT& c) {
   const double factor = normal_quantile(0.5 + 0.5 * accuracy.confidence);
   const Axes axes = drift_axes(c, range_of(accuracy, c, factor));
-  const double tau = 1e3 * accuracy.tau;
+  const double tau = in_units(accuracy.tau);
   Scope svg = drawing(html, width_of(c), height,
                       "Mean height residual and cumulative drift of every floor, with the tolerance band");
   html.empty("rect", {{"class", "tolerance"},
@@ -82,7 +85,7 @@ void draw_drift_chart(Markup& html, const AccuracyT& accuracy, const AccuracyCom
   for (std::size_t i = 0; i < c.floors.size(); ++i) {
     const FloorAccuracyT& floor = *c.floors[i];
     if (!std::isfinite(floor.drift)) continue;
-    const double x = axes.x(static_cast<double>(i)) + 14, y = axes.y(1e3 * floor.drift);
+    const double x = axes.x(static_cast<double>(i)) + 14, y = axes.y(in_units(floor.drift));
     if (std::isfinite(last_y)) line(html, last_x, last_y, x, y, "drift");
     last_x = x, last_y = y;
   }

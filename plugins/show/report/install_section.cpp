@@ -10,6 +10,7 @@
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/epochs.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -25,9 +26,10 @@ constexpr std::size_t kMostRows = 308;
 /// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign, and outward where it is confirmed.
 std::string found_on(const std::string& axis, double value, double u, double tolerance, bool outward_known) {
   const bool directed = axis == "vertical" || (axis == "out_of_plane" && outward_known);
-  std::string text = directed ? signed_mm(value, 1) : mm(value, 1);
-  if (std::isfinite(u)) text += " ± " + mm(u, 1);
-  return text + "\u00A0mm, limit " + mm(tolerance, 1);
+  const int decimals = decimals_beside(std::abs(value), tolerance, 1);
+  std::string text = directed ? signed_mm(value, decimals) : mm(value, decimals);
+  if (std::isfinite(u)) text += " ± " + mm(u, decimals);
+  return text + "\u00A0mm, limit " + mm(tolerance, decimals);
 }
 
 /// "6.9 mm inward, 2.1 mm to the right, 1.2 mm down": the way back to the design. Where which way is outward is not
@@ -37,7 +39,7 @@ std::string way_back(const AnchorDeviationT& anchor) {
   const Eigen::Vector3d back = -anchor.deviation;
   const auto part = [&](double length, const char* positive, const char* negative) {
     if (!(std::abs(length) >= 0.5e-3)) return;
-    text += (text.empty() ? "" : ", ") + mm(std::abs(length), 1) + "\u00A0mm " + (length > 0 ? positive : negative);
+    text += (text.empty() ? "" : ", ") + to_set(length) + " " + (length > 0 ? positive : negative);
   };
   const FacadeFrameT* frame = anchor.facade && anchor.facade->confirmed ? anchor.facade.get() : nullptr;
   const bool steep = frame && std::abs(frame->out.z()) > 0.7;  // a soffit or a roof
@@ -115,7 +117,7 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
     task.todo = "Its uncertainty is not known: measure with one.";
   } else {
     const double needed = deciding_u(anchor, *axis, deviation);
-    if (needed > 0) task.todo = "Measure again: decided once u is below " + fixed(needed, 2) + "\u00A0mm";
+    if (needed > 0) task.todo = "Measure again: decided once u is below " + mm(1e-3 * needed) + "\u00A0mm";
     if (!way.empty()) task.todo += (task.todo.empty() ? "Set it " : "; or set it ") + way;
     task.todo += task.todo.empty() ? "At the limit: no better measurement decides it." : ".";
   }
@@ -140,7 +142,8 @@ Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
   for (const auto& fixing : panel.fixings) {
     if (!(std::abs(fixing->shim) >= 0.5e-3)) continue;
     std::string& list = fixing->shim > 0 ? outward : inward;
-    list += (list.empty() ? "" : ", ") + fixing->anchor + "\u00A0" + mm(std::abs(fixing->shim), 1);
+    list += (list.empty() ? "" : ", ") + fixing->anchor + "\u00A0" + mm(std::abs(fixing->shim), 1) +
+            in_fractions(fixing->shim);
   }
   if (!outward.empty()) task.todo = "Shim outward " + outward + "\u00A0mm";
   if (!inward.empty()) task.todo += std::string(outward.empty() ? "Set" : "; set") + " inward " + inward + "\u00A0mm";
@@ -208,7 +211,7 @@ void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from,
     const Task& task = tasks[i];
     const PlacedRow row(html, task.floor, task.of_facade, task.verdict);
     html.element("th", {{"scope", "row"}}, task.what);
-    if (facades) html.element("td", {{"class", "words"}}, task.facade.empty() ? unknown : task.facade);
+    if (facades) html.element("td", {{"class", "words"}}, task.facade.empty() ? unknown : verbatim(task.facade));
     html.element("td", {{"data-head", "Floor"}}, task.floor > 0 ? std::to_string(task.floor) : unknown);
     {
       Scope td(html, "td", {{"class", "text"}});
@@ -235,7 +238,7 @@ void write_floors_overview(Markup& html, const DeviationT& deviation) {
     const FloorDeviationT& f = **floor;
     Scope row(html, "tr");
     html.element("th", {{"scope", "row"}}, f.floor > 0 ? std::to_string(f.floor) : "unknown");
-    html.element("td", {{"class", "text"}}, f.storey.empty() ? unknown : f.storey);
+    html.element("td", {{"class", "text"}}, f.storey.empty() ? unknown : verbatim(f.storey));
     {
       Scope td(html, "td", {{"class", "text"}});
       verdict_badge(html, f.verdict);
@@ -282,7 +285,7 @@ void write_facades_overview(Markup& html, const DeviationT& deviation) {
   Scope body(html, "tbody");
   for (const auto& facade : deviation.facades) {
     Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, facade->name);
+    html.element("th", {{"scope", "row"}}, verbatim(facade->name));
     for (std::size_t k = 0; k < 7; ++k) html.element("td", std::to_string(counts[facade->name][k]));
   }
 }

@@ -3,8 +3,18 @@
 #include <stdexcept>
 
 #include "base/text/xml_text.hpp"
+#include "show/report/language.hpp"
 
 namespace plumbline::report {
+
+namespace {
+
+/// What a reader sees or hears of an attribute; classes, ids and values are the page's own.
+bool is_read(std::string_view attribute) {
+  return attribute == "aria-label" || attribute == "title" || attribute == "placeholder" || attribute == "data-head";
+}
+
+}  // namespace
 
 void Markup::start(std::string_view tag, Attributes attributes) {
   out_ += '<';
@@ -12,7 +22,7 @@ void Markup::start(std::string_view tag, Attributes attributes) {
   for (const auto& [name, value] : attributes) {
     out_ += ' ';
     out_ += name;
-    out_ += "=\"" + text::xml_escaped(value) + "\"";
+    out_ += "=\"" + text::xml_escaped(is_read(name) ? spoken(value) : std::string(value)) + "\"";
   }
 }
 
@@ -36,7 +46,7 @@ Markup& Markup::close() {
 }
 
 Markup& Markup::text(std::string_view text) {
-  out_ += text::xml_escaped(text);
+  out_ += text::xml_escaped(spoken(text));
   return *this;
 }
 

@@ -35,10 +35,15 @@ struct Layout {
   std::vector<Spot> spots;
   Scale x, y;
   double pixels_per_metre = 1, exaggeration = 1, drawing_height = 0;
-  double symbols = 1;     ///< size of dots, triangles and rings: smaller where points crowd
-  bool ellipses = false;  ///< there are any
-  bool rings = false;     ///< worth drawing: some points carry the datum, others do not
+  double symbols = 1;      ///< size of dots, triangles and rings: smaller where points crowd
+  bool ellipses = false;   ///< there are any
+  bool rings = false;      ///< worth drawing: some points carry the datum, others do not
+  std::size_t hidden = 0;  ///< points that others stand for
 };
+
+/// A drawing grows with its size on the paper, not with the network: beyond so many points one stands for its cell.
+constexpr std::size_t most_points = 600, most_sights = 1500;
+constexpr double cell = 18;  // [px]
 
 /// [px] of a semi-axis; a free instrument station may be known ten times worse than the markers.
 constexpr double largest_station_ellipse = 60;
@@ -101,6 +106,28 @@ bool tell_apart(const std::vector<Spot>& spots) {
   return count(false, false) > 0 && count(false, true) + count(true, true) > 0;
 }
 
+/// What something is to be said of stays, and of each cell the point that is known worst.
+void thin_out(const NetworkPage& network, Layout& out) {
+  if (out.spots.size() <= most_points) return;
+  std::set<std::string> told;
+  for (const auto& o : network.observations)
+    if (o.flagged || o.removed) told.insert({o.from, o.to});
+  std::vector<Spot> kept;
+  std::map<std::pair<int, int>, Spot> worst;
+  for (const Spot& s : out.spots) {
+    if (s.point->moved || (told.size() < most_points && told.contains(s.point->id))) {
+      kept.push_back(s);
+      continue;
+    }
+    const std::pair at(static_cast<int>(out.x(s.at.x()) / cell), static_cast<int>(out.y(s.at.y()) / cell));
+    const auto [there, is_new] = worst.try_emplace(at, s);
+    if (!is_new && !(s.semi_axes[0] <= there->second.semi_axes[0])) there->second = s;
+  }
+  for (const auto& [at, s] : worst) kept.push_back(s);
+  out.hidden = out.spots.size() - kept.size();
+  out.spots = std::move(kept);
+}
+
 Layout layout(const NetworkPage& network, const Projection& projection) {
   Layout out;
   for (const auto& point : network.points)
@@ -114,6 +141,7 @@ Layout layout(const NetworkPage& network, const Projection& projection) {
   const double used = out.pixels_per_metre * span.x(), start = 0.5 * (width - used);
   out.x = {low.x(), low.x() + span.x(), start, start + used};
   out.y = {low.y(), low.y() + span.y(), out.drawing_height - margin, margin};
+  thin_out(network, out);
   const double spacing = usual_spacing(out.spots) * out.pixels_per_metre;
   out.symbols = std::clamp(spacing / 30, out.spots.size() < 100 ? 0.6 : 0.35, 1.0);
   out.rings = tell_apart(out.spots);
@@ -137,7 +165,9 @@ void draw_sights(Markup& svg, const NetworkPage& network, const Layout& layout) 
   for (const auto& o : network.observations)
     if ((o.flagged || o.removed) && suspect.emplace(o.from, o.to).second) suspects += line_to(o);
   for (const auto& o : network.observations)
-    if (!suspect.contains({o.from, o.to}) && drawn.emplace(o.from, o.to).second) path += line_to(o);
+    if (layout.hidden == 0 && drawn.size() < most_sights && !suspect.contains({o.from, o.to}) &&
+        drawn.emplace(o.from, o.to).second)
+      path += line_to(o);
   if (!path.empty()) svg.empty("path", {{"class", "sight"}, {"d", path}});
   if (!suspects.empty()) svg.empty("path", {{"class", "sight suspect"}, {"d", suspects}});
 }
@@ -240,6 +270,10 @@ void draw(Markup& html, const NetworkPage& network, const Projection& projection
           (view.rings ? " Rings: " + network.rings + "."
            : datum    ? std::string(markers ? " All markers are " : " All are ") + network.rings + "."
                       : "") +
+          (view.hidden > 0 ? " " + std::to_string(view.hidden) +
+                                 " further points are not drawn: one stands for those beside it, the one that is known "
+                                 "worst. Sights are drawn where a reading is suspect or removed only."
+                           : "") +
           (hidden ? " Ellipses of instruments that are too large to draw are left out." : "") +
           (crowded ? " “A1 +9” stands for A1 and nine more points at the same place; labels that would "
                      "overlap are left out."

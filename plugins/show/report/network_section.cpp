@@ -5,6 +5,7 @@
 
 #include "base/text/words.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/sections.hpp"
 
@@ -21,13 +22,13 @@ std::string kind_words(const std::string& kind) {
 /// Angles in mgon, lengths in mm, as a surveyor reads them.
 std::string size_of(const NetworkPage::Observation& o, double value, bool with_unit) {
   if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
-  const double shown = o.angular ? value * 200e3 / M_PI : 1e3 * value;
-  return signed_fixed(shown, 2) + (with_unit ? (o.angular ? "\u00A0mgon" : "\u00A0mm") : "");
+  return (o.angular ? signed_fixed(value * 200e3 / M_PI, 2) : signed_mm(value)) +
+         (with_unit ? (o.angular ? "\u00A0mgon" : "\u00A0mm") : "");
 }
 
 std::string positive_size_of(const NetworkPage::Observation& o, double value) {
   if (!std::isfinite(value)) return std::isinf(value) ? "∞" : unknown;
-  return fixed(o.angular ? value * 200e3 / M_PI : 1e3 * value, 2);
+  return o.angular ? fixed(value * 200e3 / M_PI, 2) : mm(value);
 }
 
 /// An observed value as it is read off: gon with 0.1 mgon, metres with 0.1 mm.
@@ -92,6 +93,12 @@ std::string with_sigma(double value, double sigma, double factor, int digits) {
   return std::isfinite(sigma) ? text + " ± " + fixed(factor * sigma, digits) : text;
 }
 
+/// The same of lengths [m].
+std::string length_with_sigma(double value, double sigma, int digits) {
+  if (!std::isfinite(value)) return unknown;
+  return std::isfinite(sigma) ? signed_mm(value, digits) + " ± " + mm(sigma, digits) : signed_mm(value, digits);
+}
+
 /// The verdict first, in the words that the terminal has: a result must not be taken for one where it is none.
 void write_banner(Markup& html, const NetworkPage& n) {
   if (n.outcome.empty()) return;
@@ -107,6 +114,42 @@ void write_banner(Markup& html, const NetworkPage& n) {
   html.element("strong", words + ".");
 }
 
+/// First rows open, more of them behind a click: `row(i)` writes one. A page grows with what is found, not with what
+/// was measured: of a large network those behind `most` stand `elsewhere`.
+struct LongTable {
+  std::vector<Cell> head;
+  std::size_t rows;
+  std::string noun;  ///< of a row
+  std::size_t most;
+  std::string elsewhere;
+};
+
+template <typename Row>
+void write_long_table(Markup& html, const LongTable& table_of, const Row& row) {
+  constexpr std::size_t shown = 25;
+  const auto& [head, all, noun, most, elsewhere] = table_of;
+  const std::size_t rows = std::min(all, most);
+  const auto write_rows = [&](std::size_t first, std::size_t last) {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html, head);
+    Scope body(html, "tbody");
+    for (std::size_t i = first; i < last; ++i) row(i);
+  };
+  write_rows(0, std::min(shown, rows));
+  if (rows <= shown) return;
+  Scope details(html, "details");
+  const std::string of_all = rows < all ? "The next " : "The other ";
+  html.element("summary", of_all + count(static_cast<long>(rows - shown), noun, noun + "s"));
+  write_rows(shown, rows);
+  if (rows < all)
+    html.element("p", {{"class", "note"}},
+                 count(static_cast<long>(all - rows), "further " + noun + " is", "further " + noun + "s are") + " in " +
+                     elsewhere + ".");
+}
+
+constexpr std::size_t kMostRows = 250;
+
 void write_set_ups(Markup& html, const NetworkPage& n) {
   if (n.set_ups.empty()) return;
   html.element("h3", "Set-ups");
@@ -115,21 +158,25 @@ void write_set_ups(Markup& html, const NetworkPage& n) {
                "network says the zenith angles and distances of the set-up have in "
                "common, each estimated alone; beyond three times its ± it is a mistake or belongs into the instrument. "
                "A dash: the network cannot tell it.");
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table");
-  table_head(html, {"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
-                    "Collimation [mgon]", "Index [mgon]", "Constant [mm]", "ppm"});
-  Scope body(html, "tbody");
   constexpr double mgon = 200e3 / M_PI;
-  for (const auto& s : n.set_ups) {
-    const double turn = s.orientation * 200 / M_PI;
-    table_row(html,
-              {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
-               std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
-               with_sigma(s.height_correction, std::nan(""), 1e3, 1),
-               with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
-               with_sigma(s.constant, s.constant_sigma, 1e3, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
-  }
+  write_long_table(
+      html,
+      {{"Set-up", left("Station"), "Orientation [gon]", "Instrument height [m]", "Correction [mm]",
+        "Collimation [mgon]", "Index [mgon]", "Constant [mm]", "ppm"},
+       n.set_ups.size(),
+       "set-up",
+       kMostRows,
+       "network.json"},
+      [&](std::size_t i) {
+        const auto& s = n.set_ups[i];
+        const double turn = s.orientation * 200 / M_PI;
+        table_row(html,
+                  {s.id, left(s.station), std::isfinite(turn) ? fixed(turn < 0 ? turn + 400 : turn, 4) : unknown,
+                   std::isfinite(s.instrument_height) ? fixed(s.instrument_height, 3) : unknown,
+                   length_with_sigma(s.height_correction, std::nan(""), 1),
+                   with_sigma(s.collimation, s.collimation_sigma, mgon, 2), with_sigma(s.index, s.index_sigma, mgon, 1),
+                   length_with_sigma(s.constant, s.constant_sigma, 1), with_sigma(s.scale, s.scale_sigma, 1e6, 0)});
+      });
 }
 
 /// What is to be mended stands first; notes are folded away where they are many.
@@ -142,7 +189,7 @@ void write_findings(Markup& html, const NetworkPage& n) {
     for (const auto& f : n.findings) {
       if (is_note(f) != of_notes) continue;
       Scope item(html, "li");
-      html.element("strong", f.severity + ": ").text(f.text);
+      html.element("strong", spoken(f.severity) + ": ").text(f.text);
     }
   };
   if (notes < static_cast<long>(n.findings.size())) list(false);
@@ -193,42 +240,6 @@ std::string flags_of(const NetworkPage::Observation& o) {
   return flags;
 }
 
-/// First rows open, more of them behind a click: `row(i)` writes one. A page grows with what is found, not with what
-/// was measured: of a large network those behind `most` stand `elsewhere`.
-struct LongTable {
-  std::vector<Cell> head;
-  std::size_t rows;
-  std::string noun;  ///< of a row
-  std::size_t most;
-  std::string elsewhere;
-};
-
-template <typename Row>
-void write_long_table(Markup& html, const LongTable& table_of, const Row& row) {
-  constexpr std::size_t shown = 25;
-  const auto& [head, all, noun, most, elsewhere] = table_of;
-  const std::size_t rows = std::min(all, most);
-  const auto write_rows = [&](std::size_t first, std::size_t last) {
-    Scope wide(html, "div", {{"class", "wide"}});
-    Scope table(html, "table", {{"class", "sortable"}});
-    table_head(html, head);
-    Scope body(html, "tbody");
-    for (std::size_t i = first; i < last; ++i) row(i);
-  };
-  write_rows(0, std::min(shown, rows));
-  if (rows <= shown) return;
-  Scope details(html, "details");
-  const std::string of_all = rows < all ? "The next " : "The other ";
-  html.element("summary", of_all + count(static_cast<long>(rows - shown), noun, noun + "s"));
-  write_rows(shown, rows);
-  if (rows < all)
-    html.element("p", {{"class", "note"}},
-                 count(static_cast<long>(all - rows), "further " + noun + " is", "further " + noun + "s are") + " in " +
-                     elsewhere + ".");
-}
-
-constexpr std::size_t kMostRows = 2000;
-
 void write_observations(Markup& html, const NetworkPage& n) {
   html.element("h3", "Observations, most suspect first");
   html.element("p",
@@ -250,7 +261,7 @@ void write_observations(Markup& html, const NetworkPage& n) {
                     order.size(),
                     "observation",
                     std::max(kMostRows, static_cast<std::size_t>(suspect)),
-                    "network.json"},
+                    "observations.csv"},
                    [&](std::size_t i) {
                      const NetworkPage::Observation& o = *order[i];
                      table_row(html, {name_of(o), reading_of(o), size_of(o, o.residual, false),
@@ -269,7 +280,17 @@ void write_points(Markup& html, const NetworkPage& n) {
       "σ: one standard deviation. Plan 95 %: largest semi-axis of the confidence ellipse; height 95 %: half "
       "the confidence interval. " +
           std::string(own ? "In the axes of the file: " + x + ", " + y + ", " + z + "; the drawings have north up."
-                          : "E east, N north, H height."));
+                          : "E east, N north, H height.") +
+          (n.coordinates.size() > kMostRows ? " The weakest stand first." : ""));
+  std::vector<const NetworkPage::Coordinates*> order;
+  for (const auto& p : n.coordinates) order.push_back(&p);
+  const auto weakness = [](const NetworkPage::Coordinates* p) {
+    const auto or_none = [](double v) { return std::isfinite(v) ? v : -1; };
+    return std::max(or_none(p->plan_95), or_none(p->height_95));
+  };
+  if (order.size() > kMostRows)
+    std::stable_sort(order.begin(), order.end(),
+                     [&](const auto* a, const auto* b) { return weakness(a) > weakness(b); });
   write_long_table(
       html,
       {{"Point", x + " [m]", y + " [m]", z + " [m]", "σ " + x.substr(0, 1) + " [mm]", "σ " + y.substr(0, 1) + " [mm]",
@@ -279,8 +300,8 @@ void write_points(Markup& html, const NetworkPage& n) {
        kMostRows,
        "coordinates.csv"},
       [&](std::size_t i) {
-        const NetworkPage::Coordinates& p = n.coordinates[i];
-        table_row(html, {p.id, fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
+        const NetworkPage::Coordinates& p = *order[i];
+        table_row(html, {verbatim(p.id), fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
                          mm(p.sigma.x()), mm(p.sigma.y()), mm(p.sigma.z()), mm(p.plan_95), mm(p.height_95)});
       });
 }

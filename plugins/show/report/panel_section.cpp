@@ -4,6 +4,7 @@
 #include <map>
 
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -11,8 +12,11 @@ namespace plumbline::report {
 
 namespace {
 
-/// Angles as builders measure them, with a spirit level's sense: millimetres in a metre.
-std::string per_metre(double angle) { return std::isfinite(angle) ? signed_fixed(1e3 * angle, 1) : unknown; }
+/// Angles as builders measure them, with a spirit level's sense: millimetres in a metre, or inches in a foot.
+std::string per_metre(double angle) {
+  if (!std::isfinite(angle)) return unknown;
+  return speech().units == Units::inches ? signed_fixed(12 * angle, 3) : signed_fixed(1e3 * angle, 1);
+}
 
 std::string length(const JudgedLengthT& l) { return mm_with_u(l.value, l.u, 1); }
 
@@ -49,7 +53,7 @@ void write_list(Markup& html, const std::vector<std::string>& texts) {
 
 void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
   const PlacedRow row(html, panel.floor, facade_of(panel.facade), panel.verdict);
-  html.element("th", {{"scope", "row"}}, panel.name.empty() ? panel.guid : panel.name);
+  html.element("th", {{"scope", "row"}}, verbatim(panel.name.empty() ? panel.guid : panel.name));
   {
     Scope td(html, "td", {{"class", "text"}, {"data-panel", std::to_string(index)}});
     verdict_badge(html, panel.verdict);

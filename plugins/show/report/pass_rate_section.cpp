@@ -14,11 +14,11 @@ constexpr double width = 640, height = 340;
 
 Axes pass_axes(const AccuracyComparisonT& c) {
   Axes axes;
-  axes.x = {1e3 * c.pass_rates.front()->tolerance, 1e3 * c.pass_rates.back()->tolerance, 60, width - 14};
+  axes.x = {in_units(c.pass_rates.front()->tolerance), in_units(c.pass_rates.back()->tolerance), 60, width - 14};
   axes.y = {0, 1, height - 52, 30};
   for (const auto& rate : c.pass_rates) {
-    axes.x_ticks.push_back(1e3 * rate->tolerance);
-    axes.x_labels.push_back(fixed(1e3 * rate->tolerance, 1));
+    axes.x_ticks.push_back(in_units(rate->tolerance));
+    axes.x_labels.push_back(mm(rate->tolerance, 1));
   }
   for (const double tick : {0.0, 0.2, 0.4, 0.6, 0.8, 1.0}) {
     axes.y_ticks.push_back(tick);
@@ -39,11 +39,11 @@ void draw_curve(Markup& html, const AccuracyT& accuracy, const AccuracyCompariso
   const Axes axes = pass_axes(c);
   std::vector<std::pair<double, double>> curve, band;
   for (const auto& rate : c.pass_rates) {
-    curve.emplace_back(1e3 * rate->tolerance, rate->rate);
-    band.emplace_back(1e3 * rate->tolerance, rate->upper);
+    curve.emplace_back(in_units(rate->tolerance), rate->rate);
+    band.emplace_back(in_units(rate->tolerance), rate->upper);
   }
   for (auto rate = c.pass_rates.rbegin(); rate != c.pass_rates.rend(); ++rate)
-    band.emplace_back(1e3 * (*rate)->tolerance, (*rate)->lower);
+    band.emplace_back(in_units((*rate)->tolerance), (*rate)->lower);
   Scope svg = drawing(html, width, height, "Pass rate over the tolerance with its Wilson interval");
   html.empty("polygon", {{"class", "band"}, {"points", points(axes, band)}});
   draw_axes(html, axes);
@@ -52,7 +52,7 @@ void draw_curve(Markup& html, const AccuracyT& accuracy, const AccuracyCompariso
   html.empty("polyline", {{"class", "curve"}, {"points", points(axes, curve)}});
   for (const auto& [tau, rate] : curve)
     html.empty("circle", {{"class", "mean"}, {"cx", px(axes.x(tau))}, {"cy", px(axes.y(rate))}, {"r", "3.5"}});
-  const double x = axes.x(1e3 * accuracy.tau);
+  const double x = axes.x(in_units(accuracy.tau));
   html.empty("line", {{"class", "headline"},
                       {"id", "tau-marker"},
                       {"x1", px(x)},
@@ -61,8 +61,8 @@ void draw_curve(Markup& html, const AccuracyT& accuracy, const AccuracyCompariso
                       {"y2", px(axes.y(1) - 6)},
                       {"data-x0", px(axes.x.pixel0)},
                       {"data-x1", px(axes.x.pixel1)},
-                      {"data-v0", px(axes.x.value0)},
-                      {"data-v1", px(axes.x.value1)}});
+                      {"data-v0", px(1e3 * c.pass_rates.front()->tolerance)},
+                      {"data-v1", px(1e3 * c.pass_rates.back()->tolerance)}});
 }
 
 void write_rate_table(Markup& html, const AccuracyComparisonT& c, double confidence) {

@@ -4,6 +4,7 @@
 
 #include "building/judgement/place_statistics.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -43,7 +44,7 @@ void write_places(Markup& html, const ReportInput& input) {
   Scope body(html, "tbody");
   for (const auto& row : rows) {
     Scope tr(html, "tr");
-    html.element("th", {{"scope", "row"}}, row.facade.empty() ? unknown : row.facade);
+    html.element("th", {{"scope", "row"}}, row.facade.empty() ? unknown : verbatim(row.facade));
     html.element("td", {{"class", "text"}}, (row.kind == "axis" ? "Axis " : "Floor ") + row.name);
     html.element("td", std::to_string(row.measured) +
                            (row.measured < row.anchors ? " of " + std::to_string(row.anchors) : std::string()));

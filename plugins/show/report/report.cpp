@@ -9,8 +9,10 @@
 
 #include "artifacts/input_files_text.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/page_style.hpp"
 #include "show/report/plot.hpp"
+#include "show/report/script_data.hpp"
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
@@ -84,7 +86,7 @@ void write_files(Markup& html, const std::vector<SourceFile>& files, const std::
     Scope body(html, "tbody");
     for (const SourceFile& file : files) {
       Scope row(html, "tr");
-      html.element("th", {{"scope", "row"}}, file.path);
+      html.element("th", {{"scope", "row"}}, verbatim(file.path));
       Scope cell(html, "td");
       html.element("code", file.sha256)
           .text(" " + std::to_string(file.size) + "\u00A0bytes" + (file.use.empty() ? "" : ", " + file.use));
@@ -144,6 +146,7 @@ void write_navigation(Markup& html, const ReportInput& input) {
   if (input.deviation) {
     if (input.changes && input.changes->compared) link("changes", "What changed");
     link("view", "In space");
+    if (input.photographs && !input.photographs->parts.empty()) link("photographs", "Photographs");
     link("facade", "Facade");
     link("places", input.grid.empty() ? "By floor" : "By floor and axis");
     if (!input.deviation->panels.empty()) link("panels", "Panels");
@@ -167,8 +170,8 @@ void write_body(Markup& html, const ReportInput& input) {
   Scope main(html, "main");
   {
     Scope header(html, "header");
-    html.element("h1", input.title);
-    if (!input.subtitle.empty()) html.element("p", {{"class", "subtitle"}}, input.subtitle);
+    html.element("h1", title_spoken(input.title));
+    if (!input.subtitle.empty()) html.element("p", {{"class", "subtitle"}}, verbatim(input.subtitle));
     write_installation(html, input);
     if (!input.deviation) write_verdict(html, input);
     write_warnings(html, input);
@@ -178,6 +181,7 @@ void write_body(Markup& html, const ReportInput& input) {
   if (input.deviation) {
     if (input.changes) write_changes(html, *input.changes);
     write_view(html, input);
+    if (input.photographs) write_photographs(html, *input.photographs);
     write_facade(html, input);
     write_places(html, input);
     write_panels(html, *input.deviation);
@@ -221,7 +225,7 @@ std::string render_page(const std::string& title, const std::function<void(Marku
   Markup html;
   html.raw("<!DOCTYPE html>\n");
   {
-    Scope root(html, "html", {{"lang", "en"}});
+    Scope root(html, "html", {{"lang", speech().language == Language::german ? "de" : "en"}});
     {
       Scope head(html, "head");
       html.empty("meta", {{"charset", "utf-8"}});
@@ -232,17 +236,22 @@ std::string render_page(const std::string& title, const std::function<void(Marku
           {{"http-equiv", "Content-Security-Policy"},
            {"content", "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"}});
       html.element("title", title);
-      html.open("style").raw(page_style).raw(running_head(title)).close();
+      html.open("style").raw(page_style).raw(running_head(spoken(title))).close();
     }
     Scope body(html, "body");
     write_content(html);
+    if (!speech().plain()) {
+      Scope footer(html, "footer", {{"style", "max-width:1120px;margin:0 auto;padding:0 32px 40px"}});
+      html.element("p", {{"class", "note"}}, verbatim(limits_of_speech()));
+      html.open("script", {{"type", "application/json"}, {"id", "spoken"}}).raw(script_words()).close();
+    }
     html.open("script").raw(page_script).raw(verdict_script).raw(space_script).raw(view_script).close();
   }
   return html.str();
 }
 
 std::string render_report(const ReportInput& input) {
-  return render_page(input.title, [&](Markup& html) { write_body(html, input); });
+  return render_page(title_spoken(input.title), [&](Markup& html) { write_body(html, input); });
 }
 
 }  // namespace plumbline::report

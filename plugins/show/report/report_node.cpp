@@ -26,7 +26,9 @@
 #include "show/report/format.hpp"
 #include "show/report/image_block_page_node.hpp"
 #include "show/report/installation_page_node.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
+#include "show/report/photographs_node.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
 #include "show/report/sheets_node.hpp"
@@ -116,7 +118,7 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 4,
+  static constexpr Info info{"report.html", "", 5,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -134,6 +136,7 @@ struct ReportHtml : Node {
                                       "provenance"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels as they are: colours behind the anchors"};
   Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facade's picture behind the anchors"};
+  Optional<Folder> photographs{"photographs", "of report.photographs: parts of them around what is not in order"};
   Optional<InputFiles> inputs{"inputs",
                               "the files that were read, and evidence that was set aside, for the provenance"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
@@ -143,9 +146,12 @@ struct ReportHtml : Node {
   Param<std::string> pipeline{"pipeline", "",
                               "what ran, for the provenance: a line 'node: kind parameter=value' for each node, as "
                               "${pipeline} gives it"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "report.html"};
 
   void run(Context& context) override {
+    const Speaking speaking(speech_of(*language, *units));
     ReportInput input;
     if (surfaces) input.surfaces = surfaces.unpack();
     if (orthophoto) input.pictures = read_pictures(context, orthophoto.unpack());
@@ -163,7 +169,7 @@ struct ReportHtml : Node {
     if (survey && survey->info()) survey->info()->UnPackTo(&survey_info);
     if (input.subtitle.empty()) input.subtitle = survey_info.title;
     if (!survey_info.date.empty() && input.subtitle.find(survey_info.date) == std::string::npos)
-      input.subtitle += (input.subtitle.empty() ? "" : ", ") + ("measured " + survey_info.date);
+      input.subtitle += (input.subtitle.empty() ? "" : ", ") + spoken("measured " + survey_info.date);
     for (const std::string& text : *facts) input.provenance.push_back(fact_of(text));
     add_campaign(input.accuracy, camera ? &read_camera : nullptr, survey ? &survey_info : nullptr, input.provenance);
     if (!survey_info.date.empty()) input.provenance.emplace_back("Measured", survey_info.date);
@@ -174,6 +180,7 @@ struct ReportHtml : Node {
     }
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
+    if (photographs) input.photographs = read_photographs(context, photographs.unpack());
     add_nodes(*pipeline, input.provenance);
     add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
     FileT file;
@@ -192,9 +199,12 @@ struct ReportSummary : Node {
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the text"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths in it; data files keep theirs"};
   Out<File> out{"file", "summary.txt"};
 
   void run(Context&) override {
+    const Speaking speaking(speech_of(*language, *units));
     FileT file;
     file.name = "summary.txt", file.media_type = "text/plain";
     std::optional<DeviationT> built;
@@ -206,7 +216,7 @@ struct ReportSummary : Node {
     if (unread) left = unread.unpack();
     const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
     const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
-                             words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
+                             spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used));
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }
@@ -219,4 +229,5 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
                  plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
-                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets)
+                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets,
+                 plumbline::report::ReportPhotographs)

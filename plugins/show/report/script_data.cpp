@@ -5,6 +5,9 @@
 #include <charconv>
 #include <cmath>
 
+#include "show/report/catalogue.hpp"
+#include "show/report/language.hpp"
+
 namespace plumbline::report {
 
 std::string script_number(double value, int decimals) {
@@ -32,6 +35,33 @@ std::string script_text(const std::string& text) {
     }
   }
   return out + "\"";
+}
+
+const std::vector<std::string>& script_texts() {
+  static const std::vector<std::string> texts = {"pass",
+                                                 "undecided",
+                                                 "fail",
+                                                 "not measured",
+                                                 "unknown",
+                                                 "in force",
+                                                 "Anchor",
+                                                 "Panel",
+                                                 "Show all {0} rows",
+                                                 "{0} found",
+                                                 "{0}: anchors {1}",
+                                                 "; panels {0}",
+                                                 "; \u03b7 = {0} of {1} check anchors ({2})",
+                                                 "{0}, floor {1}: {2}; as-built minus design {3} {4} (x, y, z)"};
+  return texts;
+}
+
+std::string script_words() {
+  std::string texts;
+  if (speech().language == Language::german)
+    for (const std::string& text : script_texts())
+      texts += (texts.empty() ? "" : ",\n") + script_text(text) + ":" + script_text(german().find(text).value_or(text));
+  return "{\"texts\":{" + texts + "}" + (speech().language == Language::german ? ",\"decimal\":\",\"" : "") +
+         (speech().units == Units::inches ? ",\"unit\":" + script_text(unit_of_lengths()) : "") + "}";
 }
 
 std::string script_vector(const Eigen::Vector3d& v, int decimals) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
 namespace plumbline::report {
 
@@ -13,6 +14,10 @@ std::string script_exact(double value);
 /// A string that cannot end the script element: bytes beyond plain ASCII as Latin-1 escapes, which the script decodes
 /// as UTF-8.
 std::string script_text(const std::string& text);
+/// What page.js and view.js say in the language and units spoken: their texts, the decimal sign, the unit of lengths.
+std::string script_words();
+/// The texts of theirs, in English.
+const std::vector<std::string>& script_texts();
 /// [x,y,z]
 std::string script_vector(const Eigen::Vector3d& v, int decimals);
 

@@ -6,6 +6,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
+#include "show/report/language.hpp"
 #include "show/report/sheets_page.hpp"
 
 namespace plumbline::report {
@@ -18,9 +19,12 @@ struct ReportSheets : Node {
   Optional<Design> design{"design", frame("frame=?F"), "the design, for its grid"};
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"), "the survey as read: its title, its date"};
   Param<std::string> title{"title", "Facade anchors", "heading"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the sheets"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on them; data files keep theirs"};
   Out<File> out{"file", "sheets.html"};
 
   void run(Context&) override {
+    const Speaking speaking(speech_of(*language, *units));
     ReportInput input;
     input.title = *title;
     input.deviation = deviation.unpack();

@@ -9,6 +9,7 @@
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -81,7 +82,7 @@ void write_list(Markup& html, const Sheet& sheet, const ReportInput& input) {
   Scope body(html, "tbody");
   for (const AnchorDeviationT* anchor : sheet.anchors)
     write_row(html, "Anchor " + anchor->id,
-              with_grid ? std::optional(place_in_grid(input, anchor->design)) : std::nullopt, anchor->verdict,
+              with_grid ? std::optional(verbatim(place_in_grid(input, anchor->design))) : std::nullopt, anchor->verdict,
               deviation_of(*anchor),
               anchor->verdict == ToleranceVerdict::pass ? "" : what_to_do(*anchor, *input.deviation));
   for (const PanelDeviationT* panel : sheet.panels)
@@ -100,7 +101,7 @@ void write_sheet(Markup& html, const Sheet& sheet, const ReportInput& input, std
                            (sheet.floor > 0 ? "floor " + std::to_string(sheet.floor) : "unknown floor") +
                            (storey.empty() ? "" : " (" + storey + ")"));
     html.element("p", {{"class", "soft"}},
-                 input.title + (input.subtitle.empty() ? "" : ", " + input.subtitle) + "; tolerance " +
+                 title_spoken(input.title) + (input.subtitle.empty() ? "" : ", " + input.subtitle) + "; tolerance " +
                      tolerance(deviation.tau) + "; sheet " + std::to_string(number) + " of " + std::to_string(of));
     for (const auto& doubt : deviation.doubts)
       html.element("p", {{"class", "warnings"}}, "Not to be trusted, " + ifc::in_words(*doubt) + ".");
@@ -118,10 +119,10 @@ void write_sheet(Markup& html, const Sheet& sheet, const ReportInput& input, std
 }  // namespace
 
 std::string render_sheets(const ReportInput& input) {
-  const std::string title = input.title + (input.subtitle.empty() ? "" : ", " + input.subtitle);
+  const std::string title = title_spoken(input.title) + (input.subtitle.empty() ? "" : ", " + input.subtitle);
   return render_page(title, [&](Markup& html) {
     Scope main(html, "main");
-    html.element("h1", {{"class", "screen"}}, input.title);
+    html.element("h1", {{"class", "screen"}}, title_spoken(input.title));
     const std::vector<Sheet> sheets = sheets_of(*input.deviation);
     html.element("p", {{"class", "screen"}},
                  count(static_cast<long>(sheets.size()), "sheet", "sheets") +

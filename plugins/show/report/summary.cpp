@@ -4,24 +4,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epochs.hpp"
+#include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
 
 namespace {
 
-/// Millimetres with two decimals, right-aligned in `width`; "-" where there is no value.
-std::string mm(double metres, int width) {
-  return std::isfinite(metres) ? fmt::format("{:{}.2f}", 1000 * metres, width) : fmt::format("{:>{}}", "-", width);
+/// A length with the decimals of 0.01 mm, right-aligned in `width`; "-" where there is no value.
+std::string length(double metres, int width) {
+  if (!std::isfinite(metres)) return fmt::format("{:>{}}", "-", width);
+  std::string text = fmt::format("{:{}.{}f}", in_units(metres), width, speech().units == Units::inches ? 4 : 2);
+  if (speech().language == Language::german) std::replace(text.begin(), text.end(), '.', ',');
+  return in_units_spoken(text);
 }
+
+/// A head of a table, and how wide its column is: `width`, or more where the word in another language is longer.
+struct Head {
+  Head(const char* english, std::size_t least) : word(spoken(english)) {
+    const auto letters = std::count_if(word.begin(), word.end(), [](char c) { return (c & 0xC0) != 0x80; });
+    width = std::max(least, static_cast<std::size_t>(letters));
+  }
+  std::string word;
+  std::size_t width = 0;
+};
 
 /// "8.23 +- 0.30", or "8.23" where no uncertainty is known.
 std::string with_u(double metres, double u) {
-  return std::isfinite(u) ? mm(metres, 0) + " +- " + mm(u, 0) : mm(metres, 0);
+  return std::isfinite(u) ? length(metres, 0) + " +- " + length(u, 0) : length(metres, 0);
 }
 
 template <typename... Values>
@@ -35,7 +51,7 @@ std::string name_of(const AccuracyComparisonT& comparison) {
   return comparison.evidence ? name : name + " *";
 }
 
-const char* verdict_of(ToleranceVerdict verdict) {
+std::string verdict_in_english(ToleranceVerdict verdict) {
   switch (verdict) {
     case ToleranceVerdict::pass:
       return "pass";
@@ -48,14 +64,24 @@ const char* verdict_of(ToleranceVerdict verdict) {
   }
 }
 
+std::string verdict_of(ToleranceVerdict verdict) { return spoken(verdict_in_english(verdict)); }
+
+/// In a column of a table.
+std::string verdict_cell_of(ToleranceVerdict verdict) {
+  return fmt::format("{:<{}}", verdict_of(verdict), std::max<std::size_t>(10, Head("undecided", 0).width));
+}
+
 std::string comparisons_text(const AccuracyT& accuracy) {
-  std::string text = row("{:<25} {:>7} {:>5} {:>9} {:>5} {:>8} {:>9} {:>8}", "anchors [mm]", "number", "pass",
-                         "undecided", "fail", "RMSE_z", "predicted", "max|dz|");
+  const Head of_number("number", 7), of_pass("pass", 5), of_undecided("undecided", 9), of_fail("fail", 5);
+  std::string text = row("{:<25} {:>{}} {:>{}} {:>{}} {:>{}} {:>8} {:>9} {:>8}", spoken("anchors [mm]"), of_number.word,
+                         of_number.width, of_pass.word, of_pass.width, of_undecided.word, of_undecided.width,
+                         of_fail.word, of_fail.width, "RMSE_z", spoken("predicted"), "max|dz|");
   bool starred = false;
   for (const auto& comparison : accuracy.comparisons) {
-    text += row("{:<25} {:7} {:5} {:9} {:5} {} {} {}", name_of(*comparison), comparison->anchors, comparison->passed,
-                comparison->undecided, comparison->failed, mm(comparison->rmse_z, 8),
-                mm(comparison->predicted_rmse_z, 9), mm(comparison->max_abs_dz, 8));
+    text += row("{:<25} {:{}} {:{}} {:{}} {:{}} {} {} {}", spoken(name_of(*comparison)), comparison->anchors,
+                of_number.width, comparison->passed, of_pass.width, comparison->undecided, of_undecided.width,
+                comparison->failed, of_fail.width, length(comparison->rmse_z, 8),
+                length(comparison->predicted_rmse_z, 9), length(comparison->max_abs_dz, 8));
     starred = starred || !comparison->evidence;
   }
   if (starred) text += "* no evidence of accuracy: these anchors took part in the adjustment\n";
@@ -63,15 +89,17 @@ std::string comparisons_text(const AccuracyT& accuracy) {
 }
 
 std::string floors_text(const AccuracyComparisonT& comparison) {
-  std::string text = row("{:<25} {:>7} {:>8} {:>8} {:>8}  {:<10} {}", name_of(comparison), "anchors", "r_f", "D(F)",
-                         "u(D)", "verdict", "transfer to the floor above");
+  std::string text = row("{:<25} {:>7} {:>8} {:>8} {:>8}  {:<{}} {}", spoken(name_of(comparison)), spoken("anchors"),
+                         "r_f", "D(F)", "u(D)", spoken("verdict"), verdict_cell_of(ToleranceVerdict::pass).size(),
+                         spoken("transfer to the floor above"));
   for (const auto& floor : comparison.floors) {
     std::string transfer;
     for (const auto& candidate : comparison.transfers)
       if (candidate->column == 0 && candidate->lower_floor == floor->floor)
         transfer = with_u(candidate->error, candidate->u);
-    text += row("floor {:<19} {:7} {} {} {}  {:<10} {}", floor->floor, floor->anchors, mm(floor->mean_dz, 8),
-                mm(floor->drift, 8), mm(floor->u_drift, 8), verdict_of(floor->drift_verdict), transfer);
+    text += row("{:<25} {:7} {} {} {}  {} {}", spoken("floor " + std::to_string(floor->floor)), floor->anchors,
+                length(floor->mean_dz, 8), length(floor->drift, 8), length(floor->u_drift, 8),
+                verdict_cell_of(floor->drift_verdict), transfer);
   }
   return text;
 }
@@ -88,8 +116,9 @@ std::string surfaces_text(const SurfaceJudgementT& surfaces) {
   int listed = 0;
   for (const SurfaceVerdictT* verdict : worst_surfaces_first(surfaces)) {
     if (++listed > 5) continue;
-    text += row("  {:<20.60} {:<10} {} {} mm (limit {})", surface_name(*verdict), verdict_of(verdict->verdict),
-                ifc::quantity_of(*verdict), with_u(verdict->value, verdict->sigma), mm(ifc::limit_of(*verdict), 0));
+    text += row("  {:<20.60} {} {} {} mm (limit {})", surface_name(*verdict), verdict_cell_of(verdict->verdict),
+                spoken(ifc::quantity_of(*verdict)), with_u(verdict->value, verdict->sigma),
+                length(ifc::limit_of(*verdict), 0));
   }
   if (listed > 5) text += "  … and " + std::to_string(listed - 5) + " more of surfaces; the report lists them all\n";
   return text;
@@ -102,7 +131,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
   std::string text;
   for (const auto& doubt : deviation.doubts) text += "NOT TO BE TRUSTED, " + ifc::in_words(*doubt) + "\n";
-  text += std::string("Installation: ") + verdict_of(deviation.verdict) + ". Anchors against the design: " +
+  text += spoken("Installation: " + verdict_in_english(deviation.verdict)) + ". Anchors against the design: " +
           counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
   if (!deviation.panels.empty())
     text += "; panels: " +
@@ -121,16 +150,16 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     const JudgedAxisT* axis = deciding_axis(*anchor);
     if (!axis || anchor->verdict < ToleranceVerdict::undecided) break;
     if (++listed > 10) continue;
-    text += row("  {:<20.40} {:<10} {} {} mm (limit {})", anchor->id, verdict_of(anchor->verdict), words_of(axis->axis),
-                with_u(axis->value, axis->u), mm(axis->tolerance, 0));
+    text += row("  {:<20.40} {} {} {} mm (limit {})", anchor->id, verdict_cell_of(anchor->verdict),
+                spoken(words_of(axis->axis)), with_u(axis->value, axis->u), length(axis->tolerance, 0));
   }
   if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; the report lists them all\n";
   int shown = 0;
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
     if (panel->verdict < ToleranceVerdict::undecided) break;
     if (++shown > 5) continue;
-    text += row("  panel {:<14.40} {:<10} {:.120}", (panel->name.empty() ? panel->guid : panel->name),
-                verdict_of(panel->verdict), panel->reason);
+    text += row("  {} {:<14.40} {} {:.120}", spoken("panel"), (panel->name.empty() ? panel->guid : panel->name),
+                verdict_cell_of(panel->verdict), spoken(panel->reason));
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
@@ -147,15 +176,27 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
 
 }  // namespace
 
+std::string spoken_lines(const std::string& text) {
+  std::string out;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t start = std::min(line.find_first_not_of(' '), line.size());
+    std::string said = spoken(line.substr(start));
+    for (std::size_t at = 0; (at = said.find("\u00A0", at)) != std::string::npos;) said.replace(at, 2, " ");
+    out += line.substr(0, start) + said + "\n";
+  }
+  return out;
+}
+
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation, const AsBuiltChangesT* changes) {
   std::string text = deviation ? installation_text(*deviation, changes) : "";
   text +=
       row("Tolerance {} mm, for comparisons with a guard band of {:.3g} u; u and what stands behind +- are standard "
           "uncertainties (1 sigma).",
-          mm(accuracy.tau, 0), accuracy.guard_factor);
+          length(accuracy.tau, 0), accuracy.guard_factor);
   if (!accuracy.comparisons.empty()) text += comparisons_text(accuracy) + floors_text(*accuracy.comparisons.front());
   for (const std::string& warning : accuracy.warnings) text += "Note: " + warning + "\n";
-  return text;
+  return spoken_lines(text);
 }
 
 }  // namespace plumbline::report

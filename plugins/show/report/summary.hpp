@@ -9,10 +9,13 @@
 
 namespace plumbline::report {
 
-/// At most about 25 lines of at most 100 characters; lengths in mm. Comparisons in the order of the artifact, the
-/// floors of the first one, the inter-floor transfers of the first one, and the warnings; what
-/// changed since the campaign before, where there was one.
+/// At most about 25 lines of at most 100 characters; in the language and units spoken. Comparisons in the order of the
+/// artifact, the floors of the first one, the inter-floor transfers of the first one, and the warnings; what changed
+/// since the campaign before, where there was one.
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation = nullptr,
                          const AsBuiltChangesT* changes = nullptr);
+
+/// Every line of a text in what is spoken; spaces that a line begins with stay.
+std::string spoken_lines(const std::string& text);
 
 }  // namespace plumbline::report

@@ -9,6 +9,7 @@
 
 #include "show/report/facade_backdrop.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/markup.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
@@ -92,7 +93,7 @@ void draw_panel(Markup& svg, const ElevationOfSurfaces& at, const PanelSurfaceFi
                  {"fill", "#111"}},
                 text);
   };
-  words(-3, face.id.substr(0, static_cast<size_t>(width / 7)), "12");
+  words(-3, verbatim(face.id.substr(0, static_cast<size_t>(width / 7))), "12");
   words(11, measured ? signed_mm(panel.offset, 1) + " mm" : "not measured", "11");
 }
 
@@ -120,7 +121,7 @@ void write_joint_row(Markup& html, const JointFiguresT& joint, bool with_reason)
   const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);
   if (step && !std::isfinite(step->step)) step = nullptr;  // one of the panels was not measured
   Scope row(html, "tr");
-  html.element("th", {{"scope", "row"}}, joint.first + " | " + joint.second);
+  html.element("th", {{"scope", "row"}}, verbatim(joint.first + " | " + joint.second));
   html.element("td", {{"class", "text"}}, joint.upright ? "up" : "across");
   html.element("td", mm(joint.nominal_width, 1));
   for (const JointPlaceT* at : {narrow, wide}) {
@@ -157,9 +158,9 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
 
 std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title,
                                 const std::vector<FacadePicture>& pictures) {
-  return render_page(title, [&](Markup& html) {
+  return render_page(title_spoken(title), [&](Markup& html) {
     Scope main(html, "main");
-    html.element("h1", title);
+    html.element("h1", title_spoken(title));
     const auto measured = static_cast<long>(std::count_if(surfaces.panels.begin(), surfaces.panels.end(),
                                                           [](const auto& panel) { return is_measured(*panel); }));
     html.element(

@@ -4,6 +4,7 @@
 
 #include "base/text/whole_file.hpp"
 #include "building/ifc/enlarged_surfaces.hpp"
+#include "show/report/language.hpp"
 #include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
@@ -24,6 +25,7 @@ std::vector<FacadePicture> read_pictures(const Context& context, const FolderT& 
 }
 
 void ReportSurfaces::run(Context& context) {
+  const Speaking speaking(speech_of(*language, *units));
   SurfaceJudgementT judged;
   if (surface_judgement) judged = surface_judgement.unpack();
   std::vector<FacadePicture> pictures;

@@ -21,6 +21,8 @@ struct ReportSurfaces : Node {
   Optional<SurfaceJudgement> surface_judgement{"surface_judgement", "their verdicts"};
   Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facades' pictures"};
   Param<std::string> title{"title", "Surfaces of panels and joints", "heading"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "surfaces.html"};
 
   void run(Context& context) override;

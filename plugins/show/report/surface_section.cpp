@@ -6,6 +6,7 @@
 
 #include "building/ifc/surface_words.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -22,7 +23,7 @@ int surface_order(const SurfaceVerdictT& verdict) {
 
 void write_surface_row(Markup& html, const SurfaceVerdictT& verdict) {
   Scope row(html, "tr");
-  html.element("th", {{"scope", "row"}}, surface_name(verdict));
+  html.element("th", {{"scope", "row"}}, verbatim(surface_name(verdict)));
   html.element("td", {{"class", "text"}}, ifc::quantity_of(verdict));
   {
     Scope td(html, "td", {{"class", "text"}});

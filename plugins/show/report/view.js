@@ -6,7 +6,7 @@
   if (!source) return;
   const data = JSON.parse(source.textContent), badges = document.getElementById("badges").children;
   const utf8 = text => { try { return decodeURIComponent(escape(text)); } catch { return text; } };
-  const anchors = data.anchors, panels = data.panels, words = ["not measured", "pass", "undecided", "fail"];
+  const anchors = data.anchors, panels = data.panels, words = ["not measured", "pass", "undecided", "fail"].map(word => tell(word));
   const verdict = (item, tau) => verdictAt(item.w, item.t, tau, data.doubt);
   const slider = document.getElementById("tau-slider"), input = slider.querySelector("input"), output = slider.querySelector("output");
   const marker = document.getElementById("tau-marker"), axis = marker && marker.dataset;
@@ -14,7 +14,7 @@
   // The program's verdicts stand in the page; they change when somebody moves the slider, and not before.
   let touched = false;
   const show = () => {
-    const at = Number(input.value), own = !touched || Math.abs(at - data.tau) < 0.05, tau = own ? data.tau : Math.round(10 * at) / 10;
+    const at = Number(input.value), own = !touched || Math.abs(at - data.tau) < 0.05, step = spoken.unit ? 0.0254 : 0.1, tau = own ? data.tau : spoken.unit ? Math.round(at / step) * step : Math.round(10 * at) / 10;
     const a = anchors.map(item => own ? item.w : verdict(item, tau));
     const p = panels.map(item => {
       if (own) return item.w;
@@ -25,8 +25,10 @@
     const tally = list => [3, 2, 1, 0].map(w => [list.filter(v => v === w).length, words[w]]).filter(([n]) => n > 0)
       .map(([n, word]) => n + "\u00a0" + word).join(", ");
     const n = data.checks.length, within = data.checks.filter(d => Math.abs(d) <= tau).length;
-    output.textContent = "\u00b1" + tau + "\u00a0mm" + (own ? " (in force)" : "") + ": anchors " + tally(a) +
-      (p.length ? "; panels " + tally(p) : "") + (n ? "; \u03b7 = " + within + " of " + n + " check anchors (" + (100 * within / n).toFixed(1) + "\u00a0%)" : "");
+    const limit = spoken.unit ? lengthText(tau, own ? 2 : 1) : decimal(String(tau));
+    output.textContent = tell("{0}: anchors {1}", "\u00b1" + limit + "\u00a0" + lengthUnit + (own ? " (" + tell("in force") + ")" : ""), tally(a)) +
+      (p.length ? tell("; panels {0}", tally(p)) : "") +
+      (n ? tell("; \u03b7 = {0} of {1} check anchors ({2})", within, n, decimal((100 * within / n).toFixed(1)) + "\u00a0%") : "");
     const mark = (cells, list, name) => cells.forEach(cell => {
       const i = cell.dataset[name];
       if (i !== "") cell.replaceChildren(badges[list[Number(i)]].cloneNode(true));
@@ -49,7 +51,7 @@
   if (!pen || !placed.length) { show(); return; }
   figure.hidden = false;
   const floors = document.getElementById("floor-input"), factor = document.getElementById("factor-input"), told = document.getElementById("factor-output");
-  for (const f of [...new Set(placed.map(a => a.f))].sort((x, y) => x - y)) floors.add(new Option(f || "unknown", f));
+  for (const f of [...new Set(placed.map(a => a.f))].sort((x, y) => x - y)) floors.add(new Option(f || tell("unknown"), f));
   const corners = [...placed.map(a => a.p), ...panels.flatMap(p => p.q).filter(c => c[0] !== null)];
   const reach = corners.reduce((r, c) => Math.max(r, Math.hypot(...c)), 1);
   let frame, yaw = 0.5, pitch = 0.25, zoom = 1, picked = -1, spots = [];
@@ -192,10 +194,10 @@
     pick(near[1]);
   };
   const pick = a => {
-    const d = a.d.map(v => v === null ? "\u2013" : (v > 0 ? "+" : "") + v.toFixed(1));
+    const d = a.d.map(v => v === null ? "\u2013" : (v > 0 ? "+" : "") + lengthText(v, 1));
     picked = a.i;
-    document.getElementById("picked").textContent = utf8(a.n) + ", floor " + (a.f || "unknown") + ": " + words[state.anchors[a.i]] +
-      "; as-built minus design " + d.join(", ") + " mm (x, y, z)";
+    document.getElementById("picked").textContent = tell("{0}, floor {1}: {2}; as-built minus design {3} {4} (x, y, z)",
+      utf8(a.n), a.f || tell("unknown"), words[state.anchors[a.i]], d.join(spoken.decimal ? "; " : ", "), lengthUnit);
     draw();
   };
   canvas.addEventListener("keydown", event => {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "panels_node.hpp"
+#include "plumbline/failure.hpp"
 #include "surface/dense/scan_joint.hpp"
 #include "surface_artifacts.hpp"
 
@@ -40,6 +41,13 @@ void ScanJoints::run(Context& context) {
   if (given.source == "photographs")
     throw std::runtime_error(
         "the points come from photographs, and joints in photographs are measured by their edges: use surface.joints");
+  // A panel that ends further out would seem to end where its points were cut.
+  if (given.beside < *search)
+    throw BadInput(fmt::format(
+        "points were kept up to {:g} mm beside the faces ('beside' of dense.import), and edges are looked for up to "
+        "{:g} mm from where the design has them: a panel that ends further out would seem to end there. Keep points at "
+        "least so far beside the faces, or set 'search' to no more than {:g} mm",
+        1e3 * given.beside, 1e3 * *search, 1e3 * given.beside));
   SurfacesT result = panels.unpack();
   std::vector<PanelFace> faces;
   std::vector<PanelSurface> measured;
@@ -77,8 +85,8 @@ void ScanJoints::run(Context& context) {
     for (MeasuredJoint& joint : found)
       if (joint.not_measured.empty()) {
         joint.not_measured =
-            "no point lies in any joint, as if none beside the faces had been kept ('beside' of dense.import keeps "
-            "them, surface.fuse does not): where panels end nobody knows";
+            "no point lies in any joint, as if none beside the faces had been kept (dense.import keeps them, "
+            "surface.fuse does not): where panels end nobody knows";
         joint.stations.clear();
       }
   int with_figures = 0;

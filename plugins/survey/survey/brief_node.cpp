@@ -31,6 +31,31 @@ std::vector<std::size_t> kept_observations(const SurveyNetworkT& network, std::s
   return order;
 }
 
+/// Points of which something is to be said, those of the datum, and the weakest.
+void keep_points(SurveyNetworkT& network) {
+  constexpr std::size_t kMost = 500;
+  auto& all = network.points;
+  if (all.size() <= kMost) return;
+  std::set<std::string> told(network.datum_points.begin(), network.datum_points.end());
+  for (const auto& f : network.findings) told.insert(f->points.begin(), f->points.end());
+  for (const auto& k : network.known_points) told.insert(k->id);
+  for (const auto& o : network.observations)
+    if (o->flagged || o->removed) told.insert({o->from, o->to});
+  if (told.size() > kMost) told.clear();  // of so many the worst
+  std::vector<std::size_t> order(all.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto weight = [&](std::size_t i) {
+    const double sigma = all[i]->sigma.array().isFinite().select(all[i]->sigma.array(), 0.0).matrix().norm();
+    return std::pair(told.contains(all[i]->id), sigma);
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return weight(a) > weight(b); });
+  order.resize(kMost);
+  std::sort(order.begin(), order.end());
+  std::vector<std::unique_ptr<PointT>> kept;
+  for (const std::size_t i : order) kept.push_back(std::move(all[i]));
+  all = std::move(kept);
+}
+
 }  // namespace
 
 void make_brief(SurveyNetworkT& network, std::size_t most) {
@@ -43,19 +68,24 @@ void make_brief(SurveyNetworkT& network, std::size_t most) {
     number[i] = static_cast<int>(observations.size());
     observations.push_back(std::move(network.observations[i]));
   }
-  auto note = std::make_unique<NetworkFindingT>();
-  note->severity = "note";
-  note->text =
-      "of " + std::to_string(network.observations.size()) + " observations this file has " +
-      std::to_string(kept.size()) +
-      ": those that something is to be said of and the most suspect; all are in observations.csv, ellipses and "
-      "covariances in coordinates.csv, points.json and relative.csv";
-  network.findings.push_back(std::move(note));
+  const std::size_t points = network.points.size();
+  const std::size_t rows = network.observations.size();
   for (auto& step : network.snooping) {
     const bool is_one = step->observation >= 0 && static_cast<std::size_t>(step->observation) < number.size();
     step->observation = is_one ? number[static_cast<std::size_t>(step->observation)] : -1;
   }
   network.observations = std::move(observations);
+  keep_points(network);
+  auto note = std::make_unique<NetworkFindingT>();
+  note->severity = "note";
+  note->text = "of " + std::to_string(rows) + " observations this file has " + std::to_string(kept.size()) +
+               (network.points.size() < points
+                    ? ", of " + std::to_string(points) + " points " + std::to_string(network.points.size())
+                    : "") +
+               ": those that something is to be said of, the most suspect and the weakest; all are in "
+               "observations.csv and coordinates.csv, ellipses and covariances in coordinates.csv, points.json and "
+               "relative.csv";
+  network.findings.push_back(std::move(note));
   network.ellipsoids.clear();
   std::erase_if(network.pointings, [](const auto& p) { return !p->flagged; });
 }

@@ -52,12 +52,15 @@ void json_field(const char* name, std::string& out, bool first = false) {
   out += "\": ";
 }
 
-/// "E +1.2, H -3.4 mm/year (sigma 0.2, 0.3)" of the axes that are there.
+/// "E +1.2, H -3.4 mm/year (sigma 0.2, 0.3)" of the axes that are there. What the datum holds (a stable point alone
+/// carries the height) has no uncertainty beside the others': it was not measured, and is no movement of 0.00.
 std::string components(const Eigen::Vector3d& value, const Eigen::Vector3d& sigma, double factor,
                        const std::string& unit) {
+  constexpr double kHeld = 1e-4;
   std::string text, sigmas;
+  const double largest = sigma.array().isFinite().select(sigma.array(), 0.0).maxCoeff();
   for (int k = 0; k < 3; ++k) {
-    if (!std::isfinite(value[k])) continue;
+    if (!std::isfinite(value[k]) || !(sigma[k] > kHeld * largest)) continue;
     const double size = factor * value[k];
     text += (text.empty() ? "" : ", ") + std::string(1, "ENH"[k]) + (size < 0 ? " " : " +") + fixed_digits(size, 2);
     sigmas += (sigmas.empty() ? "" : ", ") + fixed_digits(factor * sigma[k], 2);

@@ -238,7 +238,7 @@ TEST(Adjustment, UnobservedUnknownIsADefect) {
   }
 }
 
-TEST(Adjustment, NeverAcceptsARisingSumOfSquares) {
+Problem growth() {
   Problem problem;
   problem.parameters.push_back({"k", {-3.0}, {}});
   for (int t = 1; t <= 5; ++t) {
@@ -247,6 +247,26 @@ TEST(Adjustment, NeverAcceptsARisingSumOfSquares) {
     block->parameters = {0};
     problem.residuals.push_back(std::move(block));
   }
+  return problem;
+}
+
+/// The limit is one of steps that are taken: those that were tried with too little damping do not use it up.
+TEST(Adjustment, RefusedStepsAreNoIterations) {
+  Problem problem = growth();
+  const int taken = solve(problem, {}).iterations();
+  problem = growth();
+  SolverOptions options;
+  options.max_iterations = taken + 1;  // and one that finds that there is nothing left
+  EXPECT_TRUE(solve(problem, options).converged);
+  problem = growth();
+  options.max_iterations = taken / 2;
+  const Solution half = solve(problem, options);
+  EXPECT_FALSE(half.converged);
+  EXPECT_EQ(half.iterations(), taken / 2);
+}
+
+TEST(Adjustment, NeverAcceptsARisingSumOfSquares) {
+  Problem problem = growth();
   const Solution s = solve(problem, {});
   for (size_t k = 1; k < s.sums_of_squares.size(); ++k) EXPECT_LE(s.sums_of_squares[k], s.sums_of_squares[k - 1]);
   EXPECT_TRUE(s.converged);

@@ -70,6 +70,15 @@ TEST(Choice, WhereNoAnswerIsWithinTheTolerancesTheyAreNoYardstick) {
   EXPECT_THAT(choice(bench), HasSubstr("take least squares, beaten nowhere"));
 }
 
+/// Of four trials nothing is compared, also where both gave the same in each.
+TEST(Choice, OfTooFewTrialsThatAgreeNobodyIsNamed) {
+  Bench bench = bench_of(0.001, 24);
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.seed >= 4; });
+  const std::string said = choice(bench);
+  EXPECT_THAT(said,
+              testing::StrEq("method: of least squares and robust nothing can be said: too few trials to compare."));
+}
+
 /// Six alternatives on six places, each worse than the one before: what is to be said of many is said in many
 /// sentences, and no two of them say the same of somebody else.
 TEST(Choice, IsSaidInSentencesThatAPersonWouldSay) {

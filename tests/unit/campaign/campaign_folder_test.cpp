@@ -32,6 +32,24 @@ std::string campaign_message(const std::string& yaml) {
   return message_of([&] { parse_campaign(yaml, "site/campaign.yaml", kFiles); });
 }
 
+/// A quaternion of zeros is no rotation; normalised it was one of nan, and nobody was told.
+TEST(TrueCameras, OfNoRotationAreRefusedWithTheirLine) {
+  const std::string header = "image,w,x,y,z,tx_m,ty_m,tz_m\n", sound = "a.jpg,0.6,0,0.8,0,1,2,3\n";
+  const auto cameras = parse_true_cameras(header + sound, "cameras.csv");
+  ASSERT_EQ(cameras.size(), 1u);
+  EXPECT_NEAR(cameras[0].camera_from_building.rotation.y(), 0.8, 1e-15);
+  for (const char* wrong : {"b.jpg,0,0,0,0,1,2,3\n", "b.jpg,1,1,0,0,1,2,3\n", "b.jpg,0.9,0,0,0,1,2,3\n"}) {
+    std::string told;
+    try {
+      parse_true_cameras(header + sound + wrong, "cameras.csv");
+    } catch (const std::runtime_error& error) {
+      told = error.what();
+    }
+    for (const char* part : {"cameras.csv:3", "'b.jpg'", "expected 1"})
+      EXPECT_NE(told.find(part), std::string::npos) << wrong << ": " << told;
+  }
+}
+
 TEST(CampaignYaml, ResolvesPatternsInOrder) {
   const CampaignDescription c = parse_campaign(kCampaign, "campaign.yaml", kFiles);
   EXPECT_EQ(c.images, (std::vector<std::string>{"img/a.jpg", "img/b.jpg"}));  // '*' does not enter folders

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "artifacts/board_points.hpp"
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/image.hpp"
@@ -19,6 +20,7 @@
 #include "geometry/camera.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
+#include "photo/detect/board.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline {
@@ -80,6 +82,39 @@ TEST(DetectNodes, GoFromAFolderOfImagesToCollectedObservations) {
   for (size_t i = 0; i < 4; ++i) EXPECT_LT((tag.corners[i] - scene().corners[i]).norm(), 0.05);
   ASSERT_EQ(tag.corner_covariances.size(), 12u);
   for (size_t i = 0; i < 4; ++i) EXPECT_LT(tag.corner_covariances[3 * i], 0.05 * 0.05);
+}
+
+/// Four tags in a square, each by its edges: what their detector states of the inset goes with the board's points.
+TEST(DetectNodes, StateOfABoardOfTagsHowFarEdgesMayBeDrawnIn) {
+  GreyImage image{260, 260, std::vector<std::uint8_t>(260 * 260, 190)};
+  for (int id = 0; id < 4; ++id) {
+    test::TagScene one;
+    one.id = id, one.width = one.height = 110;
+    one.corners = test::square_corners({54.5, 54.5}, 80, 0);
+    one.noise = 1, one.seed = static_cast<std::uint64_t>(id + 1);
+    const GreyImage part = render(one);
+    for (int y = 0; y < 110; ++y)
+      for (int x = 0; x < 110; ++x)
+        image.pixels[static_cast<std::size_t>((y + 20 + 110 * (id / 2)) * 260 + x + 20 + 110 * (id % 2))] =
+            part.pixels[static_cast<std::size_t>(y * 110 + x)];
+  }
+  const test::TemporaryFolder folder;
+  write_png(folder.path() / "board.png", image);
+  std::ofstream(folder.path() / "board.yaml")
+      << "type: tags\ncolumns: 2\nrows: 2\nmarker: 0.08\ngap: 0.03\ndictionary: tag36h11\n";
+  test::NodeHarness node("detect.board");
+  node.set("board", (folder.path() / "board.yaml").string());
+  ImageT photograph;
+  photograph.path = "board.png", photograph.uri = (folder.path() / "board.png").string();
+  photograph.width = photograph.height = 260;
+  node.input<Image>("images", photograph);
+  node.run();
+  const BoardPointsT found = node.output<BoardPoints>("points");
+  ASSERT_EQ(found.points.size(), 16u) << found.problem;
+  const auto board = detect::parse_board(test::read_file(folder.path() / "board.yaml"), "board.yaml");
+  const double stated = detect::find_board(image, board).inset_sigma;
+  EXPECT_GT(stated, 0.001);
+  EXPECT_EQ(found.corner_inset_sigma, stated);
 }
 
 TEST(DetectNodes, NameADamagedImage) {

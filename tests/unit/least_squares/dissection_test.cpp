@@ -143,6 +143,9 @@ TEST(Dissection, ItsFactorIsExact) {
   const Pattern pattern = tower(60, 16);
   const auto analysis = std::make_shared<const Analysis>(pattern);
   ASSERT_FALSE(analysis->is_dense());
+  // Supernodes only add to what an order multiplies: with minimum degree it would be no less than this.
+  const double by_degree = operations_of(pattern, minimum_degree_order(neighbours_of(pattern)));
+  ASSERT_LT(analysis->operations(), by_degree) << "dissection was not tried, or not taken";
   SymmetricBlocks normal(pattern);
   Random random(3);
   for (int b = 0; b < pattern.block_count(); ++b) {

@@ -105,6 +105,45 @@ TEST(Board, OfAnOddNumberOfRowsIsFoundAsPrintedAlsoInNegative) {
   }
 }
 
+/// Before a wide lens the outer markers lie a tenth of the image's width off the homography of the inner ones.
+TEST(Board, OfCharucoIsFoundBeforeAWideLens) {
+  const auto board = detect::parse_board(
+      "type: charuco\ncolumns: 16\nrows: 12\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_100\n", "b.yaml");
+  const GreyImage flat = drawn_charuco(board);
+  // The print at r = f tan(theta), the photograph at r = f theta from its middle, 50 degrees off in the corners.
+  const double f = 0.42 * std::hypot(flat.width, flat.height);
+  GreyImage image{flat.width, flat.height, {}};
+  const Eigen::Vector2d middle(0.5 * (flat.width - 1), 0.5 * (flat.height - 1));
+  const auto bent = [&](const Eigen::Vector2d& from, double (*angle)(double)) {
+    const Eigen::Vector2d d = from - middle;
+    const double r = d.norm();
+    return Eigen::Vector2d(middle + (r > 0 ? f * angle(r / f) / r : 1) * d);
+  };
+  const auto tangent = [](double r) { return std::tan(std::min(1.5, r)); };
+  const auto arc = [](double r) { return std::atan(r); };
+  for (int y = 0; y < flat.height; ++y)
+    for (int x = 0; x < flat.width; ++x) {
+      double sum = 0;
+      for (const double dy : {-0.375, -0.125, 0.125, 0.375})
+        for (const double dx : {-0.375, -0.125, 0.125, 0.375}) {
+          const Eigen::Vector2d p = bent({x + dx, y + dy}, tangent);
+          const long i = std::lround(p.x()), j = std::lround(p.y());
+          sum += i >= 0 && j >= 0 && i < flat.width && j < flat.height
+                     ? flat.pixels[static_cast<size_t>(j * flat.width + i)]
+                     : 210;
+        }
+      image.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum / 16)));
+    }
+  const auto seen = detect::find_board(image, board);
+  ASSERT_EQ(seen.problem, "");
+  EXPECT_GT(seen.points.size(), 130u) << "of 165";
+  EXPECT_NEAR(seen.marker_ratio, 0.75, 0.045) << "of the squares: within what detect.board takes";
+  for (const auto& p : seen.points) {
+    const Eigen::Vector2d print(39.5 + 1000 * p.board.x(), 39.5 - 1000 * p.board.y());
+    EXPECT_LT((p.pixel - bent(print, arc)).norm(), 0.3) << p.id;
+  }
+}
+
 /// A tag of 24 px with its top left pixel at (x0, y0), turned counter-clockwise by so many quarters.
 void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int y0, int turn = 0) {
   for (int y = 0; y < 24; ++y)

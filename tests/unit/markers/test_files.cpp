@@ -240,6 +240,26 @@ TEST(CameraFiles, TellTheLensByWholeNames) {
     EXPECT_THAT(message_of([&] { read(line); }), HasSubstr("known are Brown's")) << line;
 }
 
+/// What RealSense states of a camera, in Brown's letters and another formula: with Brown's a corner of the image would
+/// lie pixels off, and nothing would say so.
+TEST(CameraFiles, OfInverseAndModifiedModelsAreBrownsOnlyWithoutDistortion) {
+  const auto read = [](const std::string& model, const std::string& coefficients) {
+    return markers::parse_camera_file("width: 640\nheight: 480\nfx: 600\nfy: 600\nppx: 320\ncx: 320\ncy: 240\nmodel: " +
+                                          model + "\ncoeffs: " + coefficients + "\ndistortion: " + coefficients + "\n",
+                                      "realsense.yaml")
+        .camera;
+  };
+  for (const char* model : {"Inverse Brown Conrady", "RS2_DISTORTION_INVERSE_BROWN_CONRADY",
+                            "distortion.inverse_brown_conrady", "Modified Brown Conrady", "inverse radial"}) {
+    EXPECT_EQ(read(model, "[0, 0, 0, 0, 0]").k1, 0) << model;
+    for (const char* coefficients : {"[0.1, 0, 0, 0, 0]", "[0, 0, 0, 0, 0.2]", "[0, 0, 0, 1e-4, 0]"})
+      EXPECT_THAT(message_of([&] { read(model, coefficients); }),
+                  testing::AllOf(HasSubstr("realsense.yaml"), HasSubstr(model), HasSubstr("not those of Brown's")))
+          << coefficients;
+  }
+  EXPECT_EQ(read("Brown Conrady", "[0.1, 0, 0, 0, 0]").k1, 0.1);
+}
+
 TEST(CameraFiles, OfFisheyes) {
   // TUM VI's 512 x 512 camera, as Kalibr writes it.
   const std::string kalibr =

@@ -15,6 +15,7 @@
 #include "building/judgement/deviation.hpp"
 #include "example.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/script_data.hpp"
 #include "test_support.hpp"
 
@@ -57,11 +58,12 @@ const cells = JSON.parse(html.match(/id="judged">([\s\S]*?)<\/script>/)[1]).anch
   ({ dataset: { anchor: String(i) }, replaceChildren(b) { badges[i] = b.w; } }));
 const nodes = { judged: { textContent: html.match(/id="judged">([\s\S]*?)<\/script>/)[1] }, canvas: { getContext: () => null },
   badges: { children: [0, 1, 2, 3].map(w => ({ cloneNode: () => ({ w }) })) },
+  spoken: (found => found && { textContent: found[1] })(html.match(/id="spoken">([\s\S]*?)<\/script>/)),
   "tau-slider": { querySelector: s => s === "input" ? input : output } };
 global.document = { getElementById: id => nodes[id] || null, querySelectorAll: s => s === "td[data-anchor]" ? cells : [] };
 const from = html.indexOf('"use strict";', html.lastIndexOf("getElementById(\"judged\")") - 200);
-const rule = html.match(/const verdictAt = [\s\S]*?\n};/)[0];
-new Function(rule + html.slice(from, html.indexOf("</script>", from)))();
+const rule = html.match(/const verdictAt = [\s\S]*?\n};/)[0], words = html.match(/const spoken = [\s\S]*?(?=\n\(\(\) => \{)/)[0];
+new Function(words + "\n" + rule + html.slice(from, html.indexOf("</script>", from)))();
 const tell = () => console.log(JSON.stringify(badges) + " " + output.textContent);
 tell();
 for (const mm of process.argv.slice(3)) { input.value = onRange(Number(mm)); input.input(); tell(); }
@@ -81,6 +83,23 @@ TEST(Report, ThePageKeepsItsVerdictsUntilTheSliderIsMoved) {
     EXPECT_TRUE(contains(said, "{} ")) << tau << ": " << said;
     EXPECT_TRUE(contains(said, "(in force)")) << tau << ": " << said;
   }
+}
+
+/// The slider speaks as the page does: decimal comma and inches.
+TEST(Report, TheSliderSpeaksAsThePageDoes) {
+  if (std::system("node --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "node is not installed";
+  const ReportInput input = test::example();
+  {
+    const Speaking speaking({Language::german, Units::millimetres});
+    const std::string said = slider_says(render_report(input), "7.5");
+    EXPECT_TRUE(contains(said, "±5\u00A0mm (gilt): Anker ")) << said;
+    EXPECT_TRUE(contains(said, "±7,5\u00A0mm: Anker ")) << said;
+    EXPECT_TRUE(contains(said, "außerhalb") && contains(said, "; Paneele ") && !contains(said, "undecided")) << said;
+  }
+  const Speaking speaking({Language::english, Units::inches});
+  const std::string said = slider_says(render_report(input), "6.35");
+  EXPECT_TRUE(contains(said, "±0.1969\u00A0in (in force): anchors ")) << said;
+  EXPECT_TRUE(contains(said, "±0.250\u00A0in: anchors ")) << said;
 }
 
 /// What is refused stays undecided at any tolerance; with doubts nothing passes or fails.

@@ -421,7 +421,7 @@ TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
   while (points.size() < 400'000)
     if (const double x = right(random); std::abs(x - 120.76) > 0.007)
       points.push_back({x, x < 120.76 ? 79.9975 : 80, up(random)});
-  const auto joint_of = [&](const char* beside) {
+  const auto joint_of = [&](const char* beside, const char* search) {
     Import import("scan.xyz", xyz(points, 1));
     import.node.set("noise", "0.0005"), import.node.set("beside", beside);
     import.node.run();
@@ -431,11 +431,11 @@ TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
     NodeHarness joints("surface.scan_joints");
     joints.input<SurfacePoints>("points", import.node.output<SurfacePoints>("surface"));
     joints.input<Surfaces>("panels", panels.output<Surfaces>("surfaces"));
-    joints.set("beam", "0");
+    joints.set("beam", "0"), joints.set("search", search);
     joints.run();
     return joints.output<Surfaces>("surfaces");
   };
-  const SurfacesT surfaces = joint_of("0.02");
+  const SurfacesT surfaces = joint_of("0.02", "0.012");
   ASSERT_EQ(surfaces.joints.size(), 1U);
   const JointFiguresT& joint = *surfaces.joints[0];
   ASSERT_EQ(joint.not_measured, "");
@@ -447,9 +447,15 @@ TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
   }
   EXPECT_NEAR(joint.places.at(static_cast<size_t>(joint.largest_step))->step, -0.0025, 1e-4);
   EXPECT_NE(surfaces.joints_measured.find("last point"), std::string::npos) << "what it costs is said";
-  const SurfacesT cut = joint_of("0");
-  EXPECT_TRUE(cut.joints[0]->places.empty()) << "without what lies beside the faces it would be 20 mm, as designed";
-  EXPECT_NE(cut.joints[0]->not_measured.find("beside"), std::string::npos) << cut.joints[0]->not_measured;
+  // The panels end 3 mm beside their faces: what was kept up to there says so, and what was cut before is refused.
+  const JointFiguresT near = *joint_of("0.004", "0.004").joints[0];
+  ASSERT_FALSE(near.places.empty());
+  EXPECT_NEAR(near.places.at(static_cast<size_t>(near.widest))->width, 0.014, 0.002);
+  try {
+    ADD_FAILURE() << "a joint of " << joint_of("0.002", "0.012").joints[0]->places.size() << " places";
+  } catch (const NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("set 'search' to no more than 2 mm"), std::string::npos) << error.what();
+  }
 }
 
 TEST(FuseNode, ASourceWithoutPlaceAmongOthersIsRefused) {

@@ -169,6 +169,32 @@ TEST(Causes, ControlOfAnotherLevelZoneOrUnit) {
   EXPECT_NE(feet.words().find("feet"), std::string::npos) << feet.words();
 }
 
+/// The set-ups agree with each other in any unit: only known points have a scale, and two are enough.
+TEST(Causes, AllDistancesInFeetBesideKnownPoints) {
+  Job five, two;
+  five.know(as_it_is), two.know(as_it_is);
+  two.survey.coordinates.resize(2);
+  for (Job* job : {&five, &two})
+    for (Observation& o : job->survey.observations)
+      if (o.kind == slope_distance) o.value /= 0.3048;
+  expect_cause(five, "all distances are in feet and were read as metres: so 5 of 5 known points");
+  expect_cause(two, "all distances are in feet and were read as metres: so M1 and M8 are ");
+}
+
+/// A set-up that shares one mark with the others: nothing says how it is turned. What is left is sound, but of its
+/// readings nobody has tested any.
+TEST(Causes, ASetUpThatHangsInTheAirIsNoSoundNetwork) {
+  Job job(Eigen::Vector3d::Zero(), 5);
+  std::erase_if(job.survey.observations,
+                [](const Observation& o) { return o.set_up == 4 && o.to != "M1" && o.to != "M2" && o.to != "M3"; });
+  for (Observation& o : job.survey.observations)
+    if (o.set_up == 4 && o.to != "M1") o.to += "x";
+  const NetworkResult r = adjust_network(job.survey, job.options);
+  EXPECT_EQ(r.left_out.size(), 3u);
+  EXPECT_EQ(r.validity, Validity::doubtful);
+  EXPECT_TRUE(r.verdict.starts_with("doubtful: set-up S5 hangs in the air")) << r.verdict;
+}
+
 /// M13 has the zone's number before its E, and the start of the network found no way past it: four of five set-ups were
 /// left out, and what was left was called sound. (benchmarks/survey, file mistakes, seed 3000001.)
 TEST(Causes, OfWhatWasLeftOutIsNamedAndTheRestIsNotSound) {

@@ -251,7 +251,7 @@ constexpr double kCritical = 4.5;
 
 NetworkResult judged(NetworkResult r, bool contradicted = false) {
   NetworkModel model;
-  model.contradicted = contradicted;
+  if (contradicted) model.contradiction = "set-up S1 is in feet";
   judge(model, kCritical, r);
   return r;
 }

@@ -4,6 +4,7 @@
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/files/gama.hpp"
+#include "survey/model/map_frame.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
@@ -188,6 +189,160 @@ TEST(GamaXml, DamageIsListedAndTheRestIsRead) {
   ASSERT_EQ(s.skipped.size(), 2u);
   EXPECT_EQ(s.skipped[0].source.line, 8);
   EXPECT_NE(s.skipped[0].found.find("abc"), std::string::npos);
+}
+
+std::string vector_of(const char* from, const char* to, const char* d, const char* variances) {
+  return std::string("<obs><vector><from>") + from + "</from><to>" + to + "</to>" + d +
+         "</vector><cov-mat><dim>3</dim><band>0</band>" + variances + "</cov-mat></obs>\n";
+}
+
+/// Networks demo-g3-01 and demo-g3-03 of GNU Gama's suite with the results of gama-g3 1.10 that lie beside them: X, Y,
+/// Z to 1e-5 m, covariances (a posteriori) in the horizon of each point [mm^2]. Ours is on a plane of its own.
+struct G3Point {
+  const char* id;
+  Eigen::Vector3d earth;
+  double nn, ne, nu, ee, eu, uu;
+};
+
+void expect_as_gama_g3(const std::string& content, const std::vector<G3Point>& expected, int redundancy,
+                       double sum_of_squares) {
+  const auto survey = read_gama_xml(
+      "<?xml version=\"1.0\"?>\n<gnu-gama-data xmlns=\"http://www.gnu.org/software/gama/"
+      "gnu-gama-data\"><g3-model><constants><ellipsoid><id>wgs84</id></ellipsoid>"
+      "</constants>" +
+          content + "</g3-model></gnu-gama-data>",
+      "g3.xml");
+  EXPECT_TRUE(survey.skipped.empty()) << survey.skipped.front().found;
+  const NetworkResult r = adjust_network(survey, {});
+  EXPECT_EQ(r.degrees_of_freedom, redundancy);
+  EXPECT_NEAR(r.sum_of_squares * 100, sum_of_squares, 1e-5 * sum_of_squares);        // its weights are of 10 mm
+  const MapFrame frame(survey.info.coordinate_system, {}, Eigen::Vector2d::Zero());  // by PROJ
+  for (const G3Point& p : expected) {
+    const auto& at = r.point(p.id);
+    EXPECT_LT((frame.geocentric(at.position) - p.earth).norm(), 2e-5) << p.id;
+    const Eigen::Matrix3d c = 1e6 * r.covariance(at, at);
+    const double tolerance = 4e-3 * (p.nn + p.ee + p.uu);  // the plane's north is turned by up to 0.2 degrees
+    EXPECT_NEAR(c(1, 1), p.nn, tolerance) << p.id;
+    EXPECT_NEAR(c(0, 0), p.ee, tolerance) << p.id;
+    EXPECT_NEAR(c(2, 2), p.uu, tolerance) << p.id;
+    EXPECT_NEAR(c(0, 1), p.ne, tolerance) << p.id;
+    EXPECT_NEAR(c(1, 2), p.nu, tolerance) << p.id;
+    EXPECT_NEAR(c(0, 2), p.eu, tolerance) << p.id;
+  }
+}
+
+std::string g3_vectors() {
+  return vector_of("B", "C", "<dx>-8882.8485</dx><dy>-10727.3349</dy><dz>9069.8455</dz>",
+                   "<flt>0.4</flt><flt>0.2</flt><flt>0.5</flt>") +
+         vector_of("A", "D", "<dx>-2590.2863</dx><dy>4708.4222</dy><dz>1156.5328</dz>",
+                   "<flt>0.4</flt><flt>0.2</flt><flt>0.4</flt>") +
+         vector_of("D", "E", "<dx>497.5786</dx><dy>5544.6487</dy><dz>-1483.8326</dz>",
+                   "<flt>0.6</flt><flt>0.4</flt><flt>0.7</flt>") +
+         vector_of("E", "C", "<dx>1680.9135</dx><dy>6095.1480</dy><dz>-2576.4300</dz>",
+                   "<flt>0.5</flt><flt>0.3</flt><flt>0.5</flt>");
+}
+
+std::string g3_points(const char* names) {
+  std::string text;
+  for (; *names; ++names) text += "<point><id>" + std::string(1, *names) + "</id></point>";
+  return text;
+}
+
+TEST(GamaXml, VectorsOfGamaG3BetweenFixedPoints) {
+  expect_as_gama_g3(
+      "<fixed><n/><e/><u/></fixed>"
+      "<point><id>A</id><x>3897173.613</x><y> 997293.454</y><z>4933466.708</z></point>"
+      "<point><id>B</id><x>3905644.621</x><y>1024368.968</y><z>4921493.098</z></point>"
+      "<free><n/><e/><u/></free>" +
+          g3_points("CDE") + g3_vectors(),
+      {{"C",
+        {3896761.78225, 1013641.64034, 4930562.95176},
+        351.69311,
+        30.149195,
+        38.326750,
+        181.46210,
+        -24.455896,
+        367.85306},
+       {"D",
+        {3894583.31695, 1002001.86896, 4934623.23419},
+        328.05066,
+        29.885334,
+        8.9450219,
+        181.25619,
+        -24.191690,
+        331.86009},
+       {"E",
+        {3895080.88093, 1007546.50319, 4933139.39002},
+        508.88385,
+        39.645842,
+        32.130135,
+        298.80450,
+        -32.117219,
+        522.51691}},
+      3, 3.14167e5);
+}
+
+TEST(GamaXml, VectorsPlacesAndDistancesOfGamaG3) {
+  expect_as_gama_g3(
+      "<free><n/><e/><u/></free>" + g3_points("ABCDE") + g3_vectors() +
+          "<obs><xyz><id>A</id><x>3897173.613</x><y> 997293.454</y><z>4933466.708</z></xyz>"
+          "<xyz><id>B</id><x>3905644.621</x><y>1024368.968</y><z>4921493.098</z></xyz>"
+          "<cov-mat><dim>6</dim><band>2</band><flt>0.31</flt><flt>0.10</flt><flt>0.04</flt><flt>0.32</flt>"
+          "<flt>0.11</flt><flt>0.00</flt><flt>0.33</flt><flt>0.00</flt><flt>0.00</flt><flt>0.34</flt><flt>0.12</flt>"
+          "<flt>0.05</flt><flt>0.35</flt><flt>0.13</flt><flt>0.36</flt></cov-mat></obs>"
+          "<obs><distance><from>B</from><to>C</to><val>16620.550</val><stdev>15</stdev><from-dh>0</from-dh>"
+          "<to-dh>0</to-dh></distance></obs>"
+          "<obs><distance><from>B</from><to>C</to><val>16620.550</val></distance>"
+          "<cov-mat><dim>1</dim><band>0</band><flt>225</flt></cov-mat></obs>",
+      {{"A",
+        {3897173.60567, 997293.44515, 4933466.70186},
+        93.378582,
+        -1.2054154,
+        -6.8481306,
+        83.519306,
+        35.720275,
+        127.00042},
+       {"B",
+        {3905644.62929, 1024368.97795, 4921493.10499},
+        99.373793,
+        -1.3603334,
+        -8.4641809,
+        87.576706,
+        40.389821,
+        138.64470},
+       {"C",
+        {3896761.78725, 1013641.64687, 4930562.95562},
+        194.51366,
+        8.1732940,
+        4.9877192,
+        131.69996,
+        23.830677,
+        230.21407},
+       {"D",
+        {3894583.31292, 1002001.86353, 4934623.23055},
+        184.47237,
+        8.6405386,
+        -2.0169870,
+        128.93974,
+        21.403273,
+        214.11464}},
+      5, 1.86378e5);
+}
+
+TEST(GamaXml, WhatGamaG3CannotBeReadIsNamed) {
+  const auto read = [](const std::string& content) {
+    return read_gama_xml("<gnu-gama-data><g3-model>" + content + "</g3-model></gnu-gama-data>", "g3.xml");
+  };
+  EXPECT_THROW(read("<constants><ellipsoid><id>bessel</id></ellipsoid></constants>"), SurveyReadError);
+  EXPECT_THROW(read_gama_xml("<gnu-gama-data><text>x</text></gnu-gama-data>", "g3.xml"), SurveyReadError);
+  const auto s = read(
+      "<free><n/><e/><u/></free><point><id>A</id><x>3897173.613</x><y> 997293.454</y>"
+      "<z>4933466.708</z></point>" +
+      g3_points("CDE") + g3_vectors() + "<obs><zenith><from>A</from><to>D</to><val>99</val></zenith></obs>");
+  ASSERT_EQ(s.skipped.size(), 2u);
+  EXPECT_NE(s.skipped[0].expected.find("two points that the file declares"), std::string::npos) << "B is not";
+  EXPECT_NE(s.skipped[1].found.find("<zenith>"), std::string::npos);
+  EXPECT_EQ(s.vectors.size(), 3u);
 }
 
 TEST(GamaXml, OtherFilesAreRefused) {

@@ -159,6 +159,11 @@ TEST_F(Tables, VerdictAsASurveyorReadsIt) {
   auto levelled = tables();
   levelled.run();
   EXPECT_NE(text_of(levelled.output<File>("verdict")).find("Weakest at 95 %: in height "), std::string::npos);
+  // One of a hundred readings fails by chance: nobody goes back for it.
+  network_.observations[4]->w = 3.5, network_.observations[4]->flagged = true;
+  auto by_chance = tables();
+  by_chance.run();
+  EXPECT_NE(text_of(by_chance.output<File>("verdict")).find("Nothing has to be measured again"), std::string::npos);
   network_.validity = "invalid";
   network_.verdict = "not a result: the readings contradict each other (sigma0 314.00)";
   network_.left_out = {"X7"};
@@ -258,6 +263,33 @@ TEST_F(Tables, AreTheSameWithoutAJointCovariance) {
 }
 
 /// What is to be said of a network stays, and which observation a step of the search means.
+/// A result of ten thousand points says no more than one of five hundred: what is told of and the weakest.
+TEST_F(Tables, ABriefResultDoesNotGrowWithThePoints) {
+  const auto size = network_.points.size();
+  for (int i = 0; i < 1200; ++i) {
+    auto point = std::make_unique<PointT>();
+    point->id = "Q" + std::to_string(i), point->position = Eigen::Vector3d(i, 0, 0);
+    point->sigma = Eigen::Vector3d::Constant(i == 700 ? 1e-4 : 1e-3 + 1e-6 * i);
+    network_.points.push_back(std::move(point));
+  }
+  auto finding = std::make_unique<NetworkFindingT>();
+  finding->severity = "warning", finding->text = "Q700 stands out", finding->points = {"Q700"};
+  network_.findings.push_back(std::move(finding));
+  plumbline::test::NodeHarness node("survey.brief");
+  node.input<SurveyNetwork>("network", network_);
+  node.set("most", "0");
+  node.run();
+  const SurveyNetworkT brief = node.output<SurveyNetwork>("network");
+  ASSERT_EQ(brief.points.size(), 500u);
+  const auto has = [&](const std::string& id) {
+    return std::any_of(brief.points.begin(), brief.points.end(), [&](const auto& p) { return p->id == id; });
+  };
+  EXPECT_TRUE(has("Q700")) << "a finding names it";
+  EXPECT_TRUE(has("Q1199")) << "the weakest";
+  EXPECT_FALSE(has("Q1"));
+  EXPECT_NE(brief.findings.back()->text.find("of " + std::to_string(size + 1200) + " points 500"), std::string::npos);
+}
+
 TEST_F(Tables, ABriefResultKeepsWhatIsToBeSaid) {
   network_.observations[7]->removed = true, network_.observations[7]->w = 0.1;
   network_.observations[11]->flagged = true, network_.observations[11]->w = 9;

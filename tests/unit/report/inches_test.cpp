@@ -1,0 +1,163 @@
+// Pages and summary in inches: every length is converted once, with its unit, and to enough digits.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+
+#include "geometry/random.hpp"
+#include "show/report/format.hpp"
+#include "show/report/language.hpp"
+#include "show/report/report.hpp"
+#include "show/report/sheets_page.hpp"
+#include "show/report/summary.hpp"
+#include "spoken_pages.hpp"
+
+namespace plumbline::report {
+namespace {
+
+using test::full_example;
+using test::numbers_of;
+using test::texts_read;
+
+constexpr Speech kInches{Language::english, Units::inches};
+
+/// Whether `inches` is what `millimetres` says, both as they are rounded.
+bool same_length(const std::string& millimetres, const std::string& inches) {
+  const auto half_step = [](const std::string& number) {
+    const std::size_t point = number.find('.');
+    return 0.5 * std::pow(10.0, point == std::string::npos ? 0 : -static_cast<double>(number.size() - point - 1));
+  };
+  return std::abs(25.4 * std::stod(inches) - std::stod(millimetres)) <=
+         half_step(millimetres) + 25.4 * half_step(inches) + 1e-9;
+}
+
+struct ReadCell {
+  std::string head, text;
+};
+
+/// Cells of all tables, with the head of their column.
+std::vector<ReadCell> cells_of(const std::string& html) {
+  std::vector<ReadCell> cells;
+  const auto plain = [](const std::string& inner) { return std::regex_replace(inner, std::regex("<[^>]*>"), ""); };
+  const std::regex a_cell("<t([hd])[^>]*>([^]*?)</t[hd]>");
+  for (std::size_t at = 0; (at = html.find("<table", at)) != std::string::npos;) {
+    const std::size_t end = html.find("</table>", at);
+    std::vector<std::string> heads;
+    for (std::size_t row = html.find("<tr", at); row < end; row = html.find("<tr", row + 1)) {
+      const std::string inner = html.substr(row, html.find("</tr>", row) - row);
+      const bool head = inner.find("scope=\"col\"") != std::string::npos;
+      std::size_t column = 0;
+      for (std::sregex_iterator cell(inner.begin(), inner.end(), a_cell), last; cell != last; ++cell, ++column) {
+        const std::string text = plain((*cell)[2].str());
+        if (head) heads.push_back(text);
+        cells.push_back({column < heads.size() && !head ? heads[column] : "", text});
+      }
+    }
+    at = end;
+  }
+  return cells;
+}
+
+TEST(Inches, EveryLengthOfTablesIsConverted) {
+  const ReportInput input = full_example();
+  const std::vector<ReadCell> before = cells_of(render_report(input));
+  const Speaking speaking(kInches);
+  const std::vector<ReadCell> after = cells_of(render_report(input));
+  ASSERT_EQ(before.size(), after.size());
+  int lengths = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (before[i].head.find("[mm") == std::string::npos) continue;
+    EXPECT_NE(after[i].head.find("[in"), std::string::npos) << after[i].head;
+    const auto was = numbers_of(before[i].text), is = numbers_of(after[i].text);
+    ASSERT_EQ(was.size(), is.size()) << before[i].text << " | " << after[i].text;
+    for (std::size_t k = 0; k < was.size(); ++k) {
+      if (was[k].find('.') == std::string::npos) continue;  // part of a name
+      if (before[i].head.find("[mm/m]") != std::string::npos)
+        EXPECT_NEAR(std::stod(is[k]) * 1000 / 12, std::stod(was[k]), 0.1) << before[i].head << ": " << before[i].text;
+      else
+        EXPECT_TRUE(same_length(was[k], is[k])) << before[i].head << ": " << before[i].text << " | " << after[i].text;
+      ++lengths;
+    }
+  }
+  EXPECT_GT(lengths, 1000);
+}
+
+TEST(Inches, EveryLengthOfSentencesIsConverted) {
+  const ReportInput input = full_example();
+  const auto check = [](const std::vector<std::string>& before, const std::vector<std::string>& after) {
+    ASSERT_LE(before.size(), after.size());
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const bool length = std::regex_search(before[i], std::regex("(^|[^A-Za-z=0-9])mm([^A-Za-z/]|$)"));
+      if (!length || before[i].starts_with("Residual v")) continue;  // that one has limits of r and w
+      EXPECT_FALSE(std::regex_search(after[i], std::regex("(^|[^A-Za-z=0-9])mm([^A-Za-z/]|$)"))) << after[i];
+      const auto was = numbers_of(before[i]), is = numbers_of(after[i]);
+      ASSERT_EQ(was.size(), is.size()) << before[i] << " | " << after[i];
+      for (std::size_t k = 0; k < was.size(); ++k) {
+        const std::string unit = "(?:\u00A0|\u202F| )?(?:%|m\\b(?!m)|times|px|mgon)";
+        const bool other = std::regex_search(before[i], std::regex("p = " + was[k])) ||
+                           std::regex_search(before[i], std::regex(was[k] + unit)) ||
+                           was[k].find('.') == std::string::npos;
+        EXPECT_TRUE(same_length(was[k], is[k]) || (other && was[k] == is[k])) << before[i] << " | " << after[i];
+      }
+    }
+  };
+  const std::vector<std::string> drawn = {"script", "style", "svg"};  // a chart in inches has other ticks
+  const auto page = texts_read(render_report(input), drawn), sheets = texts_read(render_sheets(input), drawn);
+  const Speaking speaking(kInches);
+  check(page, texts_read(render_report(input), drawn));
+  check(sheets, texts_read(render_sheets(input), drawn));
+  const std::string inches = summary_text(input.accuracy, &*input.deviation, &*input.changes);
+  EXPECT_NE(inches.find("Tolerance 0.1969 in"), std::string::npos) << inches;
+}
+
+/// Notes that artifacts hold are in millimetres: number and unit are converted together, and once.
+TEST(Inches, NotesOfArtifactsAreConvertedWithTheirUnit) {
+  const Speaking speaking(kInches);
+  EXPECT_EQ(spoken("Floor 2 hangs 12.0 mm ± 0.4 mm low (7 of its 8 anchors share it): one cause"),
+            "Floor 2 hangs 0.472 in ± 0.016 in low (7 of its 8 anchors share it): one cause");
+  EXPECT_EQ(spoken("moved by the same, +1.2, -0.3, +4.0 mm (x, y, z)"),
+            "moved by the same, +0.047, -0.012, +0.157 in (x, y, z)");
+  EXPECT_EQ(spoken("limit 5 mm, of C4 mm, 5mm as you wrote it"), "limit 0.197 in, of C4 in, 5mm as you wrote it");
+  EXPECT_EQ(spoken("numbers in mm"), "numbers in inches");
+  EXPECT_EQ(spoken(mm(0.0127, 1) + " ± " + mm(0.000254, 1) + "\u00A0mm"), "0.500 ± 0.010\u00A0in");
+  const Speaking both({Language::german, Units::inches});
+  EXPECT_EQ(spoken("joint to P2 12.7 mm (limit 5 mm)"), "Fuge zu P2 0,500\u00A0Zoll (Grenze 0,197\u00A0Zoll)");
+}
+
+/// What is printed of a value and of its limit stands on the same side as they do, in both units.
+TEST(Inches, RoundingKeepsTheSideOfTheLimit) {
+  Random random(11);
+  for (const Units units : {Units::millimetres, Units::inches}) {
+    const Speaking speaking({Language::english, units});
+    int wider = 0;
+    for (int i = 0; i < 20000; ++i) {
+      const double limit = i % 2 == 0 ? 0.005 : 0.003175;
+      const double value = limit + 2e-4 * (random.uniform() - 0.5);
+      const int digits = decimals_beside(value, limit, 1);
+      const double shown = std::stod(spoken(mm(value, digits))), shown_limit = std::stod(spoken(mm(limit, digits)));
+      ASSERT_GE(digits, 1);
+      wider += digits > 1;
+      if (std::abs(value - limit) > 1e-7) {
+        EXPECT_EQ(value > limit, shown > shown_limit) << value << " " << limit;
+        EXPECT_NE(shown, shown_limit) << value << " " << limit;
+      }
+    }
+    EXPECT_GT(wider, 100);
+  }
+}
+
+TEST(Inches, WhatIsToBeSetHasAFractionToo) {
+  EXPECT_EQ(spoken(to_set(-0.0025)), "2.5\u00A0mm");
+  const Speaking speaking(kInches);
+  EXPECT_EQ(spoken(to_set(-0.0025)), "0.098\u00A0in (3/32)");
+  EXPECT_EQ(spoken(to_set(0.0127)), "0.500\u00A0in (1/2)");
+  EXPECT_EQ(spoken(to_set(0.0254)), "1.000\u00A0in (1)");
+  EXPECT_EQ(spoken(to_set(0.0365125)), "1.438\u00A0in (1-7/16)");
+  EXPECT_EQ(spoken(tolerance(0.003175)), "0.125\u00A0in");
+  const Speaking both({Language::german, Units::inches});
+  EXPECT_EQ(spoken("Reset or shim: " + to_set(0.0365125) + " outward, " + to_set(-0.0025) + " up."),
+            "Versetzen oder unterlegen: 1,438\u00A0Zoll (1-7/16) nach außen, 0,098\u00A0Zoll (3/32) nach oben.");
+}
+
+}  // namespace
+}  // namespace plumbline::report

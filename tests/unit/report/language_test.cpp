@@ -1,0 +1,247 @@
+// Pages and summary in German: no text without its German, no English word on a German page, no name taken for a word.
+#include "show/report/language.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <regex>
+#include <set>
+
+#include "example.hpp"
+#include "show/report/catalogue.hpp"
+#include "show/report/script_data.hpp"
+#include "show/report/sheets_page.hpp"
+#include "show/report/summary.hpp"
+#include "source_texts.hpp"
+#include "spoken_pages.hpp"
+#include "test_support.hpp"
+
+namespace plumbline::report {
+namespace {
+
+using test::full_example;
+using test::numbers_of;
+using test::texts_read;
+
+constexpr Speech kGerman{Language::german, Units::millimetres};
+
+TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
+  const Catalogue catalogue(
+      "# a comment\n\nAnchor {id} is {#x} mm {~way}.\n  {~way} liegt Anker {id} um {#x} mm.\ntoo low\n  Zu tief\n"
+      "{#n} anchor\n  {#n} Anker\n{~a} is out\n  {~a} außerhalb\n"
+      "Camera: {name}.\n  Kamera: {name}.\nDate: {day}.\n  Tag: {day}.\n",
+      ',');
+  EXPECT_EQ(catalogue.find("Anchor F1.2 is −3.5 mm too low."), "Zu tief liegt Anker F1.2 um −3,5 mm.");
+  EXPECT_EQ(catalogue.find("Anchor A is 3.5\u00A0mm too low."), "Zu tief liegt Anker A um 3,5 mm.")
+      << "a no-break space is one";
+  EXPECT_EQ(catalogue.find("Anchor A is far mm too low."), std::nullopt) << "a number is asked for";
+  EXPECT_EQ(catalogue.find("1 anchor, 2 anchor and too low is out"), "1 Anker, 2 Anker und Zu tief außerhalb")
+      << "a list";
+  EXPECT_EQ(catalogue.find("too low. Anchor A is 3.5 mm too low. 2 anchor."),
+            "Zu tief. Zu tief liegt Anker A um 3,5 mm. 2 Anker.")
+      << "sentences one after another";
+  EXPECT_EQ(catalogue.find("Camera: A. Date: B."), "Kamera: A. Tag: B.")
+      << "no place reaches over the end of a sentence";
+  EXPECT_EQ(catalogue.find("1.5.0 anchor"), std::nullopt) << "a version is no number";
+  EXPECT_EQ(catalogue.find("something else"), std::nullopt);
+  EXPECT_EQ(catalogue.find("too low. something else."), std::nullopt) << "nothing half and half";
+}
+
+TEST(Catalogue, RefusesWithTheLine) {
+  const auto error = [](const std::string& text) {
+    try {
+      const Catalogue catalogue(text, ',');
+    } catch (const std::runtime_error& failure) {
+      return std::string(failure.what());
+    }
+    return std::string("taken");
+  };
+  EXPECT_NE(error("a\n  b\na\n  c\n").find("line 3"), std::string::npos) << "twice";
+  EXPECT_NE(error("a {x}\n  b {y}\n").find("same places"), std::string::npos);
+  EXPECT_NE(error("a\nb\n  c\n").find("nothing in the other language"), std::string::npos);
+  EXPECT_NE(error("a\n").find("nothing in the other language"), std::string::npos);
+  EXPECT_NE(error("{a}{b}\n  {b} {a}\n").find("between them"), std::string::npos);
+  EXPECT_NE(error("a {#x} of {x}\n  b {#x} {x}\n").find("one name"), std::string::npos);
+  EXPECT_EQ(error("a {x}\n  b {x}\n"), "taken");
+}
+
+/// Every text that sections of the page, the summary or the judgement compose is part of a sentence that has its
+/// German.
+TEST(German, HasEveryTextOfTheSources) {
+  std::string sentences;
+  for (const auto& entry : german().entries()) sentences += entry.written + "\n";
+  const std::filesystem::path root = plumbline::test::source_dir();
+  for (const std::string& file : test::files_with_texts(root))
+    for (const test::SourceText& text : test::texts_of(root / file))
+      for (const std::string& words : test::words_between_places(text.text))
+        EXPECT_NE(sentences.find(words), std::string::npos)
+            << file << ":" << text.line << ": '" << words << "' is in no sentence of plugins/show/report/german.txt";
+}
+
+/// What page.js and view.js say, too: tell("…") of what script_texts() hands to them.
+TEST(German, HasEveryTextOfTheScripts) {
+  std::set<std::string> handed(script_texts().begin(), script_texts().end());
+  for (const std::string& text : handed) EXPECT_TRUE(german().find(text).has_value()) << text;
+  for (const char* script : {"page.js", "view.js"}) {
+    const std::string source = plumbline::test::read_file(std::filesystem::path(plumbline::test::source_dir()) /
+                                                          "plugins/show/report" / script);
+    const std::regex told("tell\\(\"([^\"]*)\"");
+    for (std::sregex_iterator at(source.begin(), source.end(), told), end; at != end; ++at) {
+      const std::string text = std::regex_replace((*at)[1].str(), std::regex("\\\\u03b7"), "\u03b7");
+      EXPECT_TRUE(handed.contains(text)) << script << " says '" << text << "'";
+    }
+  }
+}
+
+std::set<std::string> words_in(const std::string& text) {
+  std::set<std::string> words;
+  std::string word;
+  for (const char c : text + " ") {
+    const auto byte = static_cast<unsigned char>(c);
+    if (std::isalpha(byte) != 0 || byte >= 0xC3)
+      word += static_cast<char>(std::tolower(byte));
+    else if (byte >= 0x80 && !word.empty())
+      word += c;
+    else {
+      if (word.size() > 1) words.insert(word);
+      word.clear();
+    }
+  }
+  return words;
+}
+
+/// Words of the catalogue's English that its German does not have.
+const std::set<std::string>& english_words() {
+  static const std::set<std::string> words = [] {
+    std::set<std::string> english, other;
+    for (const auto& entry : german().entries()) {
+      for (const auto& part : entry.english)
+        if (part.kind == Catalogue::Part::Kind::words) english.merge(words_in(part.text));
+      for (const auto& part : entry.other)
+        if (part.kind == Catalogue::Part::Kind::words) other.merge(words_in(part.text));
+    }
+    for (const std::string& word : other) english.erase(word);
+    return english;
+  }();
+  return words;
+}
+
+/// Texts with an English word once what was given is taken out of them.
+std::vector<std::string> english_in(const std::vector<std::string>& texts, const std::vector<std::string>& given) {
+  std::vector<std::string> found;
+  for (std::string text : texts) {
+    const std::string whole = text;
+    for (const std::string& name : given)
+      for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos;) text.erase(at, name.size());
+    for (const std::string& word : words_in(text))
+      if (english_words().contains(word)) {
+        found.push_back(word + ": " + whole);
+        break;
+      }
+  }
+  return found;
+}
+
+const std::vector<std::string> kGiven = {"Facade anchors, full height",
+                                         "Example building, south facade, 5 floors. Campaign of 12 May 2025",
+                                         "Points F05-C01-R1 and F05-C02-R1 are seen from two set-ups only.",
+                                         "full_height",
+                                         "REASON",
+                                         "name~^C-: azimuth=135deg",
+                                         "Level ",
+                                         "campaign.yaml",
+                                         "observations.csv",
+                                         "survey/station1.gsi",
+                                         "station1.gsi",
+                                         "station2.gsi",
+                                         "station3.gsi",
+                                         "station4.gsi",
+                                         "60303ae22b998861bce3b28f33eec1be758a213c86c93c076dbe9f558c11c752",
+                                         "survey/station1.gsi",
+                                         "class=IfcPlat: vertical=5mm",
+                                         "guid of ",
+                                         "panel0",
+                                         "panel1",
+                                         "panel2",
+                                         "panel3"};
+
+TEST(German, NoEnglishWordIsLeftOnAPage) {
+  const Speaking speaking(kGerman);
+  const ReportInput input = full_example();
+  for (const std::string& text : english_in(texts_read(render_report(input)), kGiven))
+    ADD_FAILURE() << "report: " << text;
+  for (const std::string& text : english_in(texts_read(render_sheets(input)), kGiven))
+    ADD_FAILURE() << "sheets: " << text;
+  ReportInput quiet = test::example();  // without a design: the pages of what was measured alone
+  quiet.deviation.reset();
+  for (const std::string& text : english_in(texts_read(render_report(quiet)), kGiven))
+    ADD_FAILURE() << "report: " << text;
+}
+
+/// No sentence loses a number, tells one twice or changes one.
+TEST(German, EverySentenceHasTheNumbersOfTheEnglishOne) {
+  const ReportInput input = full_example();
+  const auto sorted = [](std::string text, bool comma) {
+    if (comma) text = std::regex_replace(text, std::regex("(\\d),(\\d)"), "$1.$2");
+    std::vector<std::string> numbers = numbers_of(text);
+    std::sort(numbers.begin(), numbers.end());
+    return numbers;
+  };
+  const auto page = texts_read(render_report(input)), sheets = texts_read(render_sheets(input));
+  const Speaking speaking(kGerman);
+  for (const auto& [english, other] :
+       {std::pair(page, texts_read(render_report(input))), std::pair(sheets, texts_read(render_sheets(input)))}) {
+    ASSERT_LE(english.size(), other.size());
+    int numbers = 0;
+    for (std::size_t i = 0; i < english.size(); ++i) {
+      EXPECT_EQ(sorted(english[i], false), sorted(other[i], true)) << english[i] << " | " << other[i];
+      numbers += static_cast<int>(numbers_of(english[i]).size());
+    }
+    EXPECT_GT(numbers, 100);
+  }
+}
+
+TEST(German, NoEnglishWordIsLeftInTheSummary) {
+  const Speaking speaking(kGerman);
+  const ReportInput input = full_example();
+  const std::string text = summary_text(input.accuracy, &*input.deviation, &*input.changes);
+  for (const std::string& line : english_in({text}, kGiven)) ADD_FAILURE() << line;
+  EXPECT_NE(text.find("Toleranz 5,00 mm"), std::string::npos) << text;
+}
+
+/// The test above would find one.
+TEST(German, AnEnglishWordIsFound) {
+  EXPECT_EQ(english_in({"Anker außerhalb, alles unentschieden"}, {}).size(), 0u);
+  EXPECT_EQ(english_in({"Anker nicht measured"}, {}).size(), 1u);
+  EXPECT_EQ(english_in({"Measure it."}, {}).size(), 1u);
+}
+
+TEST(German, NamesStayAsTheyAre) {
+  const Speaking speaking(kGerman);
+  ReportInput input = test::example();
+  input.deviation->anchors[0]->id = input.accuracy.anchors[0]->id = "Floor";
+  for (auto& panel : input.deviation->panels)
+    for (auto& fixing : panel->fixings)
+      if (fixing->anchor == "F01-C01-R1") fixing->anchor = "Floor";
+  input.deviation->panels[0]->name = "Panel 3";
+  const std::string html = render_report(input);
+  EXPECT_NE(html.find("<th scope=\"row\">Floor</th>"), std::string::npos);
+  EXPECT_NE(html.find("<th scope=\"row\">Panel 3</th>"), std::string::npos);
+  for (const char mark : {'\x01', '\x02', '\x03'}) EXPECT_EQ(html.find(mark), std::string::npos) << "a mark came out";
+}
+
+TEST(German, EnglishIsAsItWas) {
+  const ReportInput input = full_example();
+  const std::string before = render_report(input);
+  {
+    const Speaking speaking(kGerman);
+    EXPECT_NE(render_report(input), before);
+  }
+  EXPECT_EQ(render_report(input), before) << "a language ends with its scope";
+  EXPECT_EQ(before.find("id=\"spoken\">"), std::string::npos);
+  EXPECT_EQ(spoken("Measure it."), "Measure it.");
+}
+
+}  // namespace
+}  // namespace plumbline::report
