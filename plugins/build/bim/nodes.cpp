@@ -79,8 +79,8 @@ struct ReadIfc : Node {
     const Design result = read_design(*index, rule());
     for (const std::string& warning : result.warnings) context.warn(warning);
     const PointsT points = ifc::anchor_points(result);
-    context.info(std::to_string(result.storeys.size()) + " storeys, " + std::to_string(result.elements.size()) +
-                 " elements, " + std::to_string(points.points.size()) + " of them anchors");
+    context.info("storeys: " + std::to_string(result.storeys.size()) + ", elements: " +
+                 std::to_string(result.elements.size()) + ", of them anchors: " + std::to_string(points.points.size()));
     design.commit(to_artifact(result));
     anchor_points.commit(points);
   }
