@@ -134,6 +134,7 @@ inline SurveyObservationT to_artifact(const Observation& o) {
   r.second_to = o.second_to;
   r.value = o.value;
   r.sigma = o.sigma;
+  r.without_centring = o.without_centring;
   r.levelling_length = o.levelling_length;
   r.instrument_height = o.instrument_height;
   r.target_height = o.target_height;
@@ -162,6 +163,7 @@ inline Observation from_artifact(const SurveyObservationT& r) {
   o.second_to = r.second_to;
   o.value = r.value;
   o.sigma = r.sigma;
+  o.without_centring = r.without_centring;
   o.levelling_length = r.levelling_length;
   o.instrument_height = r.instrument_height;
   o.target_height = r.target_height;

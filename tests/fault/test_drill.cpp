@@ -1,7 +1,7 @@
 // Random faults over a pipeline with parallel branches: after each of them the next run ends in the results of a run
 // that nothing happened to, nothing half-written is visible, and nothing temporary stays.
 //
-// Some twenty faults always, 240 with PLUMBLINE_LONG. PLUMBLINE_DRILL=seed repeats one drill.
+// Some twenty faults always, 420 with PLUMBLINE_LONG. PLUMBLINE_DRILL=seed repeats one drill.
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -205,7 +205,7 @@ class Drill {
 TEST(Drill, EveryRerunEndsInTheCleanResults) {
   const char* repeat = std::getenv("PLUMBLINE_DRILL");
   const unsigned first = repeat ? static_cast<unsigned>(std::stoul(repeat)) : 1;
-  const unsigned drills = repeat ? 1 : std::getenv("PLUMBLINE_LONG") ? 24 : 2;
+  const unsigned drills = repeat ? 1 : std::getenv("PLUMBLINE_LONG") ? 42 : 2;
   for (unsigned seed = first; seed < first + drills; ++seed) {
     SCOPED_TRACE("PLUMBLINE_DRILL=" + std::to_string(seed));
     Drill drill(seed);

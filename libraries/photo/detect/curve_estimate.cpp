@@ -99,6 +99,12 @@ CurveEstimate estimate_curve(const std::vector<Quadrilateral>& found, const Edge
     weights += weight;
     squares += weight * std::pow((fits.position[g] - chosen) / fits.count, 2);
   }
+  // The mean over the curves holds none of them by itself: one that is as likely as this is held, too
+  // (chi-squared 1.5).
+  constexpr double kPlausible = 0.15, kHeld = 1.5;
+  for (std::size_t g = 0; g < cost.size(); ++g)
+    if (std::exp(0.5 * (lowest - cost[g])) >= kPlausible * weights)
+      squares = std::max(squares, weights / kHeld * std::pow((fits.position[g] - chosen) / fits.count, 2));
   estimate.inset_sigma = std::sqrt(squares / weights);
   return estimate;
 }

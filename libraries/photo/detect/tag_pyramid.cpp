@@ -301,7 +301,7 @@ PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
   const int width = rows.width(), height = rows.height();
   PyramidResult result;
   if (width < 16 || height < 16) return result;
-  const bool small = 1e-6 * width * height <= 4.5;
+  const bool small = 1e-6 * width * height <= 30;
   int finest = (options_.smallest_tag > 0 ? options_.smallest_tag < 24 : small) ? 1 : 2;
   while (width / finest > 32000 || height / finest > 32000) finest *= 2;  // outlines have 16-bit coordinates
   const int held = window_rows(height);

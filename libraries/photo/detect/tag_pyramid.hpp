@@ -17,11 +17,13 @@ namespace plumbline::detect {
 
 struct PyramidOptions {
   /// Shortest side of a tag that has to be found [px]. Below 24 every pixel is searched instead of every second; 0: 12
-  /// up to 4.5 megapixels, 24 above.
+  /// up to 30 megapixels, 24 above.
   double smallest_tag = 0;
-  int min_contrast = 24;            ///< within a tag's surroundings [grey values]
-  int max_hamming = 1;              ///< bits that may be corrected, less where the family's codes lie closer
-  double min_decision_margin = 25;  ///< see DetectorOptions [grey values]
+  int min_contrast = 24;  ///< within a tag's surroundings [grey values]
+  int max_hamming = 1;    ///< bits that may be corrected, less where the family's codes lie closer
+  /// See DetectorOptions, but of grey values as they are, where libapriltag sharpens first: half of min_contrast, so
+  /// that a tag of the least contrast that is looked for is read [grey values].
+  double min_decision_margin = 12;
   Refinement refinement = Refinement::edges;
   EdgeFitOptions edge = {.gamma = 0, .grid = std::nullopt};
   double sigma_floor = 0.02;      ///< [px]

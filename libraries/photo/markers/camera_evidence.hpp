@@ -64,11 +64,15 @@ struct EmpiricalCovariance {
   double bootstrap_ratio = 1;
 };
 
-/// Covariance from the scatter of the photographs: the sandwich, in which each photograph's influence meets its change
-/// with the photograph left out, so that the leverage of few photographs leaves it without bias (Kline, Saggio and
-/// Sølvsten 2020, by clusters). From n photographs a matrix of nine parameters is a rough one: it is drawn towards the
-/// formal one times its mean ratio as far as its own scatter says (Ledoit and Wolf 2004), and no direction gets less
-/// than the formal one.
+/// Covariance from the scatter of the photographs: the change of the parameters with each photograph left out. These
+/// changes are larger than what the photographs do, the more so the more of the information each of few has, and the
+/// larger for errors of single corners than for effects of whole photographs. Both are computed (expected_scatter), in
+/// a model of the corners' errors and one effect of all parameters alike, whose size makes the mean of both fit, and
+/// the scatter is reduced by that (bias-reduced linearisation by a working model: Bell and McCaffrey 2002, Bias
+/// reduction in standard errors for linear regression with multi-stage samples, Survey Methodology 28(2)). From n
+/// photographs a matrix of nine parameters is a rough one: its mean given them counts, in an inverse Wishart
+/// distribution around the model's covariance whose narrowness they tell (most_likely), and no direction gets less than
+/// the formal one.
 ///
 /// Photographs that follow one another, or were taken from places near to each other (`cam_from_object`, in the order
 /// of the evidence; may be empty), err alike where a board is not quite the model or a camera moves on: their

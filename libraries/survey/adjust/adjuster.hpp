@@ -3,6 +3,7 @@
 // network_report.cpp.
 #pragma once
 
+#include <memory>
 #include <set>
 #include <string>
 #include <tuple>
@@ -12,6 +13,8 @@
 #include "survey/network/network_model.hpp"
 
 namespace plumbline::survey {
+
+class KeptNetwork;
 
 /// One adjustment of the rows that are in.
 struct Pass {
@@ -65,6 +68,8 @@ class Adjuster {
   void set_aside(Pass& pass);
   /// Iterates until no test fails: the hypothesis that explains most, one reading or an error in common, is mended.
   void mend(Pass& pass);
+  std::vector<int> worst_rows(const Pass& pass, const std::set<int>& kept, int most) const;
+  bool remove_together(Pass& pass, const std::vector<int>& rows, std::set<int>& restored);
   bool remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set<int>& restored);
   /// Makes an unknown of the error, or a set-up of its own of the sights after the circle was turned.
   bool estimate(Pass& pass, const CommonError& error);

@@ -1,6 +1,7 @@
 // Data snooping, robust start and variance components of the adjustment.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "geometry/statistics.hpp"
 #include "survey/adjust/adjuster.hpp"
@@ -81,10 +82,62 @@ void Adjuster::mend(Pass& pass) {
       if (!estimate(pass, error)) refused_.insert({error.kind, error.set_up, error.first, error.target_height});
       continue;
     }
-    const int worst = worst_row(pass, kept);
-    if (worst < 0 || removed() >= most) return;
-    remove_worst(pass, worst, kept, restored);
+    const std::vector<int> worst = worst_rows(pass, kept, most - removed());
+    if (worst.empty()) return;
+    if (worst.size() == 1 || !remove_together(pass, worst, restored)) remove_worst(pass, worst.front(), kept, restored);
   }
+}
+
+/// The worst row, and of a large network those that have nothing to do with it or each other: their stations see no
+/// point in common. Each would go by itself too, and every removal is an adjustment of the whole. A row that is much
+/// smaller may be its shadow and waits.
+std::vector<int> Adjuster::worst_rows(const Pass& pass, const std::set<int>& kept, int most) const {
+  constexpr double kShadow = 0.3;  // of the largest |w|
+  std::vector<std::pair<double, int>> failing;
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
+    const int row = pass.problem.rows[r];
+    if (row < 0 || !m_.rows[static_cast<size_t>(row)].removable || kept.contains(row)) continue;
+    const double w = std::abs(pass.reliability.rows[r].w);
+    if (w > critical_removal()) failing.emplace_back(-w, row);
+  }
+  std::stable_sort(failing.begin(), failing.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<int> rows;
+  if (failing.size() < 2) {
+    for (const auto& [w, row] : failing)
+      if (most > 0) rows.push_back(row);
+    return rows;
+  }
+  std::map<std::string, std::set<std::string>> seen_from;
+  for (const ResultRow& r : m_.rows) seen_from[r.from].insert({r.from, r.to});
+  std::set<std::string> touched;
+  for (const auto& [w, row] : failing) {
+    if (static_cast<int>(rows.size()) >= most || -w < kShadow * -failing.front().first) break;
+    const ResultRow& r = m_.rows[static_cast<size_t>(row)];
+    const std::set<std::string>& own = seen_from.at(r.from);
+    if (std::any_of(own.begin(), own.end(), [&](const std::string& id) { return touched.contains(id); })) continue;
+    rows.push_back(row);
+    touched.insert(own.begin(), own.end());
+  }
+  return rows;
+}
+
+bool Adjuster::remove_together(Pass& pass, const std::vector<int>& rows, std::set<int>& restored) {
+  std::vector<std::pair<double, double>> tests;
+  for (const int row : rows) {
+    tests.push_back(row_test(pass, row));
+    state_.removed[static_cast<size_t>(row)] = 1;
+  }
+  try {
+    Pass next = adjust();
+    if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
+    pass = std::move(next);
+  } catch (const NetworkError&) {  // one by one it is found which may not go
+    for (const int row : rows) state_.removed[static_cast<size_t>(row)] = 0;
+    return false;
+  }
+  for (size_t k = 0; k < rows.size(); ++k) log_action(rows[k], false, tests[k].first, tests[k].second, pass);
+  restore_innocent(pass, restored);
+  return true;
 }
 
 bool Adjuster::remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set<int>& restored) {

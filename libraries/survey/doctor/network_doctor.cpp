@@ -67,9 +67,10 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
   // One of many readings fails by chance; a warning is for what the largest of them all would hardly reach.
   const double warned =
       normal_quantile(1 - 0.5 * kFalseAlarm / static_cast<double>(std::max<size_t>(1, r.rows.size())));
+  const auto is_by_chance = [&](const ResultRow& row) { return !row.removed && std::abs(row.statistics.w) < warned; };
   for (size_t i = 0; i < failing.size() && i < kShown; ++i) {
     const ResultRow& row = *failing[i];
-    const bool by_chance = !row.removed && std::abs(row.statistics.w) < warned;
+    const bool by_chance = is_by_chance(row);
     findings.push_back({by_chance ? Finding::Severity::note : Finding::Severity::warning,
                         (row.removed ? "removed: " : "suspect: ") + describe(row) +
                             ", w = " + fixed_digits(row.statistics.w, 1) + ", probably wrong by " +
@@ -77,8 +78,10 @@ void examine_failures(const NetworkResult& r, const AdjustOptions& options, std:
                         {row.from, row.to},
                         Finding::Subject::reading});
   }
+  const bool rest_by_chance = std::all_of(failing.begin() + std::min<long>(kShown, std::ssize(failing)), failing.end(),
+                                          [&](const ResultRow* row) { return is_by_chance(*row); });
   if (failing.size() > kShown)
-    findings.push_back({Finding::Severity::warning,
+    findings.push_back({rest_by_chance ? Finding::Severity::note : Finding::Severity::warning,
                         std::to_string(failing.size() - kShown) + " more fail, see the list of observations",
                         {}});
   const double by_chance = options.alpha0 * static_cast<double>(r.rows.size());

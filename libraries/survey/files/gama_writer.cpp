@@ -65,10 +65,12 @@ class GamaWriter {
     if (!s_.local_coordinates.empty())
       throw std::runtime_error("gama XML writer: the format cannot hold coordinates in the frame of a set-up");
     for (const Observation& o : s_.observations)
-      if (o.face == 2 || !(o.sigma > 0))
+      if (o.face == 2 || !(o.sigma > 0) || o.without_centring)
         throw std::runtime_error("gama XML writer: " + o.from + " -> " + o.to +
                                  (o.face == 2 ? " is a reading in face 2; take means first"
-                                              : " has no standard deviation; the format needs one"));
+                                  : o.without_centring
+                                      ? " has a standard deviation without centring, to which an instrument adds it"
+                                      : " has no standard deviation; the format needs one"));
   }
 
   std::string write() {

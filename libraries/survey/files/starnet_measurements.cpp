@@ -59,6 +59,8 @@ void StarNetReader::take(const Parts& parts, std::size_t first, const std::vecto
         continue;
       }
       o.sigma = *sigma;
+      const bool held = parts[first + n + i] == "!";
+      o.without_centring = add_centring_ && !std::isnan(*sigma) && !held && o.kind != height_difference;
     }
     made.push_back(std::move(o));
   }

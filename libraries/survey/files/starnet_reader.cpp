@@ -106,10 +106,9 @@ void StarNetReader::read_option(const Parts& parts) {
     read_level_weight(parts);
   } else if (option.starts_with(".add") && is_option(".addcentering")) {
     // OFF is the rule: a standard deviation that is written counts as it stands.
-    if (words.size() != 1 || !has("off"))
-      reject(line_text_,
-             ".ADDCENTERING OFF: with ON centring would be added to each standard deviation that is written, which is "
-             "not done here; write them with it, or leave them to the instrument");
+    if (words.size() > 1 || (words.size() == 1 && !has("on") && !has("off")))
+      return reject(line_text_, ".ADDCENTERING ON or .ADDCENTERING OFF");
+    add_centring_ = !has("off");
   } else if (option == ".gps") {
     finish_vector();
     read_gps_option(parts);
@@ -121,7 +120,8 @@ void StarNetReader::read_option(const Parts& parts) {
          {".note", ".title", ".relative", ".ptolerance", ".ellipse", ".loststations", ".copycoordinates"})
       if (is_option(of_the_listing)) return;
     reject(parts[0],
-           "one of the options that are applied: .2D, .3D, .UNITS, .ORDER, .SEPARATOR, .DELTA, .DATA, .INST, .LWEIGHT");
+           "one of the options that are applied: .2D, .3D, .UNITS, .ORDER, .SEPARATOR, .DELTA, .DATA, .INST, .LWEIGHT, "
+           ".ADDCENTERING");
   }
 }
 

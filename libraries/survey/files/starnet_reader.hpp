@@ -63,6 +63,7 @@ class StarNetReader {
   std::optional<VectorGroup> vector_;  // whose G2 and G3 may follow
   bool gps_correlations_ = false;      // G2 and G3 are standard deviations and correlations, not variances
   double gps_horizontal_ = 1, gps_vertical_ = 1;
+  bool add_centring_ = false;        // .ADDCENTERING ON, to standard deviations that are written
   double level_weight_ = kNotGiven;  // .LWEIGHT, of a line of 1 km [m]
   enum class AngleUnit { dms, gon, degrees } unit_ = AngleUnit::dms;
   bool east_first_ = false, has_order_ = false, from_at_to_ = false, three_ = true, has_dimension_ = false,

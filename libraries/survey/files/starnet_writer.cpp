@@ -101,6 +101,14 @@ void StarNetWriter::begin() {
   }
   out_ += ".UNITS METERS DMS\n.ORDER EN ATFROMTO\n";
   out_ += three_ ? ".3D\n" : ".2D\n";
+  bool added = false, whole = false;  // centring, to standard deviations that are written
+  for (const Observation& o : survey_.observations)
+    if (!std::isnan(o.sigma) && o.kind != ObservationKind::height_difference)
+      (o.without_centring ? added : whole) = true;
+  if (added && whole)
+    starnet_cannot(
+        "standard deviations with centring and without are not written into one file; take one or the other");
+  if (added) out_ += ".ADDCENTERING ON\n";
   if (separator_ != '-') out_ += std::string(".SEPARATOR ") + separator_ + "\n";
 }
 

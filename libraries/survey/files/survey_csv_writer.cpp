@@ -139,6 +139,7 @@ void CsvWriter::write_control(const CoordinateGroup& group) {
 }
 
 void CsvWriter::write_observation(const Observation& o) {
+  if (o.without_centring) csv_cannot("standard deviations to which an instrument adds its centring");
   set("record", "observation");
   set("kind", std::string(name_of(o.kind)));
   const bool angle = is_angle(o.kind);

@@ -69,6 +69,7 @@ struct Observation {
   std::string second_to;                    ///< angle only
   double value = kNotGiven;                 ///< [rad] or [m]
   double sigma = kNotGiven;                 ///< standard deviation [rad] or [m]; NaN: the instrument profile decides
+  bool without_centring = false;            ///< the sigma is that of the instrument: centring is to be added
   double levelling_length = kNotGiven;      ///< height differences: length of the line [m]
   double instrument_height = kNotGiven;     ///< of this observation [m]; NaN: the set-up's
   double target_height = kNotGiven;         ///< target above point `to` [m]; NaN: 0

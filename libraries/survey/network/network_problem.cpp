@@ -1,4 +1,3 @@
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -200,7 +199,7 @@ class Assembler {
     for (int i = 0; i < static_cast<int>(m_.observations.size()); ++i) {
       const Observation& o = m_.observations[i].observation;
       if (!takes_part(i) || !m_.rows[i].removable) continue;
-      const bool shares = shared_centring_ && std::isnan(o.sigma);
+      const bool shares = shared_centring_ && is_centred_by_profile(o);
       if (o.set_up < 0) {
         constexpr size_t kMost = 60;  // readings of one station
         const bool goes_on = shares && station >= 0 && stands_where(station, o) && blocks.back().size() < kMost &&
@@ -330,23 +329,10 @@ class Assembler {
       }
       for (int k = 0; k < g.values.size(); ++k) rows.push_back(m_.first_row_of_group[group] + k);
       if (g.is_geocentric) block->map = m_.map;
-      finish_given(std::move(block), covariance_of(g), rows, kGiven, "observed vectors (" + place(g.source) + ")");
+      finish_given(std::move(block), covariance_of(g, m_), rows, kGiven, "observed vectors (" + place(g.source) + ")");
       ++group;
     }
     for (const LocalCoordinate& c : m_.survey.local_coordinates) add_local(c, m_.first_row_of_group[group++]);
-  }
-
-  /// With the factors of a geocentric group, each vector in the horizon of its start.
-  Eigen::MatrixXd covariance_of(const VectorGroup& g) const {
-    if (!g.is_geocentric || (g.horizontal_factor == 1 && g.vertical_factor == 1)) return g.covariance;
-    const Eigen::Vector3d factors(g.horizontal_factor, g.horizontal_factor, g.vertical_factor);
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(g.covariance.rows(), g.covariance.cols());
-    for (size_t k = 0; k < g.vectors.size(); ++k) {
-      const Eigen::Matrix3d axes = m_.map->horizon(m_.initial[static_cast<size_t>(m_.index.at(g.vectors[k].from))]);
-      const auto at = static_cast<Eigen::Index>(3 * k);
-      all.block<3, 3>(at, at) = axes.transpose() * factors.asDiagonal() * axes;
-    }
-    return all * g.covariance * all.transpose();
   }
 
   void add_local(const LocalCoordinate& c, int first_row) {
@@ -363,23 +349,10 @@ class Assembler {
       block->map_scale = m_.map->scale(m_.initial[static_cast<size_t>(m_.index.at(set_up.station))],
                                        m_.initial[static_cast<size_t>(m_.index.at(c.point))]);
     const double factor = state_.sigma_factors[kLocalCoordinates];
-    const Eigen::Matrix3d covariance = c.covariance.allFinite() ? c.covariance : polar_covariance(c.position);
+    const Eigen::Matrix3d covariance =
+        c.covariance.allFinite() ? c.covariance : polar_covariance(c.position, options_.profile);
     finish_given(std::move(block), factor * factor * covariance, {first_row, first_row + 1, first_row + 2},
                  kLocalCoordinates, "local coordinates of " + c.point + " (" + place(c.source) + ")");
-  }
-
-  /// Covariance of a point measured with the profile's angles and distance.
-  Eigen::Matrix3d polar_covariance(const Eigen::Vector3d& p) const {
-    const double s = std::max(kShortestHorizontal, p.norm());
-    const double h = std::max(kShortestHorizontal, p.head<2>().norm());
-    Eigen::Matrix3d axes;  // along the sight, across, up across
-    axes.col(0) = p / s;
-    axes.col(1) = Eigen::Vector3d(p.y(), -p.x(), 0) / h;
-    axes.col(2) = axes.col(0).cross(axes.col(1));
-    const InstrumentProfile& profile = options_.profile;
-    const Eigen::Vector3d sigmas(profile.distance(s, 1), h * profile.direction(h, s, 1, true),
-                                 s * profile.zenith_angle(s, 1, true));
-    return axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
   }
 
   void finish_given(std::unique_ptr<least_squares::ResidualBlock> block, const Eigen::MatrixXd& covariance,

@@ -1,5 +1,6 @@
 #include "survey/network/reading_sigmas.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <string>
@@ -30,10 +31,13 @@ double ReadingSigmas::factor(int index) const {
 
 double ReadingSigmas::operator()(int index) const {
   const Observation& o = m_.observations[static_cast<size_t>(index)].observation;
-  if (!std::isnan(o.sigma)) return factor(index) * o.sigma;
+  if (!is_centred_by_profile(o)) return factor(index) * o.sigma;
   // Of a set-up it is an unknown, or there is none; of a single angle or distance it is in their standard deviation.
   const bool in_reading = !options_.centring_per_set_up || o.set_up < 0;
-  return factor(index) * sigma_by(profile_of(o, in_reading ? profiles_ : centred_), index);
+  const double whole = sigma_by(profile_of(o, in_reading ? profiles_ : centred_), index);
+  if (std::isnan(o.sigma)) return factor(index) * whole;
+  const double without = sigma_by(profile_of(o, own_), index);
+  return factor(index) * std::sqrt(o.sigma * o.sigma + std::max(0.0, whole * whole - without * without));
 }
 
 double ReadingSigmas::own(int index) const {
@@ -99,7 +103,7 @@ std::vector<Eigen::Vector2d> ReadingSigmas::centrings() const {
     if (m_.roles[i][0] == CoordinateRole::fixed) tied[m_.ids[i]] += 2;
   for (size_t i = 0; i < m_.observations.size(); ++i) {
     const Observation& o = m_.observations[i].observation;
-    if (o.set_up < 0 || !takes_part(i) || !std::isnan(o.sigma)) continue;
+    if (o.set_up < 0 || !takes_part(i) || !is_centred_by_profile(o)) continue;
     const auto set_up = static_cast<size_t>(o.set_up);
     if (tied.at(m_.survey.set_ups[set_up].station) > 1)
       sizes[set_up] = {profile(o).instrument_centring, profile(o).instrument_height};

@@ -7,10 +7,12 @@
 
 namespace plumbline::survey {
 
-/// The equation of this reading has the centring of its set-up as an unknown. What a file gives a standard deviation
-/// has its centring in it.
+/// What a file gives a standard deviation has its centring in it, unless the file says that it is to be added.
+inline bool is_centred_by_profile(const Observation& o) { return std::isnan(o.sigma) || o.without_centring; }
+
+/// The equation of this reading has the centring of its set-up as an unknown.
 inline bool has_centring_unknown(const Observation& o, const NetworkProblem& p) {
-  return o.set_up >= 0 && std::isnan(o.sigma) && p.centring_blocks[static_cast<size_t>(o.set_up)] >= 0;
+  return o.set_up >= 0 && is_centred_by_profile(o) && p.centring_blocks[static_cast<size_t>(o.set_up)] >= 0;
 }
 
 class ReadingSigmas {

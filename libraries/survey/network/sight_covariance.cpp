@@ -1,5 +1,6 @@
 #include "survey/network/sight_covariance.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -71,7 +72,7 @@ MatrixXd sight_covariance(const NetworkModel& m, const ReadingSigmas& sigmas, co
     const auto i = static_cast<size_t>(members[static_cast<size_t>(k)]);
     const Observation& o = m.observations[i].observation;
     covariance(k, k) = std::pow(sigmas.own(static_cast<int>(i)), 2);
-    if (!std::isnan(o.sigma)) continue;  // the file's holds all
+    if (!is_centred_by_profile(o)) continue;  // the file's holds all
     const InstrumentProfile& profile = sigmas.profile(o);
     const bool own = !std::isnan(profile.distance_centring);
     const Vector3d target(profile.target_centring, profile.target_centring, profile.height_centring);
@@ -93,6 +94,30 @@ MatrixXd sight_covariance(const NetworkModel& m, const ReadingSigmas& sigmas, co
   VectorXd factors(n);
   for (Eigen::Index k = 0; k < n; ++k) factors[k] = sigmas.factor(members[static_cast<size_t>(k)]);
   return factors.asDiagonal() * covariance * factors.asDiagonal();
+}
+
+MatrixXd covariance_of(const VectorGroup& g, const NetworkModel& m) {
+  if (!g.is_geocentric || (g.horizontal_factor == 1 && g.vertical_factor == 1)) return g.covariance;
+  const Vector3d factors(g.horizontal_factor, g.horizontal_factor, g.vertical_factor);
+  MatrixXd all = MatrixXd::Zero(g.covariance.rows(), g.covariance.cols());
+  for (size_t k = 0; k < g.vectors.size(); ++k) {
+    const Eigen::Matrix3d axes = m.map->horizon(m.initial[static_cast<size_t>(m.index.at(g.vectors[k].from))]);
+    const auto at = static_cast<Eigen::Index>(3 * k);
+    all.block<3, 3>(at, at) = axes.transpose() * factors.asDiagonal() * axes;
+  }
+  return all * g.covariance * all.transpose();
+}
+
+Eigen::Matrix3d polar_covariance(const Vector3d& p, const InstrumentProfile& profile) {
+  const double s = std::max(kShortestHorizontal, p.norm());
+  const double h = std::max(kShortestHorizontal, p.head<2>().norm());
+  Eigen::Matrix3d axes;  // along the sight, across, up across
+  axes.col(0) = p / s;
+  axes.col(1) = Vector3d(p.y(), -p.x(), 0) / h;
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  const Vector3d sigmas(profile.distance(s, 1), h * profile.direction(h, s, 1, true),
+                        s * profile.zenith_angle(s, 1, true));
+  return axes * sigmas.cwiseAbs2().asDiagonal() * axes.transpose();
 }
 
 }  // namespace plumbline::survey

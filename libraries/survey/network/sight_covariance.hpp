@@ -20,4 +20,9 @@ namespace plumbline::survey {
 Eigen::MatrixXd sight_covariance(const NetworkModel& model, const ReadingSigmas& sigmas,
                                  const std::vector<int>& members);
 
+/// Of vectors, with the factors of a geocentric group, each vector in the horizon of its start [m^2].
+Eigen::MatrixXd covariance_of(const VectorGroup& group, const NetworkModel& model);
+/// Of a point measured with the profile's angles and distance, in the frame that its `position` is in [m^2].
+Eigen::Matrix3d polar_covariance(const Eigen::Vector3d& position, const InstrumentProfile& profile);
+
 }  // namespace plumbline::survey

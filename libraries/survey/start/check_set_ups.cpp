@@ -352,56 +352,11 @@ class SetUpCheck {
   std::vector<SetUpProblem> problems_;
 };
 
-void multiply_distances(const SetUpProblem& p, SurveyObservations& survey) {
-  for (Observation& o : survey.observations) {
-    if (o.set_up != p.set_up) continue;
-    if (o.kind != ObservationKind::slope_distance && o.kind != ObservationKind::horizontal_distance) continue;
-    o.value *= p.size;
-    o.corrections.push_back("unit: times " + fixed_digits(p.size, 6));
-  }
-}
-
-/// The sights concerned become a set-up of their own; on a station of its own if the instrument was moved.
-void split_off(const SetUpProblem& p, bool moved, SurveyObservations& survey) {
-  std::set<std::pair<std::string, int>> sights;  // target and pointing: all readings of a sight go together
-  for (int i : p.orders) {
-    const Observation& o = survey.observations[static_cast<size_t>(i)];
-    sights.insert({o.to, o.pointing});
-  }
-  SetUp part = survey.set_ups[static_cast<size_t>(p.set_up)];
-  int number = 2;
-  const auto taken = [&](const std::string& id) {
-    return std::any_of(survey.set_ups.begin(), survey.set_ups.end(), [&](const SetUp& s) { return s.id == id; });
-  };
-  const std::string base = part.id;
-  while (taken(part.id = base + " (part " + std::to_string(number) + ")")) ++number;
-  if (moved) part.station = part.id;
-  const int index = static_cast<int>(survey.set_ups.size());
-  survey.set_ups.push_back(part);
-  for (Observation& o : survey.observations) {
-    if (o.set_up != p.set_up || !sights.contains({o.to, o.pointing})) continue;
-    o.set_up = index;
-    if (moved) o.from = part.station;
-  }
-}
-
 }  // namespace
 
 std::vector<SetUpProblem> check_set_ups(const SurveyObservations& survey,
                                         const std::vector<MeanObservation>& observations, const SetUpChain& chain) {
   return SetUpCheck(survey, observations, chain).run();
-}
-
-bool mend_set_ups(const std::vector<SetUpProblem>& problems, SurveyObservations& survey) {
-  bool mended = false;
-  for (const SetUpProblem& p : problems) {
-    if (!p.certain) continue;
-    if (p.kind == Kind::unit) multiply_distances(p, survey);
-    if (p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument)
-      split_off(p, p.kind == Kind::moved_instrument, survey);
-    mended |= p.kind == Kind::unit || p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument;
-  }
-  return mended;
 }
 
 }  // namespace plumbline::survey

@@ -9,7 +9,7 @@
 namespace plumbline::detect {
 
 struct DetectTagPyramid : Node {
-  static constexpr Info info{"detect.tag_pyramid", "detector", 3,
+  static constexpr Info info{"detect.tag_pyramid", "detector", 4,
                              "Finds square tags in large images strip by strip and measures their corners"};
   Each<Image> images{"images", "photographs: JPEG, PNG or TIFF; baseline JPEG is decoded strip by strip"};
   Optional<File> family{"family", "the family or dictionary of read.tag_family, in place of `families`"};
@@ -18,12 +18,12 @@ struct DetectTagPyramid : Node {
       "families", {"tag36h11"}, "libapriltag's families (tag36h11, tagStandard41h12, ...) and OpenCV's dictionaries"};
   Param<double> smallest_tag{"smallest_tag", 0.0, "px", between(0, 10000),
                              "shortest side that has to be found; below 24 every pixel is searched, else every second "
-                             "each way. 0: 12 up to 4.5 megapixels, 24 above"};
+                             "each way. 0: 12 up to 30 megapixels, 24 above"};
   Param<int64_t> min_contrast{"min_contrast", 24, "grey levels", between(5, 200),
                               "between the darkest and the brightest pixel of a tag's surroundings"};
   Param<int64_t> max_hamming{"max_hamming", 1, between(0, 5),
                              "bits that may be corrected, at most what the smallest distance of the codes allows"};
-  Param<double> min_decision_margin{"min_decision_margin", 25.0, "grey levels", at_least(0),
+  Param<double> min_decision_margin{"min_decision_margin", 12.0, "grey levels", at_least(0),
                                     "tags that were decoded with less contrast are dropped"};
   Param<double> curvature_sigma{"curvature_sigma", 2e-5, "1/px", at_least(0),
                                 "how much a lens may bow a straight edge; 0: not at all"};

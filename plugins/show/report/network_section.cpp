@@ -280,7 +280,17 @@ void write_points(Markup& html, const NetworkPage& n) {
       "σ: one standard deviation. Plan 95 %: largest semi-axis of the confidence ellipse; height 95 %: half "
       "the confidence interval. " +
           std::string(own ? "In the axes of the file: " + x + ", " + y + ", " + z + "; the drawings have north up."
-                          : "E east, N north, H height."));
+                          : "E east, N north, H height.") +
+          (n.coordinates.size() > kMostRows ? " The weakest stand first." : ""));
+  std::vector<const NetworkPage::Coordinates*> order;
+  for (const auto& p : n.coordinates) order.push_back(&p);
+  const auto weakness = [](const NetworkPage::Coordinates* p) {
+    const auto or_none = [](double v) { return std::isfinite(v) ? v : -1; };
+    return std::max(or_none(p->plan_95), or_none(p->height_95));
+  };
+  if (order.size() > kMostRows)
+    std::stable_sort(order.begin(), order.end(),
+                     [&](const auto* a, const auto* b) { return weakness(a) > weakness(b); });
   write_long_table(
       html,
       {{"Point", x + " [m]", y + " [m]", z + " [m]", "σ " + x.substr(0, 1) + " [mm]", "σ " + y.substr(0, 1) + " [mm]",
@@ -290,7 +300,7 @@ void write_points(Markup& html, const NetworkPage& n) {
        kMostRows,
        "coordinates.csv"},
       [&](std::size_t i) {
-        const NetworkPage::Coordinates& p = n.coordinates[i];
+        const NetworkPage::Coordinates& p = *order[i];
         table_row(html, {verbatim(p.id), fixed(p.position.x(), 4), fixed(p.position.y(), 4), fixed(p.position.z(), 4),
                          mm(p.sigma.x()), mm(p.sigma.y()), mm(p.sigma.z()), mm(p.plan_95), mm(p.height_95)});
       });

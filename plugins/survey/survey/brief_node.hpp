@@ -17,7 +17,7 @@ struct BriefNode : Node {
       "Keeps of a network result the observations that something is to be said of and those most "
       "suspect; all are in the tables of survey.tables"};
   In<SurveyNetwork> network{"network", frame("frame=?F"), "the whole result"};
-  Param<int64_t> most{"most", 5000, between(0, 1000000),
+  Param<int64_t> most{"most", 1000, between(0, 1000000),
                       "observations that are kept where more are neither flagged, removed nor uncontrolled"};
   Out<SurveyNetwork> result{"network", frame("frame=?F"), "the same with those observations only"};
   void run(Context& context) override;

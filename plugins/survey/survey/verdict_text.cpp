@@ -8,6 +8,8 @@
 #include <sstream>
 #include <vector>
 
+#include "geometry/statistics.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -53,15 +55,18 @@ void write_worst(const std::vector<const NetworkObservationT*>& worst, std::ostr
   }
 }
 
-/// Suspect sights, and points that nothing controls.
+/// Suspect sights, and points that nothing controls. Of many readings some are flagged by chance: who has to go back is
+/// told of what the largest of them all would hardly reach (1 %), as in the findings.
 void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObservationT*>& worst,
                  std::ostringstream& text) {
   std::vector<std::string> again;
   const auto say = [&](const std::string& what) {
     if (std::find(again.begin(), again.end(), what) == again.end()) again.push_back(what);
   };
+  const double by_chance = normal_quantile(1 - 0.5 * 0.01 / std::max(1.0, static_cast<double>(n.observations.size())));
   for (const NetworkObservationT* o : worst)
-    if (o->flagged || o->removed) say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));
+    if (o->removed || (o->flagged && std::abs(o->w) > by_chance))
+      say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));
   std::map<std::string, bool> controlled;  // by target
   std::set<std::string> stations;
   for (const auto& s : n.set_ups) stations.insert(s->station);

@@ -121,11 +121,14 @@ std::vector<bool> late(const MeasuredBoard& board) {
   return second;
 }
 
-/// Means over the sets, by split: at random, by the order of the names, by where the board lies in the image.
+/// Set by set in halves at random, and means over the sets by split: at random, by the order of the names, by where the
+/// board lies in the image. Of what the other end of a walk or the other side of the image has of its own a half says
+/// nothing, so halves by place differ by more (calibrate_camera has all of it, and compares parts).
 TEST(CalibrationSigmas, AreTrueOnPublicPhotographs) {
   const unsigned splits = std::getenv("PLUMBLINE_LONG") ? 16 : 3;
   std::array<Ratio, 3> mean;
   std::array<double, 3> worst{}, sets{};
+  int held = 0;
   for (const std::string& name : kSets) {
     const MeasuredBoard board = read_corners(name);
     ASSERT_GE(board.views.size(), 10u) << name;
@@ -144,6 +147,7 @@ TEST(CalibrationSigmas, AreTrueOnPublicPhotographs) {
       const double written = of_set[kind].written / count[kind], formal = of_set[kind].formal / count[kind];
       mean[kind].written += written, mean[kind].formal += formal, sets[kind] += 1;
       worst[kind] = std::max(worst[kind], written);
+      if (kind == 0) held += written > 0.7 && written < 1.5;
       words += " " + std::to_string(written) + " (" + std::to_string(formal) + ")";
     }
     RecordProperty(name, words);
@@ -151,10 +155,11 @@ TEST(CalibrationSigmas, AreTrueOnPublicPhotographs) {
   for (std::size_t kind = 0; kind < 3; ++kind) {
     EXPECT_GE(sets[kind], 10) << kind;
     EXPECT_GT(mean[kind].written / sets[kind], 0.7) << kind;
-    EXPECT_LT(mean[kind].written / sets[kind], 1.5) << kind;
+    EXPECT_LT(mean[kind].written / sets[kind], kind == 2 ? 1.8 : 1.5) << kind;
     EXPECT_GT(mean[kind].formal / sets[kind], 3) << "of the corners alone they would be as good";
-    EXPECT_LT(worst[kind], 4) << kind;
+    EXPECT_LT(worst[kind], kind == 0 ? 2.6 : 5) << kind;
   }
+  EXPECT_GE(held, 9) << "of 13 sets in halves at random";
 }
 
 }  // namespace

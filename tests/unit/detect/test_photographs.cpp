@@ -170,5 +170,20 @@ TEST(PhotographsDrawnApart, InLinearLightAreNotMistaken) {
   }
 }
 
+/// JPEG hides that light is linear: the corners are then drawn out by nearly half a pixel, and what is stated holds
+/// that in itself, not only in the mean over linear and sRGB files.
+TEST(PhotographsDrawnApart, InLinearLightAreHeldWhereJpegHidesIt) {
+  for (const auto& [columns, rows, seed] : {std::tuple(3, 2, 1), std::tuple(3, 2, 4), std::tuple(1, 1, 1)}) {
+    const Taken photograph = taken(columns, rows, static_cast<std::uint64_t>(seed));
+    for (const int quality : {90, 80, 70, 60, 50}) {
+      const CameraChain camera{.name = "linear JPEG " + std::to_string(quality), .srgb = false, .quality = quality};
+      const Agreement a = agreement(test::photograph_of(photograph.light, camera, 2), photograph.tags);
+      RecordProperty("c" + std::to_string(columns) + "_" + std::to_string(seed) + "_" + std::to_string(quality),
+                     in_words(camera, a));
+      EXPECT_LT(std::abs(a.inset), std::sqrt(1.5) * a.inset_sigma + 0.02) << in_words(camera, a);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plumbline

@@ -1,6 +1,7 @@
 // The instrument stands beside its mark by one amount for all that it measures from there.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -186,6 +187,49 @@ TEST(Centring, OfASingleLineIsSharedByItsReadings) {
   const Eigen::Vector3d across(16, -12, 0);
   left = across * across.transpose() * std::pow(1e-3 / 50, 2);
   EXPECT_LT((c - (target + instrument + left)).norm(), 1e-3 * c.norm()) << c << "\n\n" << target + instrument + left;
+}
+
+/// The instrument's own standard deviations, written out and centring added to them (STAR*NET's .ADDCENTERING ON), are
+/// the instrument's: in set-ups and in single lines, as unknowns of the set-up and reading by reading.
+TEST(Centring, AddedToWhatIsWrittenIsThatOfTheInstrument) {
+  SimulationOptions simulation;
+  simulation.profile = built_in_profile("total_station_2arcsec");
+  simulation.profile.instrument_centring = 1e-3, simulation.profile.target_centring = 2e-3;
+  simulation.profile.height_centring = 0.5e-3;
+  simulation.sigmas = false;
+  simulation.coordinates = true;
+  SurveyObservations left_to_it = simulate_survey(facade_layout(12, 3, 5), simulation, 7);
+  for (const char* to : {"M1", "M5"}) {  // single lines
+    Observation o;
+    o.kind = ObservationKind::slope_distance, o.from = "M9", o.to = to;
+    const auto at = [&](const std::string& id) {
+      return std::find_if(left_to_it.points.begin(), left_to_it.points.end(),
+                          [&](const Point& p) { return p.id == id; })
+          ->coordinates;
+    };
+    o.value = (at(to) - at("M9")).norm();
+    left_to_it.observations.push_back(o);
+  }
+  AdjustOptions options, bare;
+  options.profile = simulation.profile, bare.profile = simulation.profile.without_centring();
+  options.datum = bare.datum = DatumMode::inner;
+  SurveyObservations written = left_to_it;
+  const NetworkResult own = adjust_network(left_to_it, bare);
+  ASSERT_EQ(own.rows.size(), written.observations.size());
+  for (size_t i = 0; i < own.rows.size(); ++i) {
+    ASSERT_EQ(own.rows[i].to, written.observations[i].to);
+    written.observations[i].sigma = own.rows[i].statistics.sigma;
+  }
+  const NetworkResult whole = adjust_network(written, options);  // as it is written: without
+  for (Observation& o : written.observations) o.without_centring = true;
+  for (const bool per_set_up : {true, false}) {
+    options.centring_per_set_up = per_set_up;
+    const NetworkResult a = adjust_network(left_to_it, options), b = adjust_network(written, options);
+    EXPECT_NEAR(a.sum_of_squares, b.sum_of_squares, 1e-6 * a.sum_of_squares) << per_set_up;
+    EXPECT_GT(whole.sum_of_squares, 1.05 * b.sum_of_squares) << "it matters";
+    for (const ResultPoint& p : a.points)
+      EXPECT_LT((a.sigma(p) - b.sigma(b.point(p.id))).norm(), 1e-6 * a.sigma(p).norm()) << p.id;
+  }
 }
 
 }  // namespace

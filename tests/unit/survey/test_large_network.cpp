@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "geometry/random.hpp"
 #include "survey/adjust/adjust_network.hpp"
@@ -37,6 +39,32 @@ SurveyObservations facade(int markers, int set_ups) {
 double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   const Eigen::VectorXd s = a.diagonal().cwiseSqrt();
   return ((a - b).array() / (s * s.transpose()).array()).abs().maxCoeff();
+}
+
+/// Blunders whose stations see no point in common go together: each by itself would be an adjustment of the whole.
+TEST(LargeNetwork, BlundersFarApartGoInOneAdjustment) {
+  SurveyObservations survey = facade(600, 36);
+  std::set<int> wrong;  // lines, and one more beside the first: of the same set-up, so it waits
+  for (const int set_up : {1, 11, 21, 31, 1})
+    for (Observation& o : survey.observations)
+      if (o.kind == ObservationKind::slope_distance && o.set_up == set_up && !wrong.contains(o.source.line)) {
+        o.value += set_up == 1 && wrong.size() > 1 ? 0.008 : 0.01;
+        wrong.insert(o.source.line);
+        break;
+      }
+  ASSERT_EQ(wrong.size(), 5u);
+  AdjustOptions options;
+  options.profile = built_in_profile("total_station_2arcsec");
+  options.remove_blunders = true;
+  const NetworkResult r = adjust_network(survey, options);
+  std::set<int> removed;
+  for (const ResultRow& row : r.rows)
+    if (row.removed) removed.insert(row.source.line);
+  EXPECT_EQ(removed, wrong);
+  std::map<double, int> steps;  // by the sum of squares after them
+  for (const SnoopingAction& a : r.snooping) ++steps[a.sum_of_squares];
+  EXPECT_EQ(steps.size(), 2u);
+  EXPECT_EQ(r.validity, Validity::sound) << r.verdict;
 }
 
 TEST(LargeNetwork, CovariancesOnDemandAreThoseOfTheWholeMatrix) {

@@ -101,15 +101,35 @@ TEST(StarNetFlags, WhatIsFreedTakesNoPartAndIsSaid) {
   EXPECT_TRUE(survey.warnings.back().starts_with("1 values are freed by '*'")) << survey.warnings.back();
 }
 
-TEST(StarNetOptions, CentringIsNotAddedToWhatIsWrittenAndOnIsRefused) {
-  const std::string line = "C A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0000 0.010\n";
-  EXPECT_TRUE(read_starnet(".3D\n.ADDC OFF\n" + line, "f").skipped.empty());
-  for (const std::string on : {".ADDC ON", ".ADDC", ".ADDCENTERING ON"}) {
-    const auto survey = read_starnet(".3D\n" + on + "\n" + line, "f");
-    ASSERT_EQ(survey.skipped.size(), 1u) << on;
-    EXPECT_EQ(survey.skipped[0].found, "'" + on + "'");
-    EXPECT_NE(survey.skipped[0].expected.find(".ADDCENTERING OFF"), std::string::npos);
-  }
+/// With ON the centring of the instrument is added to what is written, not to what is held or left to it.
+TEST(StarNetOptions, CentringIsAddedToWhatIsWrittenWhereTheFileSaysSo) {
+  const std::string lines =
+      "C A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nC P 9 9 1\nD A-B 13.0000 0.010\nD A-P 12.8 &\nD B-P 12.8 !\nL A-B 12 0.1 "
+      "0.001\n";
+  const auto added = [&](const std::string& option) {
+    const auto survey = read_starnet(".3D\n" + option + "\n" + lines, "f");
+    EXPECT_TRUE(survey.skipped.empty()) << option;
+    std::string flags;
+    for (const Observation& o : survey.observations) flags += o.without_centring ? '1' : '0';
+    return flags;
+  };
+  for (const char* on : {".ADDC ON", ".ADDC", ".ADDCENTERING ON"}) EXPECT_EQ(added(on), "1000") << on;
+  for (const char* off : {".ADDC OFF", ".ADDCENTERING OFF", ""}) EXPECT_EQ(added(off), "0000") << off;
+  const auto wrong = read_starnet(".3D\n.ADDC SOMETIMES\n" + lines, "f");
+  ASSERT_EQ(wrong.skipped.size(), 1u);
+  EXPECT_EQ(wrong.skipped[0].expected, ".ADDCENTERING ON or .ADDCENTERING OFF");
+}
+
+TEST(StarNetOptions, CentringThatIsAddedIsWrittenAndReadAgain) {
+  const auto survey = read_starnet(".3D\n.ADDC ON\nC A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0000 0.010\n", "f");
+  const std::string text = write_starnet(survey);
+  EXPECT_NE(text.find(".ADDCENTERING ON"), std::string::npos) << text;
+  const auto back = read_starnet(text, "g");
+  ASSERT_EQ(back.observations.size(), 1u);
+  EXPECT_TRUE(back.observations[0].without_centring);
+  auto both =
+      read_starnet(".3D\nC A 0 0 0 ! ! !\nC B 4 3 12 ! ! !\nD A-B 13.0 0.010\n.ADDC ON\nD A-B 13.0 0.010\n", "f");
+  EXPECT_THROW(write_starnet(both), std::runtime_error);
 }
 
 TEST(StarNetSideShots, PlaceAPointAndTakeNoPart) {
