@@ -2,7 +2,9 @@
 // same start, with the same derivatives and the same stopping rule, one thread, one run beside the other. Answers are
 // checked: same final cost, and coordinates near the truth. Then the covariance by selected inverse.
 //
-//   adjust_benchmark [IMAGES POINTS RAYS | FOLDER]      FOLDER: an AICON block, a PhotoModeler export, a BAL problem
+//   adjust_benchmark [IMAGES POINTS RAYS [anywhere] | FOLDER]
+//                                  FOLDER: an AICON block, a PhotoModeler export, a BAL problem; anywhere: points are
+//                                  seen by images of the whole ring, so that the factor fills up
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -48,6 +50,7 @@ class Random {
 
 struct Shape {
   int images, points, rays;
+  bool anywhere = false;
 };
 
 struct Made {
@@ -83,7 +86,9 @@ Made make(const Shape& shape) {
     const int first = static_cast<int>(random.uniform() * shape.images);
     for (int r = 0; r < shape.rays; ++r) {
       ImagePoint o;
-      o.image = (first + r) % shape.images;
+      o.image =
+          (first + r * (shape.anywhere ? 1 + static_cast<int>(random.uniform() * shape.images / shape.rays) : 1)) %
+          shape.images;
       o.point = j;
       const Placement& pose = made.truth.images[static_cast<size_t>(o.image)];
       LensRows rows;
@@ -284,6 +289,28 @@ bool compare_covariance(const Made& made, const State& state, const std::vector<
   return worst < 1e-6;
 }
 
+/// The same problem without a factor, beside Ceres' ITERATIVE_SCHUR with SCHUR_JACOBI. False if the costs differ.
+bool compare_gradients(const Made& made, double cost) {
+  const auto by_gradients = [](const Minimiser& engine) {
+    return [engine](const Problem& problem, State& state, MinimiseOptions options) {
+      options.reduced = Reduced::gradients;
+      return engine(problem, state, options);
+    };
+  };
+  const Layout layout(made.problem);
+  const double announced = static_cast<double>(Elimination(made.problem, layout).bytes()),
+               without = static_cast<double>(
+                   Elimination(made.problem, layout, Side::automatic, 1, Reduced::gradients).bytes());
+  const Run ours = run(made, by_gradients(minimise_schur)), theirs = run(made, by_gradients(minimise_ceres));
+  std::printf("  by conjugate gradients, announced %.0f MB where the factor takes %.0f MB: %s\n", 1e-6 * without,
+              1e-6 * announced, ours.summary.message.c_str());
+  print("schur", {ours}, made);
+  print("ceres", {theirs}, made);
+  std::printf("  costs over that with a factor - 1: %.1e ours, %.1e Ceres\n", ours.summary.final_cost / cost - 1,
+              theirs.summary.final_cost / cost - 1);
+  return std::abs(ours.summary.final_cost / cost - 1) < 1e-6;
+}
+
 constexpr size_t largest_for_ceres = 3000000;  ///< observations
 
 bool compare(const char* name, const Made& made) {
@@ -310,6 +337,7 @@ bool compare(const char* name, const Made& made) {
   std::printf("  ratio %.2f (median of %d), final costs differ by %.1e, peak memory with Ceres %.0f MB\n",
               median(ratios), repeats, difference, peak_megabytes());
   if (!own.empty()) sound = compare_covariance(made, ours.back().state, own) && sound;
+  sound = compare_gradients(made, ours.back().summary.final_cost) && sound;
   if (repeats > 1) compare_with_colmap(made);
   return sound && std::abs(difference) < 1e-9;
 }
@@ -320,8 +348,8 @@ int main(int count, char** words) {
   bool sound = true;
   if (count == 2) {
     sound = compare(words[1], read(words[1]));
-  } else if (count == 4) {
-    sound = compare("given", make({std::atoi(words[1]), std::atoi(words[2]), std::atoi(words[3])}));
+  } else if (count == 4 || count == 5) {
+    sound = compare("given", make({std::atoi(words[1]), std::atoi(words[2]), std::atoi(words[3]), count == 5}));
   } else {
     sound = compare("100 x 3000", make({100, 3000, 20})) && sound;
     sound = compare("16 x 22106 (Dubrovnik's shape)", make({16, 22106, 4})) && sound;

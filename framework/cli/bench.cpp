@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include "bench_summary.hpp"
 #include "bench_verify.hpp"
 #include "build_info.hpp"
+#include "runtime/base/near_names.hpp"
 #include "runtime/record/deliver.hpp"
 #include "runtime/record/record.hpp"
 #include "runtime/sweep/sweep_archive.hpp"
@@ -189,6 +191,8 @@ int send(const BenchOptions& options, const SweepPlan& plan, runtime::Store& sto
   dispatch.command = {fs::read_symlink("/proc/self/exe").string(), "bench", fs::absolute(options.file).string()};
   dispatch.command.insert(dispatch.command.end(), options.overrides.begin(), options.overrides.end());
   for (const std::string& seeds : options.seeds) dispatch.command.insert(dispatch.command.end(), {"--seeds", seeds});
+  for (const std::string& name : options.scenarios)
+    dispatch.command.insert(dispatch.command.end(), {"--scenario", name});
   dispatch.command.insert(dispatch.command.end(), {"--store", store.folder().string(), "--plan", plan.id, "--workers",
                                                    std::to_string(std::max(1, options.workers)), "--cells-per-task",
                                                    std::to_string(options.cells_per_task)});
@@ -208,6 +212,38 @@ std::vector<size_t> cells_of_task(const BenchOptions& options, const SweepPlan& 
     throw std::runtime_error("there is no task " + std::to_string(options.task) + "; the plan has " +
                              std::to_string(chunks.size()));
   return chunks[static_cast<size_t>(options.task)];
+}
+
+/// "--seeds 1 floors=2": a list takes what follows it, and what has a '=' is an override.
+void part_seeds_from_overrides(BenchOptions& options) {
+  const auto first = std::stable_partition(options.seeds.begin(), options.seeds.end(),
+                                           [](const std::string& word) { return word.find('=') == std::string::npos; });
+  options.overrides.insert(options.overrides.end(), first, options.seeds.end());
+  options.seeds.erase(first, options.seeds.end());
+}
+
+/// Keeps the scenarios that somebody named, in the file's order, and what speaks of them.
+void keep_scenarios(runtime::SweepFile& file, const std::vector<std::string>& wanted) {
+  std::vector<std::string> known;
+  for (const auto& scenario : file.scenarios)
+    if (!scenario.name.empty()) known.push_back(scenario.name);
+  for (const std::string& name : wanted) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string names;
+    for (const std::string& one : known) names += (names.empty() ? "'" : ", '") + one + "'";
+    throw UsageError("--scenario: " + file.path.string() + " has no scenario '" + name + "'" +
+                     runtime::did_you_mean(name, known) +
+                     (known.empty() ? "; it has none at all" : "; it has " + names));
+  }
+  const auto unwanted = [&](const std::string& name) {
+    return std::find(wanted.begin(), wanted.end(), name) == wanted.end();
+  };
+  std::erase_if(file.scenarios, [&](const auto& scenario) { return unwanted(scenario.name); });
+  std::erase_if(file.weights, [&](const auto& weight) { return unwanted(weight.first); });
+  std::erase_if(file.exclude, [&](const auto& exclusion) {
+    const auto named = exclusion.where.find("scenario");
+    return named != exclusion.where.end() && unwanted(named->second);
+  });
 }
 
 }  // namespace
@@ -235,6 +271,10 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
   command.add_option("--store", options.store, "folder of the store; where other machines work, one they all see")
       ->type_name("DIR");
   command.add_option("--seeds", options.seeds, "in place of the file's, such as 1-20")->type_name("SEEDS");
+  command
+      .add_option("--scenario", options.scenarios, "only this one of the file's scenarios; may be given several times")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   command.add_option("--workers", options.workers, "trials side by side (default: one a processor)")
       ->check(CLI::Range(1, 4096));
   command.add_option("--memory", options.memory, "limit for memory that nodes announce, such as 3GiB")
@@ -261,6 +301,7 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
 
 int bench(const BenchOptions& given) {
   BenchOptions options = given;
+  part_seeds_from_overrides(options);
   if (options.file == "verify" && !fs::exists(options.file)) {
     if (options.overrides.size() != 1)
       throw UsageError("'plumbline bench verify' takes one folder that --archive wrote");
@@ -278,6 +319,7 @@ int bench(const BenchOptions& given) {
     if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
     file.seeds = *seeds;
   }
+  if (!options.scenarios.empty()) keep_scenarios(file, options.scenarios);
   const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");

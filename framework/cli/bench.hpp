@@ -19,9 +19,10 @@ struct BenchOptions {
   std::string store;  ///< empty: Store::default_folder()
   std::string memory;
   std::string executor = "local";
-  std::string hosts;               ///< comma-separated, for ssh
-  std::string scheduler_options;   ///< for sbatch
-  std::vector<std::string> seeds;  ///< in place of the file's
+  std::string hosts;                   ///< comma-separated, for ssh
+  std::string scheduler_options;       ///< for sbatch
+  std::vector<std::string> seeds;      ///< in place of the file's
+  std::vector<std::string> scenarios;  ///< of the file, by name; empty: all
   int workers = 0, task = -1, cells_per_task = 50;
   double limit = 0;
   bool status = false, retry = false, overwrite = false, json = false, quiet = false;

@@ -133,9 +133,11 @@ int describe(const Options& options) {
   const runtime::Kind* kind = registry.find(options.name);
   if (!kind) {
     if (describe_pipeline(options, registry) || describe_artifact(options, registry)) return 0;
-    std::vector<std::string> names;
+    std::vector<std::string> names = names_of_pipelines_and_artifacts(registry);
     for (const auto& [name, entry] : registry.kinds()) names.push_back(name);
-    const std::string hint = did_you_mean(options.name, names);
+    std::string bare = options.name.substr(0, options.name.find('/'));
+    if (bare.rfind("plumbline.", 0) == 0) bare.erase(0, bare.find('.') + 1);
+    const std::string hint = did_you_mean(bare, names);
     throw UsageError(
         "there is no node, pipeline or artifact '" + options.name + "'" +
         (hint.empty() ? "; `plumbline list`, `list pipelines` and `list artifacts` show what there is" : hint));

@@ -1,4 +1,6 @@
 // plumbline list pipelines, artifacts; describe PIPELINE, ARTIFACT
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -25,11 +27,16 @@ std::map<std::string, fs::path> pipelines() {
   return found;
 }
 
-std::string first_sentence(const std::string& text) {
-  std::string line = text.substr(0, text.find('\n'));
+std::string first_sentence(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  for (size_t i = 0; i + 2 < text.size(); ++i)
+    if (text.compare(i, 2, ". ") == 0 &&
+        (std::isupper(static_cast<unsigned char>(text[i + 2])) != 0 || text.compare(i + 2, 5, "docs/") == 0 ||
+         text.compare(i + 2, 13, "plumbline run") == 0))
+      text.resize(i + 1);
   // "…: plumbline run NAME folder=…" tells how; the variables say the same.
-  if (const size_t how = line.find(": plumbline run"); how != std::string::npos) line.resize(how);
-  return line;
+  if (const size_t how = text.find(": plumbline run"); how != std::string::npos) text.resize(how);
+  return text;
 }
 
 /// What a variable is: its comment in the file, else what the parameter that takes it says.
@@ -50,6 +57,16 @@ std::string unit_of(const runtime::VariableDoc& variable, const runtime::Registr
 
 }  // namespace
 
+std::vector<std::string> names_of_pipelines_and_artifacts(const runtime::Registry& registry) {
+  std::vector<std::string> names;
+  for (const auto& [name, file] : pipelines()) names.push_back(name);
+  for (const auto& [name, type] : registry.types()) {
+    const std::string bare = name.substr(0, name.find('/'));
+    names.push_back(bare.substr(bare.rfind('.') + 1));
+  }
+  return names;
+}
+
 int list_pipelines(const Options& options) {
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
@@ -58,7 +75,11 @@ int list_pipelines(const Options& options) {
     std::string needs;
     for (const auto& variable : doc.variables)
       if (variable.required) needs += (needs.empty() ? "" : " ") + variable.name + "=";
-    json.push_back({{"name", name}, {"file", file.string()}, {"summary", doc.summary}, {"needs", needs}});
+    json.push_back({{"name", name},
+                    {"file", file.string()},
+                    {"sentence", first_sentence(doc.summary)},
+                    {"summary", doc.summary},
+                    {"needs", needs}});
     rows.push_back({name, needs, first_sentence(doc.summary)});
   }
   std::printf("%s", options.json ? (json.dump(1) + "\n").c_str() : columns(rows).c_str());

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <iostream>
 #include <memory>
 #include <sstream>
 
@@ -311,8 +312,10 @@ int main(int argc, char** argv) {
   const std::vector<Command> commands = declare(app, options, bench_options);
   // `help`, `help run` and `version`, as people try them first.
   std::vector<std::string> words(argv + 1, argv + argc);
-  if (!words.empty() && words[0] == "version") words = {"--version"};
-  if (!words.empty() && words[0] == "help") {
+  const bool nothing = words.empty();
+  if (nothing) words = {"--help"};
+  if (words[0] == "version") words = {"--version"};
+  if (words[0] == "help") {
     words.erase(words.begin());
     words.emplace_back("--help");
   }
@@ -320,7 +323,8 @@ int main(int argc, char** argv) {
     std::reverse(words.begin(), words.end());  // as CLI11 takes them
     app.parse(std::move(words));
   } catch (const CLI::Success& success) {  // --help, --version
-    return app.exit(success);
+    app.exit(success, nothing ? std::cerr : std::cout);
+    return nothing ? 2 : 0;
   } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "plumbline: %s\nRun with --help for what there is.\n",
                  usage_text(error, argc, argv, app).c_str());

@@ -71,13 +71,16 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
   constexpr size_t most_lines = 16;
   for (const auto& delivery : deliveries)
     if (delivery.file == "verdict.txt" || delivery.file == "summary.txt") return;
-  std::vector<bool> delivers(graph.nodes.size());
-  for (const auto& output : graph.outputs) delivers[output.from.node] = true;
+  // What is handed over, and what nothing else takes: the ends of a pipeline.
+  std::vector<bool> ends(graph.nodes.size(), true);
+  for (const auto& node : graph.nodes)
+    for (const auto& [port, source] : node.inputs) ends[source.node] = false;
+  for (const auto& output : graph.outputs) ends[output.from.node] = true;
   std::vector<std::vector<std::string>> rows;
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
     const runtime::NodeResult& node = result.nodes[i];
     if (node.status != NodeStatus::executed && node.status != NodeStatus::reused) continue;
-    if (const std::string text = metrics_text(node); delivers[i] && !text.empty())
+    if (const std::string text = metrics_text(node); ends[i] && !text.empty())
       rows.push_back({"  " + graph.nodes[i].name, text});
     if (!graph.nodes[i].maps)
       for (const std::string& message : node.messages) rows.push_back({"  " + graph.nodes[i].name, message});

@@ -50,7 +50,7 @@ EndsInTime::~EndsInTime() {
 
 void EndsInTime::watch() {
   using std::chrono::milliseconds;
-  constexpr auto look = milliseconds(50), patience = milliseconds(400);
+  constexpr auto look = milliseconds(25), patience = milliseconds(225);
   std::unique_lock lock(mutex_);
   while (!asked_for)
     if (done_changed_.wait_for(lock, look, [this] { return done_; })) return;

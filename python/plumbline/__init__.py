@@ -152,14 +152,23 @@ def run(pipeline, out=None, *, set=None, progress=None, store=None, threads=None
     return made
 
 
-def bench(file, out=None, *, seeds=None, store=None, **variables):
-    """Runs a bench file and returns its results: the content of bench.json. Cells that failed are in it and raise nothing."""
+def bench(file, out=None, *, seeds=None, scenarios=(), store=None, **variables):
+    """Runs a bench file and returns its results: the content of bench.json. Cells that failed are in it and raise nothing.
+
+    `seeds` in place of the file's: "1-20", a number, or numbers as in range(1, 21); `scenarios`: only these of the file's.
+    """
     out = pathlib.Path(out) if out else pathlib.Path("out") / pathlib.Path(file).stem
     words = ["bench", str(file)] + [f"{name}={_text(value)}" for name, value in variables.items()]
-    words += ["--out", str(out), "-q"] + _store(store) + (["--seeds", str(seeds)] if seeds else [])
-    code, errors = _follow(words, None)
-    if code == 2 or not (out / "bench.json").exists():
-        raise UsageError(errors)
+    words += ["--out", str(out), "--json"] + _store(store)
+    for name in [scenarios] if isinstance(scenarios, str) else scenarios:
+        words += ["--scenario", name]
+    if seeds is not None:
+        words += ["--seeds"] + [str(seed) for seed in ([seeds] if isinstance(seeds, (str, int)) else seeds)]
+    done = subprocess.run([_program(), *words], capture_output=True, text=True, check=False)
+    if done.returncode == 130:
+        raise KeyboardInterrupt
+    if done.returncode == 2 or not done.stdout.strip():  # what lies in `out` is of another time
+        raise (UsageError if done.returncode == 2 else PlumblineError)(done.stderr.strip())
     with open(out / "bench.json", encoding="utf-8") as stream:
         return json.load(stream)
 

@@ -67,6 +67,7 @@ class Exchange {
     references_ = Json::object();
     for (uint32_t i = 0; i < entry_.input_count; ++i) write_input(*entry_.inputs[i]);
     call["references"] = references_;
+    fs::create_directories(folder_ / "outputs");  // a node may give metrics alone
     for (uint32_t i = 0; i < entry_.output_count; ++i)
       fs::create_directories(folder_ / "outputs" / entry_.outputs[i]->name);
     const std::string text = call.dump(1);

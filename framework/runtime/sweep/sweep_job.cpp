@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <memory>
 #include <set>
 
@@ -89,9 +88,10 @@ std::string this_host() {
   return host;
 }
 
-std::vector<std::string> changed_plugins(const Registry& registry) {
+std::vector<std::string> changed_plugins(const Graph& graph) {
   std::set<std::string> changed;
-  for (const auto& plugin : registry.plugins()) {
+  for (const GraphNode& node : graph.nodes) {
+    const Plugin* plugin = node.kind.plugin;
     if (plugin->executable) {
       for (const auto& [file, identity] : plugin->executable->identities)
         if (file_identity(file) != identity) changed.insert(file.string());
@@ -135,11 +135,12 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
   std::error_code ignored;
   if (!plan.file.keep_everything) fs::remove_all(own, ignored);
   if (answer.cancelled) return answer;
-  const auto failed = [](const auto& cell) { return cell.second.failed; };
-  answer.plugins_changed = std::any_of(done.begin(), done.end(), failed) && !changed_plugins(registry).empty();
   const CellRecords records(store);
   for (const auto& [cell, record] : done) {
-    if (record.failed && answer.plugins_changed) continue;
+    if (record.failed && !changed_plugins(cell->graph->graph).empty()) {
+      answer.plugins_changed = true;
+      continue;
+    }
     answer.failed += record.failed;
     records.put(cell->key, record);
   }

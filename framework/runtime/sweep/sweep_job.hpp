@@ -20,13 +20,14 @@ struct SweepJob {
 struct SweepAnswer {
   size_t nodes = 0, merged = 0, executed = 0, failed = 0;
   bool cancelled = false, store_failed = false;
-  bool plugins_changed = false;  ///< files of plugins are others now than when the plan was made: see changed_plugins()
+  bool plugins_changed = false;  ///< of cells that failed: see changed_plugins()
 };
 
 std::string this_host();
 
-/// Files of plugins that are not those any more that were looked at: linked anew, edited, gone. Ascending.
-std::vector<std::string> changed_plugins(const Registry& registry);
+/// Files of the plugins behind a graph's nodes that are not those any more that were looked at: edited, gone, or linked
+/// anew to other bytes. Ascending.
+std::vector<std::string> changed_plugins(const Graph& graph);
 
 /// Runs one job and leaves its records in the store, but for failures while a plugin changed: those say nothing of the
 /// cells. `scratch` takes what nodes hand on where the plan keeps only

@@ -146,7 +146,7 @@ class Pool {
     jobs_ = std::move(jobs);
     while (!failure_ && (!jobs_.empty() || any_busy())) {
       if (cancelled()) jobs_.clear(), progress_.cancelled = true;
-      if (plugins_changed_) jobs_.clear();
+      if (!changed_plugin_.empty()) jobs_.clear();
       for (Worker& worker : workers_)
         if (!worker.busy && !jobs_.empty()) give(worker);
       listen();
@@ -154,13 +154,11 @@ class Pool {
     if (failure_)
       throw StoreError("a worker could not keep its results; is the disk full? See 'df " + store_.folder().string() +
                        "'");
-    if (plugins_changed_) {
-      const std::vector<std::string> changed = changed_plugins(registry_);
+    if (!changed_plugin_.empty())
       throw std::runtime_error(
-          (changed.empty() ? "a plugin" : changed.front()) +
+          changed_plugin_ +
           " was changed while cells ran; the bench was stopped, because what failed since then says nothing of its "
           "alternatives. Run again: cells that were done are kept, if what computed them is still the same");
-    }
   }
 
  private:
@@ -256,7 +254,11 @@ class Pool {
   void finished(Worker& worker, const SweepAnswer& answer) {
     worker.busy = false;
     failure_ |= answer.store_failed;
-    plugins_changed_ |= answer.plugins_changed;
+    for (const size_t cell : worker.job.cells)
+      if (answer.plugins_changed && changed_plugin_.empty()) {
+        const std::vector<std::string> changed = changed_plugins(plan_.cells[cell].graph->graph);
+        changed_plugin_ = changed.empty() ? "a plugin" : changed.front();
+      }
     progress_.nodes += answer.nodes;
     progress_.merged_nodes += answer.merged;
     progress_.executed += answer.executed;
@@ -298,7 +300,8 @@ class Pool {
   const pid_t parent_ = getpid();
   int threads_ = 1;
   uint64_t memory_ = 0;
-  bool failure_ = false, plugins_changed_ = false;
+  bool failure_ = false;
+  std::string changed_plugin_;  ///< while cells ran
   std::vector<Worker> workers_;
   std::deque<SweepJob> jobs_;
 };

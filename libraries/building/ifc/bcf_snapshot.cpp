@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 
 #include "building/ifc/bcf_topic.hpp"
@@ -83,17 +84,21 @@ std::string packed_runs(const std::string& raw) {
 }
 
 std::string Picture::png() const {
-  std::string raw;
-  raw.reserve(static_cast<std::size_t>((kWidth / 2 + 1) * kHeight));
-  // Filter "Up": each row as its difference to the one above, which mostly is nothing, in long runs.
-  std::string above(kWidth / 2, '\0'), packed_row = above;
+  // Filter "Up": each row as its difference to the one above, which mostly is nothing, in long runs. Rows that are
+  // alike stay zero.
+  constexpr std::size_t kBytes = kWidth / 2 + 1;
+  std::string raw(kBytes * kHeight, '\0');
+  const std::string white(kWidth, '\0');
+  const char* above = white.data();
   for (int y = 0; y < kHeight; ++y) {
-    raw += '\2';
+    char* out = raw.data() + static_cast<std::size_t>(y) * kBytes;
     const char* row = pixels_.data() + y * kWidth;
-    for (std::size_t i = 0; i < packed_row.size(); ++i)
-      packed_row[i] = static_cast<char>((row[2 * i] << 4) | row[2 * i + 1]);
-    for (std::size_t i = 0; i < packed_row.size(); ++i) raw += static_cast<char>(packed_row[i] - above[i]);
-    above.swap(packed_row);
+    *out++ = '\2';
+    if (std::memcmp(row, above, kWidth) != 0) {
+      const auto packed = [](const char* of, int i) { return of[2 * i] << 4 | of[2 * i + 1]; };
+      for (int i = 0; i < kWidth / 2; ++i) out[i] = static_cast<char>(packed(row, i) - packed(above, i));
+    }
+    above = row;
   }
   const std::string packed = packed_runs(raw);
   std::string out = "\x89PNG\r\n\x1a\n", header, palette;

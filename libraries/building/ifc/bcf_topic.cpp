@@ -125,6 +125,15 @@ std::string extensions(const std::set<std::string>& labels, const BcfOptions& op
          list("TopicLabels", "TopicLabel", labels) + list("Users", "User", users) + "</Extensions>\n";
 }
 
+/// What stands farther before the issue than this is cut away: scaffolds, trees, the other side of a narrow court [m].
+constexpr double kClipped = 1;
+
+std::string clipping_plane(const BcfIssue& issue) {
+  const Eigen::Vector3d& out = issue.frame.out;  // points into the half-space that is clipped
+  return "<ClippingPlanes><ClippingPlane>" + vector("Location", issue.centre + std::max(kClipped, issue.reach) * out) +
+         vector("Direction", out) + "</ClippingPlane></ClippingPlanes>";
+}
+
 std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hidden, const std::string& view,
                       const BcfOptions& options) {
   const Eigen::Vector3d& normal = issue.frame.out;
@@ -139,8 +148,8 @@ std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hid
          "</Color></Coloring></Components><PerspectiveCamera>" +
          vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
          vector("CameraUpVector", issue.frame.up) + "<FieldOfView>60</FieldOfView>" +
-         (options.version_3 ? "<AspectRatio>1.333333</AspectRatio>" : "") +
-         "</PerspectiveCamera></VisualizationInfo>\n";
+         (options.version_3 ? "<AspectRatio>1.333333</AspectRatio>" : "") + "</PerspectiveCamera>" +
+         clipping_plane(issue) + "</VisualizationInfo>\n";
 }
 
 }  // namespace

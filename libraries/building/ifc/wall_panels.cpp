@@ -83,8 +83,9 @@ void hang_walls(Design& design, const std::vector<FacadeRule>& rules, const std:
   if (walls.empty()) return;
   // What may be a part of the fixing says nothing of the facade here, and is a panel again behind.
   std::vector<Element*> plates;
+  const std::set<const Element*> fixings = may_be_fixings(design);
   for (Element& element : design.elements)
-    if (may_be_fixing(element)) plates.push_back(&element);
+    if (fixings.contains(&element)) plates.push_back(&element);
   for (Element* plate : plates) plate->is_panel = false;
   choose_panels(design, rules, walls);
   for (Element* plate : plates) plate->is_panel = true;

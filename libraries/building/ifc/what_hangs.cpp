@@ -12,8 +12,6 @@
 namespace plumbline::ifc {
 namespace {
 
-/// Plates up to this size [m] may be parts of a fixing: base plates and packing are, panels are larger.
-constexpr double kLargestFixing = 0.6;
 /// So many times its face is that of the panel that a fixing holds.
 constexpr double kMuchLarger = 4;
 /// Both sides of a panel's face are at least this [m]; mullions, brackets and rails are narrower.
@@ -78,25 +76,22 @@ bool is_fixing_plate(const std::string& kind) {
   return kinds.contains(kind);
 }
 
-bool may_be_fixing(const Element& e) {
-  return e.is_panel && !e.is_cladding && e.has_box && e.ifc_class.starts_with("IfcPlate") &&
-         sides_of(e)[2] <= kLargestFixing;
-}
-
 std::set<const Element*> bare_anchors(Design& design) {
   std::set<const Element*> bare;
   for (const Element& element : design.elements)
     if (element.is_anchor) bare.insert(&element);
   if (bare.empty()) return bare;
+  const std::set<const Element*> fixings = may_be_fixings(design);
   for (const auto& [panel, anchors] : anchors_of_panels(design, AnchorCells(design))) {
-    if (may_be_fixing(*panel)) continue;  // whose real panel may be what is called otherwise
+    if (fixings.contains(panel)) continue;  // whose real panel may be what is called otherwise
     for (const Element* anchor : anchors) bare.erase(anchor);
   }
   return bare;
 }
 
 void leave_out_fixing_plates(Design& design) {
-  if (std::none_of(design.elements.begin(), design.elements.end(), may_be_fixing)) return;
+  const std::set<const Element*> fixings = may_be_fixings(design);
+  if (fixings.empty()) return;
   const Held held = anchors_of_panels(design, AnchorCells(design));
   std::unordered_map<const Element*, double> largest;  // face of what hangs at an anchor
   for (const auto& [panel, anchors] : held)
@@ -104,7 +99,7 @@ void leave_out_fixing_plates(Design& design) {
       if (panel->has_box) largest[anchor] = std::max(largest[anchor], face_of(*panel));
   std::vector<std::string> left_out;
   for (Element& plate : design.elements) {
-    const auto anchors = may_be_fixing(plate) ? held.find(&plate) : held.end();
+    const auto anchors = fixings.contains(&plate) ? held.find(&plate) : held.end();
     if (anchors == held.end()) continue;
     if (!std::all_of(anchors->second.begin(), anchors->second.end(),
                      [&](const Element* anchor) { return largest[anchor] >= kMuchLarger * face_of(plate); }))

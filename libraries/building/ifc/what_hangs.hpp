@@ -13,8 +13,10 @@ namespace plumbline::ifc {
 /// Kinds of plates (PredefinedType, IFC4X3) that are parts of a fixing or of steelwork: no panels, wherever they are.
 bool is_fixing_plate(const std::string& kind);
 
-/// A panel of which nothing says whether it is one or a part of the fixing: a small plate of no said kind.
-bool may_be_fixing(const Element& element);
+/// Panels of which nothing says whether they are panels or parts of the fixing: small plates of no said kind that stand
+/// by themselves. Three or more that follow one another in one plane with a joint between each two are a field of
+/// panels: base plates stand apart, or side by side in pairs.
+std::set<const Element*> may_be_fixings(const Design& design);
 
 /// Anchors that hold no panel, or only what may be a part of the fixing.
 std::set<const Element*> bare_anchors(Design& design);

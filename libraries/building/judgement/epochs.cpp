@@ -132,10 +132,30 @@ ChangeKind change_of(const EpochItem& before, ToleranceVerdict after) {
                                                     : ChangeKind::settled;
 }
 
+/// Whether the design has an element no more; false where that is not known.
+bool has_left(const std::string& guid, const DesignElements* design) {
+  return design && !guid.empty() && !design->guids.contains(guid);
+}
+
+/// Whether it has an item no more: the element, or of a joint ("joint/P2", "joint/P2/1" where names are shared) the
+/// neighbour.
+bool has_left(const EpochItem& item, const DesignElements* design) {
+  if (has_left(item.guid, design)) return true;
+  constexpr std::string_view joint = "joint/";
+  if (!design || !item.topic.starts_with(joint)) return false;
+  const auto has = [&](const std::string& name) {
+    return design->names.contains(name) || design->guids.contains(name);
+  };
+  const std::string neighbour = item.topic.substr(joint.size());
+  return !has(neighbour) && !has(neighbour.substr(0, neighbour.rfind('/')));
+}
+
 /// Joints of a panel that were open and that this campaign did not judge: the neighbour was not measured again.
-std::map<std::string, ToleranceVerdict> joints_left_open(const EpochItem& before, const DeviationT& after) {
+std::map<std::string, ToleranceVerdict> joints_left_open(const EpochItem& before, const DeviationT& after,
+                                                         const DesignElements* design) {
   if (before.open_joints.empty()) return {};
   std::map<std::string, ToleranceVerdict> left = before.open_joints;
+  std::erase_if(left, [&](const auto& joint) { return has_left(joint.first, design); });
   for (const auto& panel : after.panels)
     if (panel->guid == before.guid)
       for (const auto& joint : panel->joints)
@@ -149,15 +169,27 @@ ToleranceVerdict worst_of(const std::map<std::string, ToleranceVerdict>& joints)
   return worst;
 }
 
+std::string name_of_panel(const std::string& guid, const Known& known) {
+  EpochItem panel{"panel", guid, guid, ""};
+  const EpochItem* found = known.find(panel);
+  return found ? found->id : guid;
+}
+
+/// A joint that was open is settled for good when its neighbour leaves the design.
+void tell_gone(const EpochItem& before, const Known& known, const DesignElements* design, AsBuiltChangeT& change) {
+  std::vector<std::string> names;
+  for (const auto& [guid, verdict] : before.open_joints)
+    if (has_left(guid, design)) names.push_back(name_of_panel(guid, known));
+  if (!names.empty() && change.after == ToleranceVerdict::pass)
+    change.note = "its joint to " + list_of(names, 3) + (names.size() > 1 ? " were" : " was") +
+                  " open and is none any more: the design does not have the neighbour";
+}
+
 /// What passes with a joint that is still open closes nothing.
 void keep_open(const std::map<std::string, ToleranceVerdict>& joints, const Known& known, AsBuiltChangeT& change) {
   if (joints.empty() || change.after != ToleranceVerdict::pass) return;
   std::vector<std::string> names;
-  for (const auto& [guid, verdict] : joints) {
-    EpochItem neighbour{"panel", guid, guid, ""};
-    const EpochItem* found = known.find(neighbour);
-    names.push_back(found ? found->id : guid);
-  }
+  for (const auto& [guid, verdict] : joints) names.push_back(name_of_panel(guid, known));
   change.change = ChangeKind::unseen;
   change.note = "its joint to " + list_of(names, 3) + (names.size() > 1 ? " were" : " was") +
                 " open and not measured again, because the neighbour was not";
@@ -279,7 +311,8 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
 
 }  // namespace
 
-EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before) {
+EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before,
+                      const DesignElements* design) {
   EpochRecord record{epoch, deviation.design_file, deviation.tau, deviation.risk, items_of(deviation)};
   static const std::vector<EpochItem> none;
   static const EpochItem nowhere{};
@@ -289,7 +322,7 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
     const EpochItem* earlier = known.find(item);
     if (earlier) met.insert(earlier);
     if (earlier && item.kind == "panel") {
-      const auto left = joints_left_open(*earlier, deviation);
+      const auto left = joints_left_open(*earlier, deviation, design);
       item.open_joints.insert(left.begin(), left.end());
       if (item.verdict == ToleranceVerdict::pass) item.verdict = std::max(item.verdict, worst_of(left));
     }
@@ -304,11 +337,12 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
   // A panel without a measured anchor is not judged, and not forgotten either.
   if (before)
     for (const EpochItem& item : before->items)
-      if (!met.contains(&item)) record.items.push_back(item);
+      if (!met.contains(&item) && !has_left(item, design)) record.items.push_back(item);
   return record;
 }
 
-AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch) {
+AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch,
+                               const DesignElements* design) {
   AsBuiltChangesT out;
   out.before = before.epoch, out.after = epoch, out.compared = true;
   const Known known(before.items);
@@ -323,7 +357,10 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     out.changes.push_back(change_between(earlier, now, change));
     if (!earlier) continue;
     if (now.verdict != ToleranceVerdict::not_measured && is_judged_otherwise(*earlier, now)) ++other_limits[now.kind];
-    if (now.kind == "panel") keep_open(joints_left_open(*earlier, after), known, *out.changes.back());
+    if (now.kind == "panel") {
+      tell_gone(*earlier, known, design, *out.changes.back());
+      keep_open(joints_left_open(*earlier, after, design), known, *out.changes.back());
+    }
     if (now.kind != "anchor") continue;
     if ((earlier->design - now.design).norm() > kSameDesign) ++other_design;
     if (earlier->position.allFinite() && now.position.allFinite())
@@ -339,8 +376,8 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     gone.verdict = ToleranceVerdict::not_measured;
     // Panels are judged only where an anchor was measured, surfaces where somebody looked at them.
     gone.value = std::numeric_limits<double>::quiet_NaN();
-    out.changes.push_back(
-        change_between(&item, gone, item.kind == "anchor" ? ChangeKind::left_out : ChangeKind::unseen));
+    const bool left_out = item.kind == "anchor" || has_left(item, design);
+    out.changes.push_back(change_between(&item, gone, left_out ? ChangeKind::left_out : ChangeKind::unseen));
   }
   test_movements(pairs, out);
   compare_judgements(before, after, other_design, other_limits, out);

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,18 +38,26 @@ struct EpochRecord {
   std::vector<EpochItem> items;
 };
 
+/// What the design of a campaign has: without it nothing is known to have left the building.
+struct DesignElements {
+  std::set<std::string> guids, names;
+};
+
 /// What the campaign leaves behind. A panel that passes is left open by a joint that was open and was not judged again,
 /// because its neighbour was not measured. What the campaign did not measure keeps the verdict that `before` knew
 /// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
 /// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
-EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr);
+/// What the design no longer has is forgotten, and a joint to it is no joint.
+EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr,
+                      const DesignElements* design = nullptr);
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
 /// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
 /// of all by the same, that is taken away and told: it is the control or the frame. Throws BadInput if no
 /// anchor is in both: it is a record of another building. A panel that passes is not mended by it while a joint that
-/// was open is not judged again.
-AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch);
+/// was open is not judged again, unless the design has the neighbour no more.
+AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch,
+                               const DesignElements* design = nullptr);
 
 /// "3 mended, 1 opened again, 2 still open, 1 not measured again"; what does not occur is left out; "nothing has
 /// changed".

@@ -146,8 +146,8 @@ class Judge {
       for (const Asked& asked : asked_of(selecting(element), false)) {
         auto verdict = started(asked);
         verdict->panel = name, verdict->guid = guid, verdict->not_judged = "no face of it was looked at";
-        for (const std::string& warning : surfaces_.warnings)
-          if (warning.starts_with(name + ": ")) verdict->not_judged = warning.substr(name.size() + 2);
+        for (const auto& panel : surfaces_.left_out)
+          if (panel->guid == guid) verdict->not_judged = panel->reason;
         take(std::move(verdict), asked, -1);
       }
     }

@@ -14,6 +14,7 @@
 #include <unordered_map>
 
 #include "building/step/step_scanner.hpp"
+#include "building/step/xml_reader.hpp"
 #include "building/step/zip_reader.hpp"
 
 namespace plumbline::step {
@@ -47,11 +48,6 @@ bool same_keyword(const std::string& capitals, std::string_view keyword) {
   if (capitals.size() != keyword.size()) return false;
   return std::memcmp(capitals.data(), keyword.data(), keyword.size()) == 0 ||
          std::equal(capitals.begin(), capitals.end(), keyword.begin(), [](char a, char b) { return a == upper(b); });
-}
-
-void refuse_other_formats(const Scanner& scanner) {
-  if (scanner.starts_with("<"))
-    scanner.fail("an ISO-10303-21 file; this is XML (ifcXML): export as IFC (STEP) instead");
 }
 
 std::string unzipped(const std::string& archive, const std::string& name) {
@@ -95,17 +91,22 @@ File File::read(const std::string& path, std::string name) {
   if (!regular || (!empty && mapping->data == MAP_FAILED))
     throw Error(path + ": cannot be read, expected an IFC or STEP file");
   const std::string_view bytes(empty ? "" : static_cast<const char*>(mapping->data), mapping->size);
-  if (is_zip(bytes)) return view(bytes, name.empty() ? path : std::move(name));
+  if (is_zip(bytes) || is_xml(bytes)) return view(bytes, name.empty() ? path : std::move(name));
   return File(std::move(mapping), bytes, name.empty() ? path : std::move(name));
 }
 
 File File::view(std::string_view bytes, std::string name) {
-  if (is_zip(bytes)) return File(std::string(bytes), std::move(name));
+  if (is_zip(bytes) || is_xml(bytes)) return File(std::string(bytes), std::move(name));
   return File(nullptr, bytes, std::move(name));
 }
 
 File::File(std::string bytes, std::string name) : name_(std::move(name)), lists_(std::make_shared<Lists>()) {
-  auto owner = std::make_shared<const std::string>(is_zip(bytes) ? unzipped(bytes, name_) : std::move(bytes));
+  if (is_zip(bytes)) bytes = unzipped(bytes, name_);
+  if (is_xml(bytes)) {
+    StepOfXml converted = step_of_xml(bytes, name_);
+    bytes = std::move(converted.text), xml_lines_ = std::move(converted.lines);
+  }
+  auto owner = std::make_shared<const std::string>(std::move(bytes));
   bytes_ = *owner;
   owner_ = std::move(owner);
   read_index();
@@ -124,7 +125,6 @@ void File::read_index() {
   entries_.reserve(bytes_.size() / 24);
   if (scanner.starts_with("\xEF\xBB\xBF")) scanner.at = 3;  // a byte order mark
   scanner.skip_blank();
-  refuse_other_formats(scanner);
   if (!scanner.starts_with("ISO-10303-21")) scanner.fail("'ISO-10303-21;' at the start of a STEP file");
   scanner.read_keyword();
   scanner.expect(';', "after ISO-10303-21");
@@ -363,6 +363,11 @@ std::uint64_t File::free_id() const {
   return largest + 1;
 }
 
-std::string File::where(std::size_t offset) const { return place(bytes_, name_, offset); }
+std::string File::where(std::size_t offset) const {
+  if (xml_lines_.empty()) return place(bytes_, name_, offset);
+  const auto line = static_cast<std::size_t>(
+      std::count(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(std::min(offset, bytes_.size())), '\n'));
+  return name_ + ":" + std::to_string(line < xml_lines_.size() ? xml_lines_[line] : 0);
+}
 
 }  // namespace plumbline::step

@@ -93,7 +93,8 @@ class Scanner;
 class File {
  public:
   /// Takes the bytes of a file; `name` is for messages. Throws Error. Here and below the file may be an ifcZIP archive
-  /// of one model (zip_reader.hpp): `bytes()` are then those of the model.
+  /// of one model (zip_reader.hpp): `bytes()` are then those of the model; and ifcXML (xml_reader.hpp): they are then
+  /// those of the STEP file that says the same, and places in messages those of the XML.
   File(std::string bytes, std::string name);
   /// Looks at bytes that the caller keeps alive and unchanged. Throws Error.
   static File view(std::string_view bytes, std::string name);
@@ -102,6 +103,8 @@ class File {
   static File read(const std::string& path, std::string name = {});
 
   std::string_view bytes() const { return bytes_; }
+  /// Whether the model came as ifcXML.
+  bool was_xml() const { return !xml_lines_.empty(); }
   const std::string& name() const { return name_; }
   const std::vector<Record>& header() const { return header_; }
   /// The names in FILE_SCHEMA, in capitals.
@@ -133,7 +136,7 @@ class File {
   std::uint64_t free_id() const;
   /// Offset of the ENDSEC that closes the (last) DATA section: where new instances go.
   std::size_t data_end() const { return data_end_; }
-  /// "name:line:column" of an offset, both from 1.
+  /// "name:line:column" of an offset, both from 1; of what came as XML "name:line" there.
   std::string where(std::size_t offset) const;
 
  private:
@@ -171,6 +174,7 @@ class File {
   std::shared_ptr<const void> owner_;  // of the bytes; null if that is the caller
   std::string_view bytes_;
   std::string name_;
+  std::vector<std::uint32_t> xml_lines_;  // of each line of what came as XML
   std::vector<Record> header_;
   std::vector<std::string> schemas_;
   std::vector<Entry> entries_;

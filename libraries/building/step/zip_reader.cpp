@@ -65,15 +65,15 @@ bool ends_with(std::string name, std::string_view ending) {
 const Entry& model_of(const std::vector<Entry>& entries) {
   std::vector<const Entry*> models;
   std::string others;
-  bool xml = false;
+  std::vector<const Entry*> xml;
   for (const Entry& entry : entries) {
     if (entry.name.ends_with('/') || entry.name.starts_with("__MACOSX/")) continue;
     if (ends_with(entry.name, ".ifc")) models.push_back(&entry);
-    xml = xml || ends_with(entry.name, ".ifcxml") || ends_with(entry.name, ".xml");
+    if (ends_with(entry.name, ".ifcxml") || ends_with(entry.name, ".xml")) xml.push_back(&entry);
     if (others.size() < 200) others += (others.empty() ? "" : ", ") + entry.name;
   }
-  if (models.empty() && xml) refuse("holds ifcXML (" + others + "): export as IFC (STEP) instead");
-  if (models.empty()) refuse("holds no file that ends in .ifc" + (others.empty() ? "" : ", but " + others));
+  if (models.empty()) models = xml;
+  if (models.empty()) refuse("holds no file that ends in .ifc or .ifcxml" + (others.empty() ? "" : ", but " + others));
   if (models.size() > 1) refuse("holds several models (" + others + "): unpack it and take one");
   return *models.front();
 }

@@ -9,10 +9,10 @@ namespace plumbline::step {
 
 bool is_zip(std::string_view bytes);
 
-/// The one file of the archive whose name ends in .ifc, and that name; what macOS adds (__MACOSX) is passed over.
-/// Throws std::runtime_error that says what was found: no such file (or ifcXML, or several, by name), an archive that
-/// is cut off, encrypted, split or of another method, a file that is more than 1000 times as large as it is packed or
-/// above 2 GiB, a checksum that is wrong.
+/// The one file of the archive whose name ends in .ifc (else in .ifcxml or .xml), and that name; what macOS adds
+/// (__MACOSX) is passed over. Throws std::runtime_error that says what was found: no such file (or several, by name),
+/// an archive that is cut off, encrypted, split or of another method, a file that is more than 1000 times as large as
+/// it is packed or above 2 GiB, a checksum that is wrong.
 struct ZippedIfc {
   std::string name, content;
 };

@@ -11,6 +11,7 @@
 
 #include "base/text/whole_file.hpp"
 #include "plumbline/rigid_transform.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -161,6 +162,7 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
   Eigen::Vector2d extent = Eigen::Vector2d::Zero();
   std::set<std::pair<int, int>> seen;
   for (int64_t k = 0; k < observations; ++k) {
+    stop_point();
     BlockMeasurement m;
     m.image = numbers.index(static_cast<size_t>(images), "number of a camera");
     m.point = numbers.index(static_cast<size_t>(points), "number of a point");
@@ -197,6 +199,7 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
                             angles_from_rotation(turn.transpose())});
   }
   for (int64_t j = 0; j < points; ++j) {
+    stop_point();
     Eigen::Vector3d p;
     for (int c = 0; c < 3; ++c) p(c) = numbers.read<double>("coordinates of a point");
     block.points.push_back({std::to_string(j), p});

@@ -8,8 +8,10 @@
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
 #include "photo/block/control_words.hpp"
+#include "photo/block/point_block_by_gradients.hpp"
 #include "photo/block/point_block_checks.hpp"
 #include "plumbline/rigid_transform.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -150,8 +152,8 @@ Built build(const PointBlock& block, const PointBlockOptions& options, const Eig
     built.state.points.push_back(point.position - origin);
   }
   for (const auto& m : block.measurements)
-    problem.image_points.push_back(
-        {m.image, m.point, m.position, Eigen::Matrix2d::Identity() / sigma_of(m, options), group_images});
+    stop_point(), problem.image_points.push_back(
+                      {m.image, m.point, m.position, Eigen::Matrix2d::Identity() / sigma_of(m, options), group_images});
   for (const auto& bar : block.scale_bars)
     problem.distances.push_back(
         {bar.name, {bundle::Kind::point, bar.from}, {bundle::Kind::point, bar.to}, bar.length, bar.sigma, group_bars});
@@ -208,7 +210,6 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
     }
     result.pose_covariance.push_back(joint.topLeftCorner<6, 6>());
     if (built.problem.images[i].shift_free) {
-      result.principal_points.push_back(adjusted.state.shift(static_cast<int>(i)));
       result.principal_point_covariance.push_back(factor * own[static_cast<size_t>(block_of(bundle::Kind::shift, i))]);
     }
     Matrix6 turn = Matrix6::Identity();
@@ -331,7 +332,8 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   how.datum = options.free_datum == PointBlockOptions::FreeDatum::inner
                   ? bundle::inner_datum(built.problem, layout, motions)
                   : bundle::first_image_datum(built.problem, layout, built.state, motions);
-  const bundle::Adjusted adjusted = bundle::adjust(built.problem, layout, built.state, how);
+  const bundle::Adjusted adjusted =
+      (options.by_gradients ? bundle::adjust_by_gradients : bundle::adjust)(built.problem, layout, built.state, how);
   if (adjusted.redundancy() < 1)
     throw std::runtime_error("the block has no redundancy: nothing checks its observations");
   const double factor = adjusted.sum_of_squares / adjusted.redundancy();
@@ -347,9 +349,16 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   result.rays.resize(block.points.size());
   for (const auto& m : block.measurements) ++result.rays[static_cast<size_t>(m.point)];
   store_values(adjusted.state, origin, result.block);
+  for (size_t i = 0; i < built.problem.images.size(); ++i)
+    if (built.problem.images[i].shift_free)
+      result.principal_points.push_back(adjusted.state.shift(static_cast<int>(i)));
   const bool by_image = options.free_datum == PointBlockOptions::FreeDatum::first_image;
-  fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result);
-  const bundle::Reliability reliability = bundle::reliability_of(built.problem, adjusted);
+  if (options.by_gradients)
+    fill_unknown_covariances(built.problem, layout, result);
+  else
+    fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result);
+  const bundle::Reliability reliability = options.by_gradients ? residuals_of(built.problem, layout, adjusted.state)
+                                                               : bundle::reliability_of(built.problem, adjusted);
   fill_reliability(reliability, factor, result);
   fill_control(given, built, reliability, factor, result);
   return result;

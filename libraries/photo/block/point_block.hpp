@@ -90,6 +90,10 @@ struct PointBlockOptions {
   int threads = 1;
   bundle::Side side = bundle::Side::automatic;
   bundle::Minimiser minimiser = bundle::minimise_schur;
+  /// Conjugate gradients in place of a factor, for blocks that have no room for one. All covariances and redundancy
+  /// numbers, w and MDB are NaN then, point_covariance is empty; see bundle::adjust_by_gradients() for what of rank is
+  /// seen.
+  bool by_gradients = false;
   std::function<void(std::size_t)> announce;  ///< see bundle::AdjustOptions
 };
 

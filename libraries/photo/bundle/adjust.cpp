@@ -160,10 +160,8 @@ double largest_step(const Elimination& elimination, const Eigen::VectorXd& step)
                      " iterations: " + cause + (engine.empty() ? "" : " (the engine says: " + engine + ")"));
 }
 
-}  // namespace
-
-bool require_determined(const Problem& problem, const Layout& layout, const State& state, Elimination& elimination,
-                        const Datum& datum) {
+/// Of each eliminated image or body by itself.
+void require_eliminated_determined(const Problem& problem, const Layout& layout, const Elimination& elimination) {
   std::vector<std::string> images, points;
   for (const auto& block : elimination.blocks()) {
     if (block.weakest >= rank_tolerance) continue;
@@ -182,6 +180,13 @@ bool require_determined(const Problem& problem, const Layout& layout, const Stat
   if (!points.empty())
     throw std::runtime_error("the position of " + text::enumerate(points) +
                              " is undetermined: its rays are parallel or it is seen only once");
+}
+
+}  // namespace
+
+bool require_determined(const Problem& problem, const Layout& layout, const State& state, Elimination& elimination,
+                        const Datum& datum) {
+  require_eliminated_determined(problem, layout, elimination);
   const Eigen::Index n = elimination.kept_count();
   if (n == 0) return true;
   const Eigen::MatrixXd motions = motions_of_kept(problem, layout, state, elimination, datum);
@@ -328,6 +333,42 @@ Adjusted adjust(const Problem& problem, const Layout& layout, const State& start
   result.sum_of_squares = refinement.sum_of_squares();
   if (options.with_cofactors)
     result.cofactors = std::make_unique<Cofactors>(problem, layout, result.state, elimination, options.datum);
+  return result;
+}
+
+Adjusted adjust_by_gradients(const Problem& problem, const Layout& layout, const State& start,
+                             const AdjustOptions& options) {
+  problem.require_consistent();
+  Adjusted result;
+  result.rows = problem.row_count();
+  result.unknowns = layout.unknown_count();
+  result.defect = options.datum.count;
+  result.state = start;
+  MinimiseOptions minimise = options.minimise;
+  minimise.loss = {};
+  minimise.reduced = Reduced::gradients;
+  const auto eliminate = [&] {
+    return std::make_unique<Elimination>(problem, layout, minimise.side, minimise.threads, minimise.reduced);
+  };
+  if (options.announce) options.announce(eliminate()->bytes());
+  const MinimiseSummary summary = options.minimiser(problem, result.state, minimise);
+  restore_datum(problem, layout, options.datum, start, result.state);
+  result.iterations = summary.iterations;
+  result.elimination = eliminate();
+  Elimination& elimination = *result.elimination;
+  if (!elimination.build(result.state))
+    throw std::runtime_error(elimination.undefined() +
+                             " cannot be computed after the adjustment: it lies behind the camera or outside the "
+                             "camera model; a wrong number or a bad approximate pose");
+  require_eliminated_determined(problem, layout, elimination);
+  if (!elimination.factorise({}))
+    throw std::runtime_error("undetermined is " +
+                             name_of_unknown(problem, layout, layout.offset(elimination.open_block())));
+  if (!summary.converged)
+    throw NotConverged("the block adjustment did not converge in " + std::to_string(summary.iterations) +
+                       " iterations: the worst fit is in " + worst_images(problem, layout, result.state) +
+                       " (the engine says: " + summary.message + ")");
+  result.sum_of_squares = elimination.sum_of_squares();
   return result;
 }
 

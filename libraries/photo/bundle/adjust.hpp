@@ -23,6 +23,7 @@ struct MinimiseOptions {
   /// Stop when an iteration lowers the cost by less than this part of it, or moves no value by more than
   /// `step_tolerance` of the length of the vector of all values.
   double function_tolerance = 1e-12, step_tolerance = 1e-12;
+  Reduced reduced = Reduced::factor;
 };
 
 struct MinimiseSummary {
@@ -73,6 +74,13 @@ struct Adjusted {
 /// from converging: a motion or a combination of unknowns that the observations hardly fix, or the images and bodies at
 /// which most of the misfit is, which is where a bad start shows.
 Adjusted adjust(const Problem& problem, const Layout& layout, const State& start, const AdjustOptions& options);
+
+/// The same by conjugate gradients, for blocks whose factor has no room: the minimum and nothing that is known of it.
+/// `options.minimise.reduced` is taken as Reduced::gradients; datum, minimiser and announce count. Adjusted has no
+/// cofactors. Of rank only this is seen: a point, plate, image or camera that is open by itself is named; a combination
+/// of several is not noticed. Throws NotConverged if the minimiser says so, std::runtime_error as adjust() does.
+Adjusted adjust_by_gradients(const Problem& problem, const Layout& layout, const State& start,
+                             const AdjustOptions& options);
 
 /// Takes adjusted.state to the minimum of a problem that has changed a little, weights by some percent, with the
 /// factors there are. They stay as they were.

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "least_squares/sparse/conjugate_gradients.hpp"
 #include "least_squares/sparse/sparse_cholesky.hpp"
 #include "photo/bundle/kernels.hpp"
 #include "photo/bundle/problem.hpp"
@@ -29,13 +30,17 @@ struct Loss {
 
 enum class Side { automatic, bodies, images };
 
+/// How the reduced system is solved. Conjugate gradients take no factor, and give nothing but solutions.
+enum class Reduced { factor, gradients };
+
 struct Rows;
 struct TagGradient;
 
 class Elimination {
  public:
   /// Sorts observations and unknowns; `problem` and `layout` must outlive it.
-  Elimination(const Problem& problem, const Layout& layout, Side side = Side::automatic, int threads = 1);
+  Elimination(const Problem& problem, const Layout& layout, Side side = Side::automatic, int threads = 1,
+              Reduced reduced = Reduced::factor);
 
   /// Linearises at `state`, adds `damping` times the diagonal to it, eliminates. False if an observation cannot be
   /// computed there (undefined() says which).
@@ -45,9 +50,14 @@ class Elimination {
   std::size_t bytes() const;
   /// Factorises the reduced matrix, scaled to its diagonal; false if it has no Cholesky factor. Where `motions`
   /// (kept_count × d, scaled, orthonormal) are its null space, d unknowns are weighed that these move most and apart:
-  /// solutions for right sides that no motion sees are those of N, and an inverse is a generalised one.
+  /// solutions for right sides that no motion sees are those of N, and an inverse is a generalised one. With
+  /// Reduced::gradients: prepares them, false if a kept block is open by itself; `motions` are not looked at.
   bool factorise(const Eigen::MatrixXd& motions);
-  /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise().
+  /// The kept block that is, or −1.
+  int open_block() const { return gradients_.undetermined() < 0 ? -1 : kept_blocks_[gradients_.undetermined()]; }
+  /// Steps of conjugate gradients since this was made.
+  long gradient_steps() const { return gradient_steps_; }
+  /// N⁻¹ right for all unknowns (Layout's order), n × d. Precondition: factorise() with Reduced::factor.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
   /// −Jᵀ r at `state` for all unknowns and Σ ρ there, and nothing else; false if an observation cannot be computed
   /// there.
@@ -165,7 +175,10 @@ class Elimination {
   least_squares::Pattern pattern_{{}}, direct_pattern_{{}};
   least_squares::SymmetricBlocks normal_, direct_;
   Eigen::VectorXd right_, diagonal_, reduced_right_, scale_;
-  least_squares::SparseCholesky factor_;
+  Reduced how_ = Reduced::factor;
+  least_squares::SparseCholesky factor_;  ///< or:
+  least_squares::ConjugateGradients gradients_;
+  mutable long gradient_steps_ = 0;
   double cost_ = 0;
   std::string undefined_;
 };

@@ -77,6 +77,7 @@ void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_
 }
 
 bool Elimination::factorise(const Eigen::MatrixXd& motions) {
+  if (how_ == Reduced::gradients) return gradients_.prepare(normal_);
   least_squares::Scaling scaling{scale_, Eigen::VectorXd::Zero(kept_count_)};
   Eigen::MatrixXd left = motions;
   for (Eigen::Index k = 0; k < motions.cols(); ++k) {
@@ -92,6 +93,7 @@ bool Elimination::factorise(const Eigen::MatrixXd& motions) {
 
 Eigen::VectorXd Elimination::step() const {
   std::vector<Half> halves;
+  halves.reserve(blocks_.size());
   for (const Block& block : blocks_) halves.push_back(block.half);
   return substitute_back(reduced_right_, halves);
 }
@@ -102,6 +104,7 @@ Eigen::VectorXd Elimination::step(const Eigen::VectorXd& right) const {
     reduced.segment(kept_offset(b), layout_.size(b)) = right.segment(layout_.offset(b), layout_.size(b));
   std::vector<Half> halves(blocks_.size(), Half::Zero());
   for (size_t e = 0; e < blocks_.size(); ++e) {
+    stop_point();
     const Block& block = blocks_[e];
     if (!block.determined()) continue;
     const double* y = y_of(block);
@@ -117,12 +120,19 @@ Eigen::VectorXd Elimination::step(const Eigen::VectorXd& right) const {
 }
 
 Eigen::VectorXd Elimination::substitute_back(const Eigen::VectorXd& reduced, const std::vector<Half>& halves) const {
-  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept = scale_.cwiseProduct(reduced);
-  kept = scale_.cwiseProduct(factor_.solve(kept).col(0));
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(layout_.unknown_count()), kept;
+  if (how_ == Reduced::gradients) {
+    least_squares::ConjugateGradients::Solution found = gradients_.solve(reduced);
+    gradient_steps_ += found.steps;
+    kept = std::move(found.x);
+  } else {
+    kept = scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(reduced)).col(0));
+  }
   for (int b : kept_blocks_)
     result.segment(layout_.offset(b), layout_.size(b)) = kept.segment(kept_offset(b), layout_.size(b));
   std::array<double, 6> from_kept;
   for (size_t e = 0; e < blocks_.size(); ++e) {
+    stop_point();
     const Block& block = blocks_[e];
     if (!block.determined()) continue;
     multiply_runs(y_of(block), block.size, block.columns, runs(block), block.run_count, kept.data(), from_kept.data());

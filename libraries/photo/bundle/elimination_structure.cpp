@@ -15,8 +15,8 @@ bool is_shared(Kind kind) {
 
 }  // namespace
 
-Elimination::Elimination(const Problem& problem, const Layout& layout, Side side, int threads)
-    : problem_(problem), layout_(layout), threads_(threads), factor_(nullptr) {
+Elimination::Elimination(const Problem& problem, const Layout& layout, Side side, int threads, Reduced reduced)
+    : problem_(problem), layout_(layout), threads_(threads), how_(reduced), factor_(nullptr) {
   choose_side(side);
   sort_unknowns();
   sort_terms();
@@ -74,6 +74,7 @@ void Elimination::sort_unknowns() {
   kept_index_.assign(static_cast<size_t>(count), -1);
   std::vector<int> shared;
   for (int b = 0; b < count; ++b) {
+    stop_point();
     if (layout_.size(b) == 0) continue;
     const Kind kind = layout_.ref(b).kind;
     const bool body = kind == Kind::point || kind == Kind::plate;
@@ -132,6 +133,7 @@ void Elimination::sort_terms() {
   std::vector<int> all;
   const auto add = [&](TermRef::Kind kind, size_t count) {
     for (size_t i = 0; i < count; ++i) {
+      stop_point();
       const TermRef term{kind, static_cast<int>(i), {}};
       blocks_of(term, all);
       const auto goes = std::find_if(all.begin(), all.end(), [&](int b) { return eliminated(b) >= 0; });
@@ -155,6 +157,7 @@ void Elimination::lay_out_y() {
   std::vector<int> all;
   size_t y = 0;
   for (size_t e = 0; e < blocks_.size(); ++e) {
+    stop_point();
     Block& block = blocks_[e];
     std::sort(block.kept.begin(), block.kept.end(), [&](int a, int b) { return kept_offset(a) < kept_offset(b); });
     block.kept.erase(std::unique(block.kept.begin(), block.kept.end()), block.kept.end());
@@ -246,16 +249,19 @@ void Elimination::couple_kept() {
   for (const TermRef& term : loose_) blocks_of(term, all), couple(all, reduced);
   direct_pattern_ = std::move(direct);
   pattern_ = std::move(reduced);
-  factor_ = least_squares::SparseCholesky(std::make_shared<const least_squares::Analysis>(pattern_));
+  if (how_ == Reduced::factor)
+    factor_ = least_squares::SparseCholesky(std::make_shared<const least_squares::Analysis>(pattern_));
 }
 
 std::size_t Elimination::bytes() const {
-  const least_squares::Analysis& analysis = factor_.analysis();
   std::size_t coupled = 0;
   for (const Block& block : blocks_) coupled += block.kept.size();
-  return sizeof(double) * y_count_ + sizeof(Coupled) * coupled + least_squares::SymmetricBlocks::bytes(pattern_) +
-         (max_chunks + 1) * least_squares::SymmetricBlocks::bytes(direct_pattern_) + 2 * analysis.bytes() +
-         analysis.work_bytes();
+  const std::size_t matrices = sizeof(double) * y_count_ + sizeof(Coupled) * coupled +
+                               least_squares::SymmetricBlocks::bytes(pattern_) +
+                               (max_chunks + 1) * least_squares::SymmetricBlocks::bytes(direct_pattern_);
+  if (how_ == Reduced::gradients) return matrices + 16 * sizeof(double) * static_cast<std::size_t>(kept_count_);
+  const least_squares::Analysis& analysis = factor_.analysis();
+  return matrices + 2 * analysis.bytes() + analysis.work_bytes();
 }
 
 /// The numbers, once they are wanted.
@@ -264,12 +270,19 @@ void Elimination::allocate() {
   is_allocated_ = true;
   direct_ = least_squares::SymmetricBlocks(direct_pattern_);
   normal_ = least_squares::SymmetricBlocks(pattern_);
-  y_.resize(y_count_);
+  y_.reserve(y_count_);
+  for (constexpr size_t portion = size_t{1} << 22;
+       y_.size() < y_count_;) {  // the system brings pages as they are touched
+    stop_point();
+    y_.resize(std::min(y_count_, y_.size() + portion));
+  }
   coupled_.resize(static_cast<size_t>(layout_.block_count()));
-  for (const Block& block : blocks_)
+  for (const Block& block : blocks_) {
+    stop_point();
     for (size_t k = 0; k < block.kept.size(); ++k)
       coupled_[static_cast<size_t>(block.kept[k])].push_back(
           {y_of(block), runs(block), block.run_count, block.size, block.columns, block.local[k]});
+  }
 }
 
 }  // namespace plumbline::bundle

@@ -232,7 +232,7 @@ class CeresBlock {
  public:
   CeresBlock(const Problem& problem, const State& state, const MinimiseOptions& options)
       : layout_(problem),
-        order_(problem, layout_, options.side),
+        order_(problem, layout_, options.side, 1, options.reduced),
         values_(problem, layout_, state),
         loss_(loss_of(options.loss)),
         block_(own_nothing(values_)) {
@@ -260,8 +260,13 @@ class CeresBlock {
     for (int b = 0; b < layout_.block_count(); ++b)
       if (layout_.size(b) > 0)
         solver.linear_solver_ordering->AddElementToGroup(values_.place(b), order_.eliminated(b) >= 0 ? 0 : 1);
-    const bool is_small = order_.kept_count() <= largest_dense || order_.factor().analysis().is_dense();
-    solver.linear_solver_type = is_small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    if (options.reduced == Reduced::gradients) {
+      solver.linear_solver_type = ceres::ITERATIVE_SCHUR;
+      solver.preconditioner_type = ceres::SCHUR_JACOBI;
+    } else {
+      const bool is_small = order_.kept_count() <= largest_dense || order_.factor().analysis().is_dense();
+      solver.linear_solver_type = is_small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
+    }
     solver.num_threads = 1;
     solver.logging_type = ceres::SILENT;
     solver.max_num_iterations = options.max_iterations;

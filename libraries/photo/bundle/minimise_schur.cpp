@@ -26,7 +26,7 @@ class BlockDescent : public least_squares::DampedSystem {
         layout_(layout),
         options_(options),
         state_(state),
-        elimination_(problem, layout, options.side, options.threads) {}
+        elimination_(problem, layout, options.side, options.threads, options.reduced) {}
 
   bool build(Where where, double damping) override {
     const bool defined = elimination_.build(where == Where::place ? state_ : trial_, damping, options_.loss);
@@ -35,6 +35,7 @@ class BlockDescent : public least_squares::DampedSystem {
   }
   double cost() const override { return elimination_.sum_of_squares(); }
   const std::string& undefined() const { return elimination_.undefined(); }
+  long gradient_steps() const { return elimination_.gradient_steps(); }
 
   std::optional<double> solve(double damping) override {
     if (!elimination_.factorise({})) return std::nullopt;
@@ -92,7 +93,10 @@ MinimiseSummary minimise_schur(const Problem& problem, State& state, const Minim
                              " cannot be computed from the approximate values: it lies behind the camera or outside "
                              "the camera model");
   const least_squares::DescentSummary found = least_squares::descend(system, how);
-  return {found.converged, found.iterations, found.initial_cost, found.final_cost, found.message};
+  const std::string steps = system.gradient_steps() > 0
+                                ? "; " + std::to_string(system.gradient_steps()) + " steps of conjugate gradients"
+                                : "";
+  return {found.converged, found.iterations, found.initial_cost, found.final_cost, found.message + steps};
 }
 
 }  // namespace plumbline::bundle

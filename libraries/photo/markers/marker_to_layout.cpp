@@ -138,10 +138,12 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
 
 MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOptions& options) {
   MarkerBlock held = block;
-  bool calibrated = false;  // a camera whose calibration is known, but not as exact
+  bool estimated = false;   // a camera of which something is known, but not as exact
+  bool calibrated = false;  // by more than what EXIF says
   for (MarkerCamera& camera : held.cameras)
-    if (camera.covariance.size() > 0 && !camera.held) camera.held = calibrated = true;
-  if (!calibrated) return adjust_to_layout(block, options);
+    if (camera.covariance.size() > 0 && !camera.held)
+      camera.held = estimated = true, calibrated = calibrated || !camera.any_lens;
+  if (!estimated) return adjust_to_layout(block, options);
   try {
     return adjust_to_layout(block, options);
   } catch (const std::runtime_error&) {
@@ -152,6 +154,7 @@ MarkerResult adjust_with_calibrations(const MarkerBlock& block, const MarkerOpti
     } catch (const std::runtime_error&) {
       std::rethrow_exception(first);
     }
+    if (!calibrated) return result;
     result.warnings.insert(result.warnings.begin(),
                            "the photographs do not improve the calibrations they come with, which are taken as exact: "
                            "standard deviations do not hold their uncertainty");

@@ -304,7 +304,8 @@ void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
   for (std::size_t c = 0; c < block.cameras.size(); ++c) {
     const MarkerCamera& given = block.cameras[c];
     const Eigen::MatrixXd& adjusted = result.cameras[c].formal_covariance;
-    if (given.held || given.covariance.size() == 0 || adjusted.size() == 0) continue;
+    // What EXIF says is no calibration to contradict.
+    if (given.held || given.any_lens || given.covariance.size() == 0 || adjusted.size() == 0) continue;
     const auto before = given.camera.parameters(), after = result.cameras[c].camera.parameters();
     Eigen::VectorXd change(BrownCamera::parameter_count);
     for (Eigen::Index k = 0; k < change.size(); ++k)

@@ -29,7 +29,7 @@ namespace {
 struct ReadIfc : Node {
   static constexpr Info info{"bim.read_ifc", "", 4,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
-  In<plumbline::File> file{"file", "the IFC file (STEP text)"};
+  In<plumbline::File> file{"file", "the IFC file: STEP text, ifcZIP or ifcXML"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
   Param<std::vector<std::string>> anchors{
       "anchors", {"IfcMechanicalFastener", "IfcDiscreteAccessory"}, "IFC classes whose elements are facade anchors"};
@@ -71,11 +71,16 @@ struct ReadIfc : Node {
   }
 
   void run(Context& context) override {
-    const Design result = read_design(*index_of(*file, context), rule());
+    const auto index = index_of(*file, context);
+    if (index->was_xml())
+      context.info(index->name() +
+                   " is ifcXML: it is read as the STEP file that says the same, and the as-built model is "
+                   "written as that STEP file with the additions");
+    const Design result = read_design(*index, rule());
     for (const std::string& warning : result.warnings) context.warn(warning);
     const PointsT points = ifc::anchor_points(result);
-    context.info(std::to_string(result.storeys.size()) + " storeys, " + std::to_string(result.elements.size()) +
-                 " elements, " + std::to_string(points.points.size()) + " of them anchors");
+    context.info("storeys: " + std::to_string(result.storeys.size()) + ", elements: " +
+                 std::to_string(result.elements.size()) + ", of them anchors: " + std::to_string(points.points.size()));
     design.commit(to_artifact(result));
     anchor_points.commit(points);
   }

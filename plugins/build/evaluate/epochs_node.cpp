@@ -6,13 +6,27 @@
 
 namespace plumbline::judgement {
 
+namespace {
+
+DesignElements elements_of(const DesignT& design) {
+  DesignElements elements;
+  for (const auto& element : design.elements)
+    elements.guids.insert(element->guid), elements.names.insert(element->name);
+  return elements;
+}
+
+}  // namespace
+
 void EvaluateEpochs::run(Context& context) {
   const DeviationT judged = deviation.unpack();
   std::optional<EpochRecord> earlier;
   if (!before->path.empty()) earlier = read_epoch(before->path);
+  std::optional<DesignElements> elements;
+  if (design) elements = elements_of(design.unpack());
+  const DesignElements* built = elements ? &*elements : nullptr;
   AsBuiltChangesT result;
   result.together = Eigen::Vector3d::Zero();
-  if (earlier) result = compare_epochs(*earlier, judged, *epoch);
+  if (earlier) result = compare_epochs(*earlier, judged, *epoch, built);
   for (const std::string& warning : result.warnings) context.warn(warning);
   if (earlier)
     context.info("since " + (earlier->epoch.empty() ? "the campaign before" : earlier->epoch) + ": " +
@@ -20,7 +34,7 @@ void EvaluateEpochs::run(Context& context) {
   changes.commit(result);
   FileT file;
   file.name = "as_built.json", file.media_type = "application/json";
-  const std::string text = epoch_json(record_of(judged, *epoch, earlier ? &*earlier : nullptr), result);
+  const std::string text = epoch_json(record_of(judged, *epoch, earlier ? &*earlier : nullptr, built), result);
   file.content.assign(text.begin(), text.end());
   record.commit(file);
 }

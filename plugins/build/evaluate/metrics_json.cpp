@@ -225,7 +225,8 @@ Json to_json(const MeasurementDoubtT& d) {
           {"grade", EnumNameDoubtGrade(d.grade)},
           {"reason", d.reason},
           {"factor", d.factor},
-          {"mend", d.mend}};
+          {"mend", d.mend},
+          {"mend_note", d.mend_note}};
 }
 
 Json to_json(const JudgementRequestT& r) {

@@ -12,6 +12,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "check_points.hpp"
+#include "plumbline/failure.hpp"
 #include "plumbline/node.hpp"
 #include "tag_adjuster_node.hpp"
 #include "target_block_artifacts.hpp"
@@ -70,6 +71,10 @@ struct Adjuster : TagAdjusterNode {
   Param<std::string> free_datum{"free_datum", "inner", one_of("inner", "first_image"),
                                 "targets without control: inner constraints over all points, or the first image held"};
 
+  Param<std::string> solver{"solver", "factor", one_of("factor", "gradients"),
+                            "targets: how the reduced normal equations are solved; gradients: conjugate gradients, for "
+                            "blocks whose factor has "
+                            "no room in memory, which give coordinates and residuals and no standard deviation"};
   Param<bool> joint_orientations{"joint_orientations", false,
                                  "give the poses their joint covariance with the cameras, which surfaces that are "
                                  "measured in the photographs need; 8 values an image, so for some hundred images"};
@@ -92,6 +97,10 @@ struct Adjuster : TagAdjusterNode {
 
   void run(Context& context) override {
     if (targets) return run_targets(context);
+    if (*solver == "gradients")
+      throw BadInput(
+          "solver=gradients is for blocks of measured targets ('block'): anchors are judged by their standard "
+          "deviations, which conjugate gradients do not give");
     if (!poses || !camera || !plates)
       throw std::runtime_error(
           "connect either 'observations', 'poses', 'camera' and 'plates' (marker plates) or 'block' (measured "
@@ -133,8 +142,15 @@ struct Adjuster : TagAdjusterNode {
     o.max_iterations = static_cast<int>(*max_iterations);
     o.threads = static_cast<int>(*threads);
     o.minimiser = Engine::minimise;
+    o.by_gradients = *solver == "gradients";
+    const auto& checks = measured.control.is_check;
+    if (o.by_gradients && std::find(checks.begin(), checks.end(), true) != checks.end())
+      throw BadInput(
+          "check points are judged by the block's standard deviations, and solver=gradients gives none: leave them out "
+          "of the control list, or give the memory that solver=factor asks for");
     const std::size_t count = measured.points.size();
-    o.announce = announcer(context, measured.measurements.size(), 1000, count <= max_joint_points ? count : 0);
+    const bool joint = count <= max_joint_points && !o.by_gradients;
+    o.announce = announcer(context, measured.measurements.size(), 1000, joint ? count : 0);
     const PointBlockResult result = adjust_point_block(measured, o);
     context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
@@ -142,7 +158,7 @@ struct Adjuster : TagAdjusterNode {
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);
-    tell_check_points(context, result);
+    if (!o.by_gradients) tell_check_points(context, result);
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

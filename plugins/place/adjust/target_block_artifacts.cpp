@@ -9,6 +9,7 @@
 
 #include "geometry/packed_symmetric.hpp"
 #include "photo/block/point_block_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -93,7 +94,8 @@ void describe_images(const PointBlockResult& result, TargetBlockT& targets) {
     entry->angles_sigma = sigma.tail<3>();
     entry->correlations = correlations_of(result.orientation_covariance[i]);
     const Eigen::MatrixXd& with_interior = result.pose_interior_correlation[i];
-    entry->largest_interior_correlation = with_interior.size() > 0 ? with_interior.cwiseAbs().maxCoeff() : 0;
+    entry->largest_interior_correlation =
+        with_interior.size() > 0 ? with_interior.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() : 0;
     entry->rms = 0;
     targets.images.push_back(std::move(entry));
   }
@@ -103,6 +105,7 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
   std::vector<std::pair<double, size_t>> conspicuous;
   double squares = 0;
   for (size_t m = 0; m < result.block.measurements.size(); ++m) {
+    stop_point();
     const auto& [x, y] = result.measurement_reliability[m];
     auto& image = *targets.images[static_cast<size_t>(result.block.measurements[m].image)];
     ++image.measurements;
@@ -133,6 +136,7 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
 
 void describe_points(const PointBlockResult& result, TargetBlockT& targets) {
   for (size_t j = 0; j < result.block.points.size(); ++j) {
+    stop_point();
     auto entry = std::make_unique<AdjustedPointT>();
     const Eigen::Matrix3d& c = result.point_covariances[j];
     entry->id = result.block.points[j].name;
@@ -214,10 +218,10 @@ PointBlock target_block_of(const ImageBlockT& artifact) {
         {entry->id, index(entry->camera, block.cameras.size(), "camera"), entry->centre, entry->angles});
   for (const auto& entry : artifact.points) block.points.push_back({entry->id, entry->position});
   for (const auto& m : artifact.measurements)
-    block.measurements.push_back({index(m.image(), block.images.size(), "image"),
-                                  index(m.point(), block.points.size(), "point"),
-                                  {m.x(), m.y()},
-                                  m.sigma()});
+    stop_point(), block.measurements.push_back({index(m.image(), block.images.size(), "image"),
+                                                index(m.point(), block.points.size(), "point"),
+                                                {m.x(), m.y()},
+                                                m.sigma()});
   for (const auto& bar : artifact.scale_bars)
     block.scale_bars.push_back({bar->name, index(bar->from, block.points.size(), "point"),
                                 index(bar->to, block.points.size(), "point"), bar->length, bar->sigma});
@@ -256,7 +260,7 @@ ImageBlockT target_block_artifact(const ReadBlock& read) {
     artifact.points.push_back(std::move(entry));
   }
   for (const auto& m : read.block.measurements)
-    artifact.measurements.emplace_back(m.image, m.point, m.position.x(), m.position.y(), m.sigma);
+    stop_point(), artifact.measurements.emplace_back(m.image, m.point, m.position.x(), m.position.y(), m.sigma);
   for (const auto& bar : read.block.scale_bars) {
     auto entry = std::make_unique<ScaleBarT>();
     entry->name = bar.name;
@@ -342,6 +346,11 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
             : "",  // Cameras of other models are estimated unless somebody said otherwise.
         camera.lens == bundle::Lens::correcting ? " (block.with.free=[c, xp, yp, K1, K2] estimates it)" : ""));
   }
+  if (options.by_gradients)
+    artifact.warnings.emplace_back(
+        "solver=gradients: the normal equations were not factorised. There are no standard deviations, redundancy "
+        "numbers or tests for blunders, and it was not looked whether the observations determine all unknowns together "
+        "(only each image, camera and point by itself)");
   for (const std::string& words :
        {control_against_images(result), blunders_in_words(result), turned_images(given, result)})
     if (!words.empty()) artifact.warnings.push_back(words);
@@ -377,7 +386,8 @@ PosesT target_poses(const PointBlockResult& result) {
     jacobian.topRightCorner<3, 3>() = turned;
     jacobian.bottomLeftCorner<3, 3>() = -rotation.toRotationMatrix();
     jacobian.bottomRightCorner<3, 3>() = -skew(entry->cam_from_world.translation) * turned;
-    entry->covariance = pack_symmetric(Matrix6(jacobian * result.pose_covariance[i] * jacobian.transpose()));
+    if (result.pose_covariance[i].allFinite())
+      entry->covariance = pack_symmetric(Matrix6(jacobian * result.pose_covariance[i] * jacobian.transpose()));
     poses.poses.push_back(std::move(entry));
   }
   std::vector<double> squares(poses.poses.size());

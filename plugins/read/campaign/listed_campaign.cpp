@@ -27,7 +27,9 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
     else if (use == CampaignUse::photographs)
       description = find_campaign(root, names());
     else
-      throw CampaignError(yaml, 0, "this file is missing; it tells what the folder holds, see docs/campaign_folder.md");
+      throw CampaignError(yaml, 0,
+                          "this file is missing; it tells what the folder holds: `plumbline campaign init FOLDER` "
+                          "writes one of what lies there");
   });
   const bool understood = problems.empty();
   unused = unused_files(description, root, names());

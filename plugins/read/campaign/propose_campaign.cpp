@@ -114,7 +114,7 @@ class Sorter {
     const fs::path path = root_ / file;
     if (is_photograph_name(file)) return add_photograph(file);
     if (ends_as(file, {".xlsx", ".xls", ".ods", ".numbers"})) return office_.push_back(file);
-    if (ends_as(file, {".ifc"})) return designs_.push_back(file);
+    if (ends_as(file, {".ifc", ".ifczip", ".ifcxml"})) return designs_.push_back(file);
     std::error_code error;
     if (fs::file_size(path, error) > kLargestText || error) return;
     const std::string text = text_of(path);

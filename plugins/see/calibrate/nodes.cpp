@@ -101,6 +101,10 @@ struct CalibrateBoard : Node {
       }
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
       for (const auto& text : warnings_of(one)) context.warn(name + text);
+      const auto& camera = one.calibration.camera;
+      const auto sigma = [&](int i) { return std::sqrt(one.calibration.covariance(i, i)); };
+      context.info(name + fmt::format("fx {:.2f} +- {:.2f}, fy {:.2f} +- {:.2f} px (1 sigma), {} photographs",
+                                      camera.fx, sigma(0), camera.fy, sigma(1), one.calibration.views.size()));
     }
     double squares = 0, count = 0;
     for (const auto& one : all) {

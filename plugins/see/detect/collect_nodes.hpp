@@ -46,8 +46,16 @@ struct CollectTags : Node {
 
   void run(Context& context) override {
     TagObservationsT result;
-    for (size_t i = 0; i < observations.size(); ++i)
+    size_t tags = 0, with_tags = 0;
+    for (size_t i = 0; i < observations.size(); ++i) {
       result.images.push_back(std::make_unique<ImageTagsT>(observations.unpack(i)));
+      tags += result.images.back()->tags.size(), with_tags += !result.images.back()->tags.empty();
+    }
+    if (tags == 0 && !result.images.empty())
+      context.warn("no tag was found in any of the " + std::to_string(result.images.size()) +
+                   " photographs: is the family the printed one (family=), and the detector for it (detector=)?");
+    context.info("tags: " + std::to_string(tags) + ", in " + std::to_string(with_tags) + " of " +
+                 std::to_string(result.images.size()) + " photographs");
     if (const std::string doubt = doubt_of_curve(result); !doubt.empty()) context.warn(doubt);
     all.commit(result);
   }

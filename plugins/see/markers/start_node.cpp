@@ -270,10 +270,7 @@ void AdjustMarkerStart::run(Context& context) {
       if (one.camera.fx > 0) one.covariance = weak_prior(one.camera, 0.05, 0.01, 0.1), one.any_lens = true;
   const MarkerResult network = adjust_lens_and_block(input.block, {});
   for (const auto& text : network.left_out) context.warn("left out: " + text);
-  for (const auto& text : network.warnings)  // what EXIF says is no calibration to contradict or to improve
-    if (!known.empty() || !(text.starts_with("the photographs contradict the calibration") ||
-                            text.starts_with("the photographs do not improve the calibrations")))
-      context.warn(text);
+  for (const auto& text : network.warnings) context.warn(text);
   const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
   double known_size = 0;  // of any: all tags have one, or none
   for (const auto& plate : table.plates)

@@ -133,32 +133,6 @@ std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
   return seeds.size() > 5 ? text + ", …" : text;
 }
 
-/// Names of places and alternatives without the characters that \csname cannot take, no two the same.
-class TexNames {
- public:
-  std::string of(const std::string& name) {
-    if (const auto known = names_.find(name); known != names_.end()) return known->second;
-    std::string plain = name;
-    for (char& c : plain)
-      if (std::string("\\{}%#&~^$_\r\n").find(c) != std::string::npos) c = '-';
-    for (std::size_t at; (at = plain.find("·")) != std::string::npos;) plain.replace(at, std::string("·").size(), "+");
-    std::string unique = plain;
-    for (int n = 2; !taken_.insert(unique).second; ++n) unique = plain + "-" + std::to_string(n);
-    return names_[name] = unique;
-  }
-  /// A comment line for each name that is written otherwise.
-  std::string legend() const {
-    std::string text;
-    for (const auto& [name, written] : names_)
-      if (name != written) text += "% " + one_line(name) + " is written " + written + "\n";
-    return text;
-  }
-
- private:
-  std::map<std::string, std::string> names_;
-  std::set<std::string> taken_;
-};
-
 }  // namespace
 
 std::string cost_text(double cost) { return std::isfinite(cost) ? fmt::format("{:.6g}", cost) : "–"; }
@@ -297,51 +271,6 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   for (const std::string& line : bench.machine)
     if (line.rfind("plugin ", 0) != 0 && line.rfind("libraries ", 0) != 0) text += "- " + line + "\n";
   return text;
-}
-
-std::string to_tex(const Bench& bench, const Analysis& analysis) {
-  std::string text =
-      "% " + one_line(bench.title) +
-      "\n% \\bench{place/alternative/quantity}: millimetres, seconds and plain numbers; quantities rmse, "
-      "rmse-low, rmse-high,\n% bias, predicted, efficiency, nees, failures, trials, seconds. "
-      "\\benchdiff{place/first/second}: mm, -low, -high.\n"
-      "\\makeatletter\n"
-      "\\newcommand{\\bench}[1]{\\ifcsname bench@#1\\endcsname\\csname bench@#1\\endcsname\\else\\textbf{??}\\fi}\n"
-      "\\newcommand{\\benchdiff}[1]{\\bench{diff/#1}}\n";
-  TexNames names;
-  std::string definitions;
-  // What is not defined prints ??, so that nothing that does not exist is quoted as a number.
-  const auto define = [&](const std::string& name, const std::string& value) {
-    if (value != "–") definitions += "\\expandafter\\def\\csname bench@" + name + "\\endcsname{" + value + "}\n";
-  };
-  define("cells", std::to_string(analysis.cells));
-  define("seeds", std::to_string(analysis.seeds));
-  for (const Row& row : analysis.rows) {
-    const auto& s = row.summary;
-    const std::string name = names.of(row.place.empty() ? "all" : row.place) + "/" + names.of(row.name) + "/";
-    const double half = 0.5e3 * (s.rmse.interval.upper - s.rmse.interval.lower);
-    define(name + "rmse", number_text(1e3 * s.rmse.value, half));
-    define(name + "rmse-low", number_text(1e3 * s.rmse.interval.lower, half));
-    define(name + "rmse-high", number_text(1e3 * s.rmse.interval.upper, half));
-    define(name + "bias", number_text(1e3 * s.bias.value, half));
-    define(name + "predicted", number_text(1e3 * s.predicted.value, half));
-    define(name + "efficiency", number_text(s.efficiency.value, 0.01));
-    define(name + "nees", number_text(s.nees, 0.1));
-    define(name + "trials", std::to_string(s.trials));
-    define(name + "failures", std::to_string(s.failures));
-    define(name + "seconds", number_text(row.seconds, 0.5 * row.seconds));
-  }
-  for (const Duel& duel : analysis.duels) {
-    if (!duel.refused.empty() || (duel.overall && !duel.weighted)) continue;
-    const Estimate& d = duel.errors.difference;
-    const double half = 0.5e3 * (d.interval.upper - d.interval.lower);
-    const std::string name = "diff/" + names.of(duel.overall || duel.place.empty() ? "all" : duel.place) + "/" +
-                             names.of(duel.first) + "/" + names.of(duel.second);
-    define(name, number_text(1e3 * d.value, half));
-    define(name + "-low", number_text(1e3 * d.interval.lower, half));
-    define(name + "-high", number_text(1e3 * d.interval.upper, half));
-  }
-  return text + names.legend() + definitions + "\\makeatother\n";
 }
 
 }  // namespace plumbline::bench

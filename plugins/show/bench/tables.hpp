@@ -10,7 +10,8 @@ namespace plumbline::bench {
 std::string to_csv(const Bench& bench);  ///< one line a cell, failed and missing ones too; RFC 4180
 std::string to_json(const Bench& bench, const Analysis& analysis);
 std::string to_markdown(const Bench& bench, const Analysis& analysis);
-/// Macros: \bench{full height/adjust.ceres/rmse} prints the number in mm, and ?? if there is none of that name.
+/// Macros: \bench{full height/adjust.ceres/rmse} prints the number in mm, and ?? if there is none of that name;
+/// \benchtable is the table for booktabs, \benchparagraph what came out in words.
 std::string to_tex(const Bench& bench, const Analysis& analysis);
 
 /// "12.3": so many decimals that the half width of the interval keeps two digits; "–" for nan.

@@ -100,7 +100,8 @@ void write_cards(Markup& html, const Json& block, const Summary& s) {
        (pitch > 0 ? fixed(rms * pitch, 2) + " µm; " : std::string()) +
            "root mean square of an image coordinate, over all that took part");
   card(html, "Points, 1 sigma", mm_unit(s.mean_sigma, 3),
-       "of a coordinate, rms over all; the worst " + mm_unit(s.largest_sigma, 3));
+       std::isfinite(s.mean_sigma) ? "of a coordinate, rms over all; the worst " + mm_unit(s.largest_sigma, 3)
+                                   : std::string("of a coordinate: none are stated"));
   card(html, "σ0", fixed(number(statistics, "sigma0"), 3),
        "standard deviation of unit weight; " + fixed(number(statistics, "degrees_of_freedom"), 0) +
            " degrees of freedom, " + fixed(number(statistics, "observations"), 0) + " observations, " +

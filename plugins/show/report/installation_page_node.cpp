@@ -19,7 +19,7 @@ std::map<int, std::string> ReportInstallation::robots_by_floor() const {
   return by_floor;
 }
 
-void ReportInstallation::run(Context& context) {
+void ReportInstallation::run(Context&) {
   const InstallationPlanT planned = plan.unpack();
   const LoopStateT reached = state.unpack();
   const auto by_floor = robots_by_floor();
@@ -47,7 +47,6 @@ void ReportInstallation::run(Context& context) {
   FileT file;
   file.name = *name, file.media_type = "text/html";
   file.content.assign(page.begin(), page.end());
-  context.info(std::to_string(page.size()) + " bytes");
   out.commit(file);
 }
 

@@ -146,6 +146,7 @@ void write_navigation(Markup& html, const ReportInput& input) {
   if (input.deviation) {
     if (input.changes && input.changes->compared) link("changes", "What changed");
     link("view", "In space");
+    if (input.photographs && !input.photographs->parts.empty()) link("photographs", "Photographs");
     link("facade", "Facade");
     link("places", input.grid.empty() ? "By floor" : "By floor and axis");
     if (!input.deviation->panels.empty()) link("panels", "Panels");
@@ -180,6 +181,7 @@ void write_body(Markup& html, const ReportInput& input) {
   if (input.deviation) {
     if (input.changes) write_changes(html, *input.changes);
     write_view(html, input);
+    if (input.photographs) write_photographs(html, *input.photographs);
     write_facade(html, input);
     write_places(html, input);
     write_panels(html, *input.deviation);

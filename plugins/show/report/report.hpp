@@ -17,6 +17,7 @@
 #include "artifacts/deviation.hpp"
 #include "artifacts/survey_comparison.hpp"
 #include "building/ifc/grid.hpp"
+#include "show/report/anchor_photographs.hpp"
 #include "show/report/building_lines.hpp"
 #include "show/report/facade_backdrop.hpp"
 
@@ -133,8 +134,9 @@ struct ReportInput {
   std::optional<SurfacesT> surfaces;       ///< panels as they are, behind the anchors
   std::vector<ifc::GridAxis> grid;         ///< of the design
   BuildingLines building;
-  std::vector<FacadePicture> pictures;  ///< of the facades, likewise
-  std::vector<Fact> images;             ///< what came in from the photographs, and what was left out
+  std::vector<FacadePicture> pictures;           ///< of the facades, likewise
+  std::optional<AnchorPhotographs> photographs;  ///< of what is not in order
+  std::vector<Fact> images;                      ///< what came in from the photographs, and what was left out
   std::optional<NetworkPage> network;
   std::optional<SurveyComparisonT> control_check;
   std::vector<Fact> provenance;

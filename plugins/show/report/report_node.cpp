@@ -28,6 +28,7 @@
 #include "show/report/installation_page_node.hpp"
 #include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
+#include "show/report/photographs_node.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
 #include "show/report/sheets_node.hpp"
@@ -117,7 +118,7 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 4,
+  static constexpr Info info{"report.html", "", 5,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -135,6 +136,7 @@ struct ReportHtml : Node {
                                       "provenance"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels as they are: colours behind the anchors"};
   Optional<Folder> orthophoto{"orthophoto", "of surface.orthophoto: the facade's picture behind the anchors"};
+  Optional<Folder> photographs{"photographs", "of report.photographs: parts of them around what is not in order"};
   Optional<InputFiles> inputs{"inputs",
                               "the files that were read, and evidence that was set aside, for the provenance"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder, for the provenance"};
@@ -178,6 +180,7 @@ struct ReportHtml : Node {
     }
     if (frames) add_frames(frames.unpack(), input.provenance);
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
+    if (photographs) input.photographs = read_photographs(context, photographs.unpack());
     add_nodes(*pipeline, input.provenance);
     add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
     FileT file;
@@ -226,4 +229,5 @@ PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbl
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
                  plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
-                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets)
+                 plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets,
+                 plumbline::report::ReportPhotographs)

@@ -100,6 +100,7 @@ void write_panels(Markup& html, const DeviationT& deviation);
 void write_coverage(Markup& html, const DeviationT& deviation);
 /// What became of anchors and panels since the campaign before; nothing without one.
 void write_changes(Markup& html, const AsBuiltChangesT& changes);
+void write_photographs(Markup& html, const AnchorPhotographs& photographs);
 /// "Since 2026-05".
 std::string since(const AsBuiltChangesT& changes);
 /// Verdicts of surfaces, the failing ones first.

@@ -13,7 +13,7 @@ NetworkPage ReportSurvey::page_of_network() const {
   return network_page(network.unpack(), in_file_axes ? &file_axes : nullptr, points ? &all : nullptr);
 }
 
-void ReportSurvey::run(Context& context) {
+void ReportSurvey::run(Context&) {
   if (!plan && !epochs && !network)
     throw std::runtime_error("none of the inputs plan, epochs and network is connected");
   SurveyComparisonT control;
@@ -40,7 +40,6 @@ void ReportSurvey::run(Context& context) {
   FileT file;
   file.name = *name, file.media_type = "text/html";
   file.content.assign(page.begin(), page.end());
-  context.info(std::to_string(page.size()) + " bytes");
   out.commit(file);
 }
 

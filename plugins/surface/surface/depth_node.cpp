@@ -54,7 +54,7 @@ Faces DepthNode::wanted_faces(Context& context, const Photographs& photographs) 
     throw std::runtime_error("connect 'design', whose panels are measured, or 'points', whose plane is");
   Faces faces = design ? faces_of(design.unpack(), photographs.centres())
                        : face_through(points.unpack(), photographs.centres(), *margin);
-  for (const auto& what : faces.left_out) context.warn("not measured: " + what);
+  for (const auto& what : faces.left_out) context.warn("not measured: " + in_words(what));
   if (faces.faces.empty())
     throw std::runtime_error(
         "the design has no panel with a face that could be measured; mark the panels in it, or connect 'points' "
@@ -126,7 +126,7 @@ void DepthNode::commit(Context& context, const Photographs& photographs, const F
     holes += outcomes[o];
     artifact.holes.push_back(std::move(entry));
   }
-  artifact.warnings = faces.left_out;
+  artifact.left_out = copies_of(faces.left_out);
   context.info(std::to_string(artifact.measured) + " points on " + std::to_string(faces.faces.size()) + " faces, " +
                std::to_string(holes) + " holes");
   for (const auto& entry : artifact.holes)

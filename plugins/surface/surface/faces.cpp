@@ -50,7 +50,19 @@ int across_panel(const DesignElementT& element, const Eigen::Matrix3d& turn, con
   return thin;
 }
 
+SurfaceLeftOutT left_out(const std::string& id, const std::string& guid, const std::string& reason) {
+  SurfaceLeftOutT panel;
+  panel.id = id, panel.guid = guid, panel.reason = reason;
+  return panel;
+}
+
 }  // namespace
+
+std::vector<std::unique_ptr<SurfaceLeftOutT>> copies_of(const std::vector<SurfaceLeftOutT>& panels) {
+  std::vector<std::unique_ptr<SurfaceLeftOutT>> copies;
+  for (const SurfaceLeftOutT& panel : panels) copies.push_back(std::make_unique<SurfaceLeftOutT>(panel));
+  return copies;
+}
 
 std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values) {
   if (values.size() % 3 != 0)
@@ -78,7 +90,8 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     const std::string name = element->name.empty() ? element->guid : element->name;
     const Eigen::Vector3d size = element->box_high - element->box_low;
     if (!size.allFinite() || !(size.minCoeff() >= 0)) {
-      result.left_out.push_back(name + ": the design gives no shape that a face could be taken from");
+      result.left_out.push_back(
+          left_out(name, element->guid, "the design gives no shape that a face could be taken from"));
       continue;
     }
     const Eigen::Matrix3d turn = element->placement.rotation.toRotationMatrix();
@@ -87,7 +100,7 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     std::string why;
     const int side = side_of(*element, design, middle, turn.col(through), seen_from, why);
     if (side == 0) {
-      result.left_out.push_back(name + ": " + why);
+      result.left_out.push_back(left_out(name, element->guid, why));
       continue;
     }
     const Eigen::Vector3d out = side * turn.col(through);
@@ -118,8 +131,10 @@ void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>
   for (size_t f = 0; f < faces.faces.size(); ++f) {
     const Lookers lookers = looked_at(faces.faces[f].plane.origin, faces.faces[f].plane.axes.col(2), seen_from);
     if (lookers.before == 0 && lookers.behind > 0) {
-      kept.left_out.push_back(faces.faces[f].id + ": all " + std::to_string(lookers.behind) +
-                              " stations of 'seen_from' that look at it see it from behind: not its outer face");
+      kept.left_out.push_back(
+          left_out(faces.faces[f].id, faces.guids[f],
+                   "all " + std::to_string(lookers.behind) +
+                       " stations of 'seen_from' that look at it see it from behind: not its outer face"));
       continue;
     }
     kept.faces.push_back(std::move(faces.faces[f])), kept.guids.push_back(std::move(faces.guids[f]));

@@ -1,20 +1,27 @@
 // Where surfaces should be: the panels of a design, or the plane of some points.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "artifacts/design.hpp"
 #include "artifacts/points.hpp"
+#include "artifacts/surface_points.hpp"
 #include "surface/dense/panel_surface.hpp"
 
 namespace plumbline::surface {
 
 struct Faces {
   std::vector<PanelFace> faces;
-  std::vector<std::string> guids;     ///< of the elements, one a face
-  std::vector<std::string> left_out;  ///< panels without a face, with the reason
+  std::vector<std::string> guids;         ///< of the elements, one a face
+  std::vector<SurfaceLeftOutT> left_out;  ///< panels without a face
 };
+
+/// "P1: nothing looks at it ..."
+inline std::string in_words(const SurfaceLeftOutT& panel) { return panel.id + ": " + panel.reason; }
+/// The same for an artifact.
+std::vector<std::unique_ptr<SurfaceLeftOutT>> copies_of(const std::vector<SurfaceLeftOutT>& panels);
 
 /// Of x, y, z one after the other [m]. Throws std::runtime_error for another number of values.
 std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values);

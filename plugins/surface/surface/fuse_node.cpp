@@ -60,6 +60,15 @@ void refuse_one_without_place(const std::vector<int>& ranks) {
           "say how well it is placed (a scan: 'registration', or 'place_sigma' and 'turn_sigma' of dense.import)");
 }
 
+/// Panels without a face in one source, which another may have seen.
+void take_left_out(const SurfacePointsT& source, SurfacePointsT& result) {
+  for (const auto& panel : source.left_out)
+    if (std::none_of(result.left_out.begin(), result.left_out.end(), [&](const auto& known) {
+          return known->guid == panel->guid && known->id == panel->id && known->reason == panel->reason;
+        }))
+      result.left_out.push_back(std::make_unique<SurfaceLeftOutT>(*panel));
+}
+
 }  // namespace
 
 void Fuse::run(Context& context) {
@@ -80,6 +89,7 @@ void Fuse::run(Context& context) {
     for (const auto& text : source.points.warnings)
       if (std::find(result.warnings.begin(), result.warnings.end(), text) == result.warnings.end())
         result.warnings.push_back(text);
+    take_left_out(source.points, result);
     if (std::isfinite(source.points.search))
       result.search =
           std::isfinite(result.search) ? std::min(result.search, source.points.search) : source.points.search;

@@ -179,10 +179,10 @@ void ImportCloud::run(Context& context) {
   const auto stations = stations_of(*seen_from);
   Faces faces = design ? faces_of(design.unpack(), stations) : face_through(points.unpack(), stations, *margin);
   leave_out_seen_from_behind(faces, stations);
-  for (const auto& what : faces.left_out) context.warn("not measured: " + what);
+  for (const auto& what : faces.left_out) context.warn("not measured: " + in_words(what));
   if (faces.faces.empty())
     throw std::runtime_error("the design has no panel with a face that could be measured" +
-                             (faces.left_out.empty() ? "" : " (" + faces.left_out.front() + ")") +
+                             (faces.left_out.empty() ? "" : " (" + in_words(faces.left_out.front()) + ")") +
                              "; mark the panels in it, or connect 'points'");
   ToFaces to_faces;
   std::optional<TransformT> fit;
@@ -253,7 +253,8 @@ void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& 
                          const std::vector<ScanPlace>& common, const std::optional<ScanPlace>& own,
                          const std::string& folder, const std::string& uri) const {
   SurfacePointsT artifact;
-  artifact.source = "scan", artifact.warnings = faces.left_out, artifact.search = *search, artifact.beside = *beside;
+  artifact.source = "scan", artifact.left_out = copies_of(faces.left_out), artifact.search = *search;
+  artifact.beside = *beside;
   for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());
   if (own) artifact.rank += 6 * static_cast<int>(tiles.scans());
   FolderT listing;

@@ -69,7 +69,7 @@ struct Panels : Node {
   }
 
   void run(Context& context) override {
-    const SurfacePointsT given = points.unpack();
+    SurfacePointsT given = points.unpack();
     std::vector<std::string> paths;
     for (const auto& tile : given.tiles) paths.push_back(context.resolve(tile->uri));
     const auto read = [&](size_t t) { return read_tile(*given.tiles[t], given.rank, paths[t]); };
@@ -82,6 +82,7 @@ struct Panels : Node {
     if (std::isfinite(given.search)) options.search = given.search;
     SurfacesT result;
     result.rank = given.rank, result.warnings = given.warnings;
+    result.left_out = std::move(given.left_out);
     if (given.rank == 0)
       context.warn(
           "the points come without systematic errors: what is stated of a panel's place is how well it is measured "

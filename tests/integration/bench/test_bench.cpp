@@ -48,6 +48,29 @@ TEST(Bench, SaysWhichOfTwoPluginsItUses) {
   EXPECT_EQ(plumbline.answer.err.find(words, first + 1), std::string::npos) << plumbline.answer.err;
 }
 
+/// A part of a shipped bench, by the names that its file has; words behind --seeds that set something are overrides.
+TEST(Bench, ScenariosThatAreNamedRunAloneWithWhatSpeaksOfThem) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-8\nscenarios: {one floor: {factor: 1}, 'far, dark': {factor: 2}, near: {factor: 3}}\n"
+      "alternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\nweights: {one floor: 1, 'far, dark': 3, "
+      "near: 1}\n"
+      "exclude: [{scenario: near, method: worse, why: it cannot}]\n");
+  const Json all = plumbline.run({"--seeds", "1-3"});
+  EXPECT_EQ(all["cells"], 15);
+  const Json some = plumbline.run({"--scenario", "far, dark", "--scenario", "one floor", "--seeds", "1-3"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(some["cells"], 12);
+  EXPECT_EQ(some["found"], 12);  // the same cells as of the whole
+  const Json other = plumbline.run({"--scenario", "near", "--seeds", "1", "factor=1"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_EQ(other["cells"], 1);
+  const auto refused = plumbline({"bench", "b.yaml", "--scenario", "one flor"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err,
+              HasSubstr("no scenario 'one flor' — did you mean 'one floor'?; it has 'one floor', 'far, dark', 'near'"));
+}
+
 TEST(Bench, TheOrderOfAlternativesAndOtherNamesForThemChangeNothing) {
   BenchProgram plumbline;
   plumbline.bench_file(two);
@@ -73,7 +96,14 @@ TEST(Bench, WritesAllItsFilesAndTheVerdictInWords) {
   const std::string page = read_file(plumbline.work() / "out/b/bench.html");
   EXPECT_THAT(page, HasSubstr("good beats worse by"));
   EXPECT_THAT(page, Not(HasSubstr("http"))) << "a page that needs no network";
-  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.tex"), HasSubstr("bench@all/good/rmse"));
+  const std::string tex = read_file(plumbline.work() / "out/b/bench.tex");
+  EXPECT_THAT(tex, HasSubstr("bench@all/good/rmse"));
+  const size_t table = tex.find("\\newcommand{\\benchtable}"), words = tex.find("\\newcommand{\\benchparagraph}");
+  ASSERT_NE(table, std::string::npos);
+  ASSERT_NE(words, std::string::npos);
+  EXPECT_THAT(tex.substr(table, words - table), HasSubstr("\\toprule\nAlternative & Trials & Failed & RMSE [mm]"));
+  EXPECT_THAT(tex.substr(table, words - table), HasSubstr("\ngood & "));
+  EXPECT_THAT(tex.substr(words), HasSubstr("method: take good, beaten nowhere."));
   const std::string csv = read_file(plumbline.work() / "out/b/bench.csv");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 17);
 }
@@ -296,6 +326,31 @@ TEST(Bench, APluginLinkedAnewToTheSameBytesIsTheSame) {
   EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
   EXPECT_EQ(counts["done"], 6);
   EXPECT_EQ(counts["failed"], 0);
+}
+
+/// An evaluator in another language that hands on nothing: its metrics are what is compared.
+TEST(Bench, AnEvaluatorInPythonIsMeasured) {
+  BenchProgram plumbline;
+  const auto own = plumbline.folder.path() / "plugins";
+  std::filesystem::copy(plumbline.plugins(), own, std::filesystem::copy_options::recursive);
+  std::ofstream(own / "off.node.yaml")
+      << "plumbline_node: 1\nkind: outside.off\nversion: 1\nsummary: Tells a number\nrun: [/usr/bin/python3, off.py]\n"
+         "inputs: {number: {type: plumbline.Number/1, doc: a number}}\noutputs: {}\n"
+         "parameters: {factor: {kind: number, default: 1, unit: \"1\", minimum: 0, maximum: 9, doc: times}}\n";
+  std::ofstream(own / "off.py") << "from plumbline_artifacts import Call\ncall = Call()\n"
+                                   "value = call.inputs('number', 'plumbline.Number/1')[0].value\n"
+                                   "call.metric('rmse', call.parameters['factor'] * abs(value), 'm')\n";
+  plumbline.use_plugins(own);
+  plumbline.write("p.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+                  "  off: {use: outside.off, in: {number: site.number}}\n");
+  plumbline.write("b.yaml",
+                  "bench: 1\npipeline: p.yaml\nmeasure: {error: off.rmse}\nseeds: 1-2\n"
+                  "alternatives: {method: {one: {}, two: {off.with.factor: 2}}}\n");
+  EXPECT_EQ(plumbline.run()["failed"], 0) << plumbline.answer.err;
+  const Json rows = plumbline.summary()["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(rows[1]["rmse"]["value"].get<double>() / rows[0]["rmse"]["value"].get<double>(), 2, 1e-12);
 }
 
 TEST(Bench, AnAlternativeThatFailedInAllItsCellsWasNotMeasured) {

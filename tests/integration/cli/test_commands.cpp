@@ -1,5 +1,6 @@
 // Every command: exit code, standard output, standard error.
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "program.hpp"
 
@@ -83,6 +84,24 @@ TEST(Commands, ListAndDescribe) {
   answer = plumbline({"describe", "story.constnt"});
   EXPECT_EQ(answer.code, 2);
   EXPECT_TRUE(contains(answer.err, "did you mean 'story.constant'?")) << answer.err;
+  answer = plumbline({"describe", "site_campain"});
+  EXPECT_TRUE(contains(answer.err, "did you mean 'site_campaign' or ")) << answer.err;
+  answer = plumbline({"describe", "plumbline.Nmber/1"});
+  EXPECT_TRUE(contains(answer.err, "did you mean 'Number'?")) << answer.err;
+  // Who types the name alone is shown what there is.
+  EXPECT_TRUE(contains(plumbline({}).err, "runs a pipeline")) << plumbline({}).err;
+}
+
+/// A list of pipelines has a whole sentence of each, and no two of one sentence.
+TEST(Commands, PipelinesAreToldApartByTheirFirstSentence) {
+  const Program plumbline;
+  std::set<std::string> seen;
+  for (const Json& pipeline : Json::parse(plumbline({"list", "pipelines", "--json"}).out)) {
+    const std::string sentence = pipeline["sentence"];
+    EXPECT_TRUE(seen.insert(sentence).second) << pipeline["name"] << ": " << sentence;
+    EXPECT_LE(sentence.size(), 300u) << sentence;
+  }
+  EXPECT_GT(seen.size(), 40u);
 }
 
 TEST(Commands, SchemaKnowsEveryKind) {

@@ -1,129 +1,37 @@
-"""usage: test_commands.py PLUMBLINE ROOT WORK     Every command of every document is run: what stands in code blocks and in spans of the
-pages, in folders that hold what the page speaks of. A command that takes minutes runs with PLUMBLINE_LONG only; one that cannot run here is
-named with its reason. A command that no rule below knows how to run, and that fails as it stands, is a fault; so is a rule that serves none.
-The tutorial and the pages by task are typed in tests of their own, from the first line to the last."""
+"""usage: test_commands.py PLUMBLINE ROOT WORK [REGEX]     Every command of every document is run: what stands in code blocks and in spans of the
+pages, in folders that hold what the page speaks of. command_rules.py says how; a command that no rule there knows, and that fails as it
+stands, is a fault; so is a rule that serves none, and a reason for not running one that names no file of the tree.
+The tutorial and the pages by task are typed in tests of their own, from the first line to the last.
+With a regular expression: only commands in which it is found, in the folder as it is, where there is one."""
+import json
 import os
 import pathlib
+import random
 import re
-import shlex
 import shutil
+import signal
 import subprocess
 import sys
+import threading
 import time
+import urllib.request
 
+import command_rules
 import commands_of_pages
-
+from command_rules import DROPPED, OTHER_ENDS, OTHERS, ROUND, SERVED, SMALL, SMALL_OF, TAGS, WHERE
 
 PROGRAM, ROOT, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
+ONLY = sys.argv[4] if len(sys.argv) > 4 else ""
 LONG = bool(os.environ.get("PLUMBLINE_LONG"))
 TYPED_ELSEWHERE = ("docs/tutorial.md", "docs/howto/")
 DATA = pathlib.Path(os.environ.get("PLUMBLINE_TEST_DATA") or ROOT.parent / "shared/data")
-
-TAGS = "detector=aruco family=DICT_6X6_1000"
-SMALL = "floors=2 columns=2 camera=quick_6mp"  # the same pipeline on a site of which the photographs are small
-ROUND = "first=true now=2026-05-05T08:00:00Z measured=2026-05-04T08:00:00Z"
-MINUTES, WHERE = "LONG: ", "NOT HERE: "
-# What is typed for a command (regular expression over the whole line), in the folder that `prepare` makes. The first that fits holds.
-RULES = [
-    # Names that pages use, where a line is run as it stands otherwise.
-    (r"plumbline (new|watch|bench|run|run --rehash|run --isolate|serve|schema|list|describe|doctor|help|cache)", r"plumbline \1 --help"),
-    (r"plumbline bench FILE", "plumbline bench quick --seeds 1-2 --out out/quick"),
-    (r"plumbline new (TEMPLATE|survey_reader) NAME", "plumbline new survey_reader mine --out NEW"),
-    (r"plumbline new (planner|robot) NAME", r"plumbline new \1 mine --out NEW"),
-    (r"plumbline new pose_solver plane", "plumbline new pose_solver plane --out NEW"),
-    (r"(plumbline (?:describe|doctor|validate|plan|graph|verify|verify --each)) (KIND|FILE|PIPELINE)", None),
-    (r"PLUMBLINE_PLUGIN_PATH=build/lib/plumbline plumbline run …|plumbline describe demo.lift|plane/check",
-     WHERE + "built against an installation in Installed.TemplatesBuildPassTheirTestsAndRun and Installed.OutsidePlugin"),
-    (r"plumbline serve (out.*)", WHERE + "ends when somebody stops it: Serve.* in tests/integration/serve"),
-    (r"plumbline watch .*", WHERE + "ends when somebody stops it: Watch.* in tests/integration/cli/test_watch.cpp"),
-    (r"plumbline-robots .*|plumbline run site_loop \.\.\. .*", WHERE + "wants a broker and robots: Robots.* in tests/integration/robots"),
-    # Sites.
-    (r"plumbline run site_campaign folder=june (epoch=\S+ before=out/may/as_built.json)", r"plumbline run site_campaign folder=site \1"),
-    (r"(plumbline run (?:site_campaign|site_survey|site_surfaces|survey_campaign|site_campaign_joint)) folder=\S+(.*)", r"\1 folder=site"),
-    (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),
-    (r"plumbline run (site_observations|plan_installation) folder=\S+(.*)", r"plumbline run \1 folder=observed\2"),
-    (r"plumbline run site_loop folder=(\S+) first=true(.*)", r"plumbline run site_loop folder=site " + ROUND + " --out rounds/1"),
-    (r"plumbline run site_loop folder=tuesday .*",
-     "plumbline run site_loop folder=site state=rounds/1/state.json now=2026-05-06T08:00:00Z measured=2026-05-05T10:00:00Z --out rounds/2"),
-    (r"plumbline run epoch_series .*", "plumbline run epoch_series folder=epochs movements.with.days=[0,30,61]"),
-    (r"plumbline campaign (init|check) \S+", r"plumbline campaign check site"),
-    # Surveys.
-    (r'plumbline run survey_network file=job.gsi "network.with.exclude=.*', 'plumbline run survey_network file=job.gsi "network.with.exclude=[point F01-C03-R2: knocked over, line job.gsi:46: read twice]"'),
-    (r"plumbline run survey_network file=job.gsi map=EPSG:25832.*", WHERE + "the survey of the site lies in no map: Georeference.* in tests/unit/survey"),
-    (r"plumbline run (?:pipelines/)?(survey_network|read_survey)(?:\.yaml)? file=(?:…|FILE|job\.gsi)(.*?)( --out OUT)?", r"plumbline run \1 file=job.gsi\2"),
-    (r"plumbline run survey_network", "plumbline run survey_network file=job.gsi"),
-    (r"plumbline run compare_epochs before=a.gsi after=b.gsi.*", "plumbline run compare_epochs before=job.gsi after=job.gsi"),
-    (r"plumbline run (.*)file=docs/examples/(.*)", None),
-    (r"plumbline run (\S+) (before=docs/examples/.*)", None),
-    (r"plumbline run plan_survey file=layout.csv.*", "plumbline run plan_survey file=docs/examples/survey_plan.csv"),
-    (r"plumbline show out --relative F01-C01-R1 F03-C04-R2", None),
-    (r"plumbline show (…:block.points|RUN/run.jsonl:NODE.PORT)", "plumbline show network/run.jsonl:network.points"),
-    (r"plumbline why NODE( \[RUN\])?", "plumbline why network network"),
-    (r"plumbline diff RUN RUN.*", "plumbline diff network network --tolerance 1e-9"),
-    (r"plumbline export RUN --format (trace|ro-crate)( > \S+)?", r"plumbline export network --format \1"),
-    (r"plumbline journal .*", "plumbline journal executed --check"),
-    (r"plumbline cache prune.*", "plumbline cache prune --keep 200GiB --days 3000"),
-    (r"plumbline run outlier_search .*", "plumbline run outlier_search points=points.csv control=points.csv"),
-    # Photographs.
-    (r"plumbline example board", "plumbline example another_board"),
-    (r"plumbline run photo_campaign folder=\S+(.*)", f"plumbline run photo_campaign folder=board {TAGS}"),
-    (r"plumbline run photo_surfaces folder=\S+", f"plumbline run photo_surfaces folder=board {TAGS}"),
-    (r"plumbline run detect_images .*", f"plumbline run detect_images folder=board {TAGS}"),
-    (r"plumbline run marker_board .*", f"plumbline run marker_board folder=board {TAGS} tag_size=0.0375"),
-    (r"plumbline run calibrate_camera folder=\S+ board=\S+(.*?)( --out OUT)?", r"plumbline run calibrate_camera folder=board board=board.yaml\1"),
-    (r"plumbline run marker_field .*",
-     f"plumbline run marker_field folder=board {TAGS} layout=known/tags.json camera=known_camera/camera.yaml tag_size=0.0375"),
-    (r"plumbline run (measure_targets|sfm_control|colmap_control) .*",
-     WHERE + "needs photographs of surveyed points that somebody pointed at, which may not be shipped: test_control of tests/unit/markers on rendered ones"),
-    (r"plumbline run scan_(surfaces|planes) .*", WHERE + "needs a scan: Surfaces of tests/integration/surface make one"),
-    (r"plumbline run image_block folder=blocks/aicon", f"plumbline run image_block folder={DATA}/blocks/aicon"),
-    (r'plumbline run image_block folder=… (project|control)=.*|plumbline run image_block(?: folder=… "block.with.free=\[\]")?',
-     f'plumbline run image_block folder={DATA}/blocks/aicon "block.with.free=[]"'),
-    (r"plumbline run read_design file=building.ifc", "plumbline run read_design file=site/design.ifc"),
-    # Simulated sites, small ones.
-    (r"plumbline run (single_floor|full_height) camera=quick_6mp optics=real seed=…", MINUTES + r"plumbline run \1 SMALL optics=real"),
-    (r"plumbline run (full_height surfaces=on .*)", MINUTES + r"plumbline run \1 camera=quick_6mp"),
-    (r"plumbline run (?:pipelines/)?(full_height|full_height_free|single_floor)(?:\.yaml)?(?: camera=quick_6mp)?((?: (?!--out|seed=|camera=)\S+)*)( --out \S+| seed=…)?",
-     r"plumbline run \1 SMALL\2"),
-    (r"plumbline run full_height camera=hasselblad_100mp", MINUTES + "plumbline run full_height camera=hasselblad_100mp"),
-    (r"plumbline run building shape=(\S+)", r"plumbline run building shape=\1 floors=1"),
-    (r"plumbline run execution_loop", "plumbline run execution_loop floors=2 --out executed"),
-    (r"plumbline run facade_surfaces", MINUTES + "plumbline run facade_surfaces"),
-    (r"plumbline graph full_height --format mermaid", None),
-    (r"plumbline run (plan_images|observations).*", None),
-    # Benches.
-    (r"plumbline bench quick --out out/quick", "plumbline bench quick --seeds 1-2 --out out/quick"),
-    (r"plumbline bench quick --out out/quick --archive supplement", "plumbline bench quick --seeds 1-2 --out out/quick --archive supplement"),
-    (r"plumbline bench verify (\S+).*", "plumbline bench verify supplement --cells 4"),
-    (r"plumbline bench quick|plumbline bench benchmarks/paper/quick.yaml", MINUTES + "plumbline bench quick --out out/whole_quick"),
-    (r"plumbline bench benchmarks/crossval.yaml folder=…", "plumbline bench benchmarks/crossval.yaml folder=site --seeds 1-2 --out out/crossval"),
-    (r"plumbline bench (benchmarks/paper/(?:rendered|detectors).yaml).*", MINUTES + r"plumbline bench \1 --seeds 1 --out out/rendered"),
-    (r"plumbline bench (benchmarks/\S+\.yaml).*", MINUTES + r"plumbline bench \1 --seeds 1-2 --out out/paper"),
-]
-# Lines that call something else than the program.
-OTHERS = [
-    (r"scripts/(demo|test|setup|package|mutate|measured|docs)\b.*", "what CI itself does, or hours of processor time"),
-    (r"(cmake|ninja|ctest)\b.*", "builds this tree"),
-    (r"(PLUMBLINE_SHOW=1 )?(build/bin|benchmarks)/\S+.*", "benchmarks, which are no part of the build; their figures stand in their pages"),
-    (r"/usr/bin/python3 -m pip install .*", "tests/integration/python/package.sh"),
-]
-# Parameters that a line of a page has and its command here does not, by the pipeline.
-DROPPED = {
-    "site_loop": ({"reports.with.json", "reports.with.hilti", "reported_at"}, "reports of robots and tools: tests/integration/loop"),
-    "image_block": ({"project", "control", "block.use", "files.with.image_size"}, "blocks of others that may not be shipped: tests/golden"),
-    "full_height": ({"camera", "seed"}, "SMALL has a camera of its own"),
-    "single_floor": ({"camera", "seed"}, "SMALL has a camera of its own"),
-}
-SMALL_OF = {"single_floor": "columns=3 camera=quick_6mp"}
-# What ends with another exit code than 0, and is right to: a measurement or a judgement that is no result (3).
-OTHER_ENDS = {"plumbline run site_surfaces folder=site": 3, "plumbline run observations floors=1 depth_distortion=0.1": 3}
-
+RULES = command_rules.rules(DATA)
 ENVIRONMENT = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", "PLUMBLINE_STORE": str(WORK / ".store"),
                "XDG_CACHE_HOME": str(WORK / ".cache"), "PLUMBLINE_PLUGIN_PATH": str(ROOT / "python/examples")}
 
 
 def shell(line):
-    return subprocess.run(["bash", "-c", f"timeout {7200 if LONG else 300} {line}" if line.startswith("plumbline") else line], cwd=WORK,
+    return subprocess.run(["bash", "-c", f"timeout 300 {line}" if line.startswith("plumbline") else line], cwd=WORK,
                           env=ENVIRONMENT, stdin=subprocess.DEVNULL, capture_output=True, text=True)
 
 
@@ -133,36 +41,111 @@ def must(line):
         sys.exit(f"prepare: {line}: exit code {done.returncode}\n{done.stderr[-2000:]}")
 
 
-def prepare():
-    shutil.rmtree(WORK, ignore_errors=True)
-    WORK.mkdir(parents=True)
-    for name in ("docs", "benchmarks", "pipelines", "python"):
-        (WORK / name).symlink_to(ROOT / name)
-    for name, more in (("site", ""), ("observed", ", photographs: observed")):
-        (WORK / "make.yaml").write_text("plumbline: 1\nvars: {seed: 2}\nnodes: {site: {use: simulate.campaign, with: {floors: 1, columns: 3, "
-                                        f"camera: quick_6mp, images_per_floor: 6{more}}}}}}}\noutputs: {{site: site.folder}}\n")
+def served(line):
+    """Starts what serves a page, asks for the page, and stops it as a person does; what went wrong, or nothing."""
+    process = subprocess.Popen(line.split(), cwd=WORK, env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    late = threading.Timer(60, process.kill)
+    late.start()
+    said = ""
+    while "http" not in said:
+        one = process.stdout.readline()
+        said += one
+        if not one:
+            break
+    address = re.search(r"http\S+", said)
+    browser = urllib.request.build_opener(urllib.request.HTTPCookieProcessor())  # the token comes back as a cookie
+    page = browser.open(address[0]).read() if address else b""
+    process.send_signal(signal.SIGINT)
+    said += process.communicate()[0]
+    late.cancel()
+    return "" if b"<html" in page and process.returncode in (0, 130) else f"exit code {process.returncode}, page of {len(page)} bytes\n  {said}"
+
+
+def centre(corners):
+    """Where the diagonals of a tag meet."""
+    (a, b), (c, d), (e, f), (g, h) = corners
+    t = ((c - a) * (d - h) - (d - b) * (c - g)) / ((e - a) * (d - h) - (f - b) * (c - g))
+    return a + t * (e - a), b + t * (f - b)
+
+
+def prepare_sites():
+    for name, more in (("site", ""), ("observed", ", photographs: observed"), ("small", "")):
+        size = "columns: 2, camera: quick_6mp, images_per_floor: 4" if name == "small" else "columns: 3, camera: quick_6mp, images_per_floor: 6"
+        (WORK / "make.yaml").write_text(f"plumbline: 1\nvars: {{seed: 2}}\nnodes: {{site: {{use: simulate.campaign, with: {{floors: 1, {size}{more}}}}}}}\n"
+                                        "outputs: {site: site.folder}\n")
         must(f"plumbline run make.yaml --out made_{name} -q && cp -r made_{name}/site {name} && chmod -R u+w {name}")
     must("cp site/survey/total_station.gsi job.gsi; mkdir epochs; for day in 1 2 3; do cp job.gsi epochs/day$day.gsi; done")
     (WORK / "epochs/campaign.yaml").write_text("plumbline_campaign: 1\nsurvey: [day1.gsi, day2.gsi, day3.gsi]\n")
-    (WORK / "board.yaml").write_text("type: tags\ncolumns: 4\nrows: 5\nmarker: 0.0375\ngap: 0.005\ndictionary: DICT_6X6_1000\n")
-    must("plumbline example board")
-    must("cut -d, -f1-4 board/control.csv > points.csv")
-    must(f"plumbline run marker_board folder=board {TAGS} tag_size=0.0375 --out known -q")
-    must("plumbline run calibrate_camera folder=board board=board.yaml --out known_camera -q")
+    # The same readings on a map: known points at its scale there (k of the central meridian, reduced from 147.5 m), in a block of coordinates.
+    with open(WORK / "map.gsi", "w", encoding="ascii") as file:
+        for number, row in enumerate((WORK / "site/control.csv").read_text().splitlines()[1:], 9001):
+            name, *place = row.split(",")[:4]
+            e, n, h = [round(1e3 * (float(value) * scale + there)) for value, scale, there in zip(place, (0.999577, 0.999577, 1), (500000, 5400000, 100))]
+            file.write(f"*11{number:04d}+{name:0>16} 81..10+{e:016d} 82..10+{n:016d} 83..10+{h:016d} \n")
+        file.write((WORK / "job.gsi").read_text(encoding="ascii"))
     must("plumbline run survey_network file=job.gsi --out network -q")
     must("plumbline run site_campaign folder=site --out out/may -q")
+    # A round, and what a robot said when it had done it.
+    must(f"plumbline run site_loop folder=site {ROUND} --out rounds/0 -q")
+    job = json.loads((WORK / "rounds/0/job.json").read_text())
+    done = [{"actionId": f"{job['jobId']}:{item['id']}:{item['revision']}", "actionStatus": "FINISHED"} for item in job["items"]]
+    (WORK / "states.jsonl").write_text(json.dumps({
+        "headerId": 1, "timestamp": "2026-05-05T09:00:00.00Z", "version": "2.0.0", "manufacturer": "RobotCompany", "serialNumber": "001",
+        "orderId": job["jobId"], "orderUpdateId": 0, "lastNodeId": "", "lastNodeSequenceId": 0, "driving": False, "nodeStates": [], "edgeStates": [],
+        "actionStates": done, "batteryState": {"batteryCharge": 80, "charging": False}, "operatingMode": "AUTOMATIC", "errors": [],
+        "safetyState": {"eStop": "NONE", "fieldViolation": False}}) + "\n")
+
+
+def prepare_photographs():
+    """A public board as the points that were surveyed on it: measured in the photographs, pointed at, and in a COLMAP model."""
+    (WORK / "board.yaml").write_text("type: tags\ncolumns: 4\nrows: 5\nmarker: 0.0375\ngap: 0.005\ndictionary: DICT_6X6_1000\n")
+    must("plumbline example board")
+    must("cut -d, -f1-4 board/control.csv > points.csv; mkdir few; cp board/board_??.jpg few; rm few/board_?[39].jpg")
+    (WORK / "model.yaml").write_text("plumbline: 1\ninclude: [pipelines/marker_board.yaml]\nnodes: {model: {use: write.colmap, in: {poses: block.poses, "
+                                     "cameras: [block.cameras], points: block.points, observations: all.observations}}}\noutputs: {sparse: model.model}\n")
+    must(f"plumbline run model.yaml folder=board {TAGS} tag_size=0.0375 --out known -q")
+    must("plumbline run calibrate_camera folder=board board=board.yaml --out known_camera -q")
+    of_tag = {row.split(",")[3]: row.split(",")[0] for row in (WORK / "board/plates.csv").read_text().splitlines()[1:]}
+    measured, clicked = ["image,point,x,y"], ["image,point,x,y"]
+    for image in json.loads((WORK / "known/observations.json").read_text())["images"]:
+        for tag in image["tags"]:
+            x, y = centre(tag["corners"])
+            measured.append(f"{image['path']},{of_tag[str(tag['id'])]},{x:.3f},{y:.3f}")
+            clicked.append("{},T{},{:.1f},{:.1f}".format(image["path"], tag["id"], *tag["corners"][0]))
+    (WORK / "measured.csv").write_text("\n".join(measured) + "\n")
+    (WORK / "clicked.csv").write_text("\n".join(clicked) + "\n")
+    (WORK / "sets.json").write_text(json.dumps([{"name": "board", "folder": "few", "pattern": "*.jpg", "family": "DICT_6X6_1000", "tag_size": "0.0375",
+                                                 "detector": "aruco"}]))
+
+
+def prepare():
+    shutil.rmtree(WORK, ignore_errors=True)
+    WORK.mkdir(parents=True)
+    for name in ("docs", "benchmarks", "pipelines", "python", "scripts"):
+        (WORK / name).symlink_to(ROOT / name)
+    prepare_sites()
+    prepare_photographs()
+    # The panel of the small site as a scanner sees it, with 1 mm of noise; as LAS by what writes clouds.
+    dice = random.Random(1)
+    (WORK / "scan.xyz").write_text("".join(f"{1.005 + 0.01 * i:.3f} {dice.gauss(-0.225, 0.001):.4f} {0.005 + 0.01 * k:.3f}\n" for i in range(200) for k in range(400)))
+    must("plumbline run scan_planes scan=scan.xyz unit=m 'planes.with.seen_from=[2, -8, 1.6]' --out planes -q && cp planes/cloud/*.las scan.las")
+    (WORK / "mutants.jsonl").write_text(json.dumps({"file": "libraries/survey/x.cpp", "line": 1, "rule": "a < b", "is": "a <= b", "tests": 2, "result": "killed"}) + "\n")
+
+
+def ruled(line, rules, used, kind):
+    """What is typed for a line by the first rule that fits, or nothing."""
+    for number, (pattern, instead) in enumerate(rules):
+        match = re.fullmatch(pattern, line)
+        if match:
+            used.add((kind, number))
+            return line if instead is None else instead if instead.startswith(WHERE) else match.expand(instead)
+    return None
 
 
 def typed(line, used):
-    """What is run for a line of a page, with the mark of its rule before it."""
-    for number, (pattern, instead) in enumerate(RULES):
-        match = re.fullmatch(pattern, line)
-        if not match:
-            continue
-        used.add(number)
-        if instead is not None:
-            return instead if instead.startswith(WHERE) else match.expand(instead)
-        break
+    found = ruled(line, RULES, used, "rule")
+    if found is not None and found != line:
+        return found
     for word, by in (("describe KIND", "describe survey.adjust"), ("describe FILE", "describe survey.adjust"), ("FILE", "pipelines/observations.yaml"),
                      ("PIPELINE", "read_survey file=job.gsi")):
         line = re.sub(rf"\b{word}\b", by, line)
@@ -176,60 +159,85 @@ def dropped(line, command):
     return sorted(names[0] - names[1] - DROPPED.get(pipeline and pipeline[1], (set(), ""))[0])
 
 
-prepare()
-used, others, ran, faults, later, elsewhere = set(), set(), {}, [], [], []
-for page, line in commands_of_pages.all_lines(ROOT):
-    if page.startswith(TYPED_ELSEWHERE):
-        continue
+used, ran, faults, elsewhere = set(), {}, [], []
+
+
+def not_here(page, line, why):
+    named = re.findall(r"(?:tests|scripts|benchmarks|\.ci)/[\w./]+\w", why)
+    if not named or not all((ROOT / file).exists() for file in named):
+        faults.append(f"{page}: `{line}`: the reason for not running it names no file of the tree: {why}")
+    elsewhere.append((page, line, why))
+
+
+def run(page, line, command):
+    if command in ran or not re.search(ONLY, command):
+        return
+    begin = time.monotonic()
+    if command.startswith(SERVED):
+        wrong = served(command[len(SERVED):])
+    else:
+        with_output = command
+        if command.startswith("plumbline run ") and "--out" not in command and "--help" not in command:
+            with_output = f"{command} --out out/{len(ran)}"
+        if command.startswith("plumbline new "):
+            shutil.rmtree(WORK / "NEW", ignore_errors=True)
+        done = shell(with_output)
+        wrong = "" if done.returncode == OTHER_ENDS.get(command, 0) else f"exit code {done.returncode}\n  " + "\n  ".join((done.stdout + done.stderr).splitlines()[-4:])
+    ran[command] = time.monotonic() - begin
+    if wrong:
+        faults.append(f"{page}: `{line}`\n  ran as: {command}\n  {wrong}")
+
+
+def of_program(page, line):
     command = typed(line, used)
     if command.startswith(WHERE):
-        elsewhere.append((page, line, command[len(WHERE):]))
-        continue
-    if command.startswith(MINUTES):
-        command = command[len(MINUTES):]
-        if not LONG:
-            later.append((page, line))
-            continue
-    if lost := dropped(line, command):
-        faults.append(f"{page}: `{line}`\n  its rule drops {', '.join(lost)}: it runs `{command}`")
+        return not_here(page, line, command[len(WHERE):])
     pipeline = command.split()[2] if command.startswith("plumbline run ") else ""
     command = command.replace("SMALL", SMALL_OF.get(pipeline, SMALL))
-    if command in ran:
-        continue
+    if lost := dropped(line, command):
+        faults.append(f"{page}: `{line}`\n  its rule drops {', '.join(lost)}: it runs `{command}`")
     if str(DATA) in command and not DATA.exists():
-        elsewhere.append((page, line, f"{DATA} is not here"))
-        continue
-    if command.startswith("plumbline run ") and "--out" not in command and "--help" not in command:
-        command_typed = f"{command} --out out/{len(ran)}"
-    else:
-        command_typed = command
-    if command.startswith("plumbline new "):
-        shutil.rmtree(WORK / "NEW", ignore_errors=True)
-    begin = time.monotonic()
-    done = shell(command_typed)
-    ran[command] = time.monotonic() - begin
-    if done.returncode != OTHER_ENDS.get(command, 0):
-        faults.append(f"{page}: `{line}`\n  ran as: {command_typed}\n  exit code {done.returncode}\n  " + "\n  ".join((done.stdout + done.stderr).splitlines()[-4:]))
+        return elsewhere.append((page, line, f"{DATA} is not here"))
+    run(page, line, command)
+
+
+def of_others(page, line):
+    command = ruled(line, OTHERS, used, "other")
+    if command is None:
+        return faults.append(f"{page}: `{line}`: no rule says how it is run")
+    if command.startswith(WHERE):
+        return not_here(page, line, command[len(WHERE):])
+    for name in re.findall(r"PROGRAMS/(\S+)", command):
+        if not (pathlib.Path(PROGRAM).parent / name).exists():
+            if LONG:
+                faults.append(f"{page}: `{line}`: {name} is not built")
+            return not_here(page, line, f"{name} is built and this is run by scripts/test --long")
+    if "camera_mistakes" in command and subprocess.run(["python3", "-c", "import cv2"], capture_output=True).returncode:
+        return not_here(page, line, "needs python3-opencv, as benchmarks/camera_mistakes/camera_mistakes.py says")
+    run(page, line, command.replace("PROGRAMS", str(pathlib.Path(PROGRAM).parent)))
+
+
+if not (ONLY and WORK.exists()):
+    prepare()
+for page, line in commands_of_pages.all_lines(ROOT):
+    if not page.startswith(TYPED_ELSEWHERE):
+        of_program(page, line)
 for page, line in commands_of_pages.other_lines(ROOT):
-    if page.startswith(TYPED_ELSEWHERE):
-        continue
-    reason = next((why for pattern, why in OTHERS if re.fullmatch(pattern, line)), None)
-    if reason:
-        others.add((page, line, reason))
-for number, (pattern, instead) in enumerate(RULES):
-    if number not in used:
-        faults.append(f"no document has a command for the rule {pattern}")
-if len(ran) < 60:
+    if not page.startswith(TYPED_ELSEWHERE):
+        for part in line.split(" && "):
+            of_others(page, part)
+for kind, rules in (("rule", RULES), ("other", OTHERS)):
+    for number, (pattern, instead) in enumerate(rules):
+        if (kind, number) not in used:
+            faults.append(f"no document has a command for the rule {pattern}")
+if len(ran) < 100 and not ONLY:
     faults.append(f"only {len(ran)} commands were found")
 
 print(f"{len(ran)} commands run in {sum(ran.values()):.0f} s, the longest:")
-for command, seconds in sorted(ran.items(), key=lambda item: -item[1])[:8]:
+for command, seconds in sorted(ran.items(), key=lambda item: -item[1])[:12]:
     print(f"  {seconds:5.1f} s  {command}")
-print(f"{len(later)} only with PLUMBLINE_LONG:")
-for page, line in later:
-    print(f"  {page}: {line}")
-print(f"{len(elsewhere) + len(others)} not here:")
-for page, line, why in [*elsewhere, *sorted(others)]:
+print(f"{len(elsewhere)} not here:")
+for page, line, why in sorted(set(elsewhere)):
     print(f"  {page}: {line}: {why}")
 for fault in faults:
     print(fault)

@@ -438,4 +438,29 @@ TEST(AiconFiles, ErrorsNameFileAndLine) {
               HasSubstr("holds 2 *.phc files (b.phc, c.phc), expected one"));
 }
 
+/// The same minimum, and of nothing else is anything claimed.
+TEST(PointBlock, ConjugateGradientsComeToTheMinimumAndStateNothing) {
+  PointBlock block = small_block();
+  test::Random random(8);
+  for (auto& m : block.measurements) m.position += 5e-4 * Eigen::Vector2d(random.normal(), random.normal());
+  block::PointBlockOptions by_factor = options(), by_gradients = options();
+  by_gradients.by_gradients = true;
+  const auto expected = adjust_point_block(block, by_factor), found = adjust_point_block(block, by_gradients);
+  EXPECT_NEAR(found.sigma0 / expected.sigma0, 1, 1e-9);
+  for (size_t j = 0; j < block.points.size(); ++j) {
+    const Eigen::Vector3d sigma = expected.point_covariances[j].diagonal().cwiseSqrt();
+    const Eigen::Vector3d apart = found.block.points[j].position - expected.block.points[j].position;
+    EXPECT_LT(apart.cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 1e-3) << block.points[j].name;
+    EXPECT_TRUE(found.point_covariances[j].array().isNaN().all());
+  }
+  EXPECT_EQ(found.point_covariance.size(), 0);
+  for (size_t m = 0; m < block.measurements.size(); ++m) {
+    const auto &ours = found.measurement_reliability[m][0], &theirs = expected.measurement_reliability[m][0];
+    EXPECT_NEAR(ours.residual, theirs.residual, 1e-8);
+    EXPECT_TRUE(std::isnan(ours.w) && std::isnan(ours.redundancy_number));
+  }
+  EXPECT_TRUE(found.pose_covariance[0].array().isNaN().all());
+  EXPECT_TRUE(found.interior_covariance[0].array().isNaN().all());
+}
+
 }  // namespace

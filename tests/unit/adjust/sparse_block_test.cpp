@@ -1,4 +1,5 @@
 // Blocks whose reduced system is sparse, against dense normal equations: long strips of images.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -7,6 +8,7 @@
 #include "plumbline/rigid_transform.hpp"
 #include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
+#include "test_support.hpp"
 
 namespace {
 
@@ -238,6 +240,32 @@ TEST(SparseBlock, CanBeStoppedAnywhere) {
   EXPECT_THROW(Cofactors(strip.problem, layout, strip.state, elimination, {}), Stopped);
   EXPECT_THROW(elimination.factorise({}), Stopped);
   EXPECT_THROW(elimination.build(strip.state), Stopped);
+}
+
+TEST(SparseBlock, ConjugateGradientsTakeNoFactorAndNameWhatIsOpen) {
+  Strip strip = make_strip(60, true);
+  const Layout layout(strip.problem);
+  AdjustOptions options;
+  std::size_t with_factor = 0, without = 0;
+  options.announce = [&](std::size_t bytes) { with_factor = bytes; };
+  const Adjusted expected = bundle::adjust(strip.problem, layout, strip.state, options);
+  for (const Minimiser& minimiser : {Minimiser(minimise_schur), Minimiser(minimise_ceres)}) {
+    options.minimiser = minimiser;
+    options.announce = [&](std::size_t bytes) { without = bytes; };
+    const Adjusted found = adjust_by_gradients(strip.problem, layout, strip.state, options);
+    EXPECT_NEAR(found.sum_of_squares / expected.sum_of_squares, 1, 1e-9);
+    EXPECT_EQ(found.redundancy(), expected.redundancy());
+    EXPECT_FALSE(found.cofactors);
+    EXPECT_LT(without, with_factor);
+  }
+  strip.problem.points.push_back({"lonely"});
+  strip.state.points.push_back(strip.state.points[0]);
+  strip.problem.image_points.push_back(strip.problem.image_points[0]);
+  strip.problem.image_points.back().point = static_cast<int>(strip.problem.points.size()) - 1;
+  const Layout larger(strip.problem);
+  options.minimiser = minimise_schur;
+  EXPECT_THAT(test::error_of([&] { adjust_by_gradients(strip.problem, larger, strip.state, options); }),
+              testing::HasSubstr("the position of lonely is undetermined"));
 }
 
 }  // namespace

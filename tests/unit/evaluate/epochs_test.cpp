@@ -219,6 +219,18 @@ TEST(AsBuiltEpochs, AJointOfWhichOneSideWasMeasuredAgainIsNotMended) {
   EXPECT_EQ(of(compare_epochs(second, one_side, "July"), "P").change, ChangeKind::unseen);
   EXPECT_EQ(of(compare_epochs(second, both, "July"), "P").change, ChangeKind::mended);
   EXPECT_EQ(record_of(both, "July", &second).items[1].verdict, kPass);
+  // Nor for ever: a neighbour that the design has no more leaves no joint.
+  DesignElements whole{{"guid-A", "guid-P", "guid-Q"}, {"A", "P", "Q"}}, without{{"guid-A", "guid-P"}, {"A", "P"}};
+  EXPECT_EQ(of(compare_epochs(second, one_side, "July", &whole), "P").change, ChangeKind::unseen);
+  const AsBuiltChangesT gone = compare_epochs(second, one_side, "July", &without);
+  EXPECT_EQ(of(gone, "P").change, ChangeKind::mended);
+  EXPECT_NE(of(gone, "P").note.find("its joint to Q was open and is none any more"), std::string::npos)
+      << of(gone, "P").note;
+  EXPECT_EQ(of(gone, "Q").change, ChangeKind::left_out);
+  const EpochRecord third = record_of(one_side, "July", &second, &without);
+  ASSERT_EQ(third.items.size(), 2u) << "A and P";
+  EXPECT_EQ(third.items[1].verdict, kPass);
+  EXPECT_TRUE(third.items[1].open_joints.empty());
 }
 
 TEST(AsBuiltEpochs, OtherTolerancesOfPanelsAreTold) {

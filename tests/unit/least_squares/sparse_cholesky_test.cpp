@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include "geometry/random.hpp"
+#include "least_squares/sparse/conjugate_gradients.hpp"
 #include "least_squares/sparse/selected_inverse.hpp"
 #include "plumbline/stop.hpp"
 
@@ -191,6 +192,29 @@ TEST(SparseCholesky, FactorisesAScaledMatrix) {
       EXPECT_EQ(joint.bottomRightCorner(4, 4), selected.block(3, 3));
     }
   }
+}
+
+TEST(ConjugateGradients, ComeToTheSolutionAndAreADescentBefore) {
+  std::vector<std::vector<int>> observations;
+  for (int k = 0; k < 40; ++k)
+    for (int far : {1, 2, 7}) observations.push_back({k, (k + far) % 40});
+  const Normal normal = normal_of(std::vector<int>(40, 3), observations, 4);
+  ConjugateGradients gradients;
+  ASSERT_TRUE(gradients.prepare(normal.blocks));
+  Random random(9);
+  const Eigen::VectorXd right = Eigen::VectorXd::NullaryExpr(120, [&] { return random.normal(); });
+  const auto exact = gradients.solve(right, {1e-12, 1000}), early = gradients.solve(right, {1e-12, 5});
+  EXPECT_TRUE(exact.reached);
+  EXPECT_LT((exact.x - normal.dense.llt().solve(right)).norm(), 1e-9 * exact.x.norm());
+  EXPECT_FALSE(early.reached);
+  EXPECT_EQ(early.steps, 5);
+  // What it is short of is at right angles to where it is: the cost falls by x' b, as is predicted of exact steps.
+  EXPECT_NEAR(early.x.dot(right - normal.dense * early.x) / early.x.dot(right), 0, 1e-9);
+  EXPECT_EQ(gradients.solve(Eigen::VectorXd::Zero(120)).x.norm(), 0);
+  SymmetricBlocks open(normal.pattern);
+  for (int b = 0; b < 40; ++b) open.add(b, b, Eigen::Matrix3d(Eigen::Vector3d(1, 1, b == 7 ? 0 : 1).asDiagonal()));
+  EXPECT_FALSE(gradients.prepare(open));
+  EXPECT_EQ(gradients.undetermined(), 7);
 }
 
 TEST(SparseCholesky, GivesTheSameBitsAgain) {

@@ -63,8 +63,9 @@ TEST(Faces, AGuessIsNotEnoughAgainstPhotographsFromBothSides) {
   ASSERT_EQ(faces.faces.size(), 1U) << "of the south panel photographs and guess agree, of the north they do not";
   EXPECT_EQ(faces.faces[0].id, "S");
   ASSERT_EQ(faces.left_out.size(), 1U);
-  EXPECT_NE(faces.left_out[0].find("N: 4 places look at it from one side, 2 from the other"), std::string::npos)
-      << faces.left_out[0];
+  EXPECT_NE(in_words(faces.left_out[0]).find("N: 4 places look at it from one side, 2 from the other"),
+            std::string::npos)
+      << in_words(faces.left_out[0]);
 }
 
 TEST(Faces, PhotographsSayItWhereTheDesignDoesNot) {
@@ -76,7 +77,8 @@ TEST(Faces, PhotographsSayItWhereTheDesignDoesNot) {
   EXPECT_TRUE(seen.faces[0].plane.axes.col(2).isApprox(kSouth, 1e-12));
   const Faces unseen = faces_of(design, {});
   ASSERT_EQ(unseen.left_out.size(), 1U);
-  EXPECT_NE(unseen.left_out[0].find("does not say which side is outside"), std::string::npos) << unseen.left_out[0];
+  EXPECT_NE(in_words(unseen.left_out[0]).find("does not say which side is outside"), std::string::npos)
+      << in_words(unseen.left_out[0]);
 }
 
 TEST(Faces, AFinFacesAsItsFacadeDoes) {

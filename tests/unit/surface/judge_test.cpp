@@ -150,7 +150,12 @@ TEST(JudgeSurfaces, ARuleThatSelectsNothingIsSaid) {
 TEST(JudgeSurfaces, APanelThatNobodyLookedAtIsNotJudged) {
   SurfacesT what = surfaces();
   what.panels.erase(what.panels.begin() + 1);
-  what.warnings = {"B: nothing looks at it and the design does not say which side is outside"};
+  const auto left_out = [&](const std::string& id, const std::string& guid, const std::string& reason) {
+    what.left_out.push_back(std::make_unique<SurfaceLeftOutT>());
+    what.left_out.back()->id = id, what.left_out.back()->guid = guid, what.left_out.back()->reason = reason;
+  };
+  left_out("B", "B-guid", "nothing looks at it and the design does not say which side is outside");
+  left_out("B", "of another panel of that name", "the design gives no shape that a face could be taken from");
   const auto result = judged(what, {"*: flatness(1m)=3mm", "name=A: bow=3mm"});
   EXPECT_EQ(result.not_judged, 2) << "B, and C that has no points";
   EXPECT_NE(result.requests[0]->not_judged.find("B"), std::string::npos) << result.requests[0]->not_judged;
