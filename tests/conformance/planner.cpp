@@ -239,6 +239,34 @@ TEST_P(Planner, WhatHangsIsNotSetAnyMore) {
   EXPECT_FALSE(panel(plan, "P1").installed);
 }
 
+/// Poses that take their calibration as exact state too little; those that do not say so may.
+TEST_P(Planner, RefusesStationsThatTakeTheirCalibrationAsExactAndTellsOfThoseThatDoNotSay) {
+  PosesT stations;
+  stations.poses.push_back(std::make_unique<PoseT>());
+  stations.poses[0]->path = "robot-1.jpg";
+  for (size_t i = 0; i < 6; ++i)
+    for (size_t j = 0; j <= i; ++j) stations.poses[0]->covariance.push_back(i == j ? 1e-9 : 0);
+  const auto said = [&](CalibrationErrors calibration) -> std::string {
+    stations.calibration = calibration;
+    NodeHarness node = prepared(Site(0.002));
+    node.input<Poses>("stations", stations);
+    try {
+      node.run();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    const InstallationPlanT plan = node.output<InstallationPlan>("plan");
+    std::string notes;
+    for (const std::string& note : plan.notes) notes += note + "\n";
+    return notes;
+  };
+  EXPECT_NE(said(CalibrationErrors::taken_as_exact).find("give the camera its standard deviations"), std::string::npos);
+  EXPECT_NE(said(CalibrationErrors::not_said).find("of their calibration is not said"), std::string::npos);
+  const std::string carried = said(CalibrationErrors::carried);
+  EXPECT_EQ(carried.find("calibration"), std::string::npos) << carried;
+  EXPECT_NE(carried.find("robots know their place by what they see"), std::string::npos) << carried;
+}
+
 /// What robots know of their own place enters the gate.
 TEST_P(Planner, ARobotThatHardlyKnowsWhereItIsLowersWhatIsGo) {
   std::vector<double> p;
@@ -251,6 +279,7 @@ TEST_P(Planner, ARobotThatHardlyKnowsWhereItIsLowersWhatIsGo) {
     for (size_t i = 0; i < 6; ++i)
       for (size_t j = 0; j <= i; ++j) pose->covariance.push_back(i == j ? sigma * sigma / (i < 3 ? 16 : 1) : 0);
     stations.poses.push_back(std::move(pose));
+    stations.calibration = CalibrationErrors::carried;
     NodeHarness node = prepared(Site(0.002));
     node.input<Poses>("stations", stations);
     node.run();

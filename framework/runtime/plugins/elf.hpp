@@ -18,8 +18,9 @@ std::string read_elf_note(const std::filesystem::path& library, const std::strin
 /// "soname:build-id" of every library that the object containing `address` needs, directly or through others; sorted.
 /// For one without a build id "soname:sha256-<hash of its file>". One that is only reached through a library that
 /// fetches or shows (libcurl, libX11), and that library unless the object itself needs it, ends with kNoPartOfKeys:
-/// another build of it changes no number. So do the parts of the C library, in whose place stand its release ("C library:glibc
-/// 2.36") and what libm computes here ("results of libm:<hash>"). Throws std::runtime_error if a file cannot be read.
+/// another build of it changes no number. So do the parts of the C library, in whose place stand its release ("C
+/// library:glibc 2.36") and what libm computes here ("results of libm:<hash>"). Throws std::runtime_error if a file
+/// cannot be read.
 std::vector<std::string> linked_build_ids(const void* address);
 
 /// The loader that an ELF program asks for (its PT_INTERP); empty for what is no such program, a script say.

@@ -234,6 +234,22 @@ class StateReader {
 
 }  // namespace
 
+namespace {
+
+/// Of a line as `mosquitto_sub -v` writes it, "TOPIC MESSAGE", the message of a state; empty of another topic of the
+/// standard. Any other line as it is.
+std::string state_of_log(const std::string& line) {
+  const auto end = line.find_first_of(" \t"), begin = line.find_first_not_of(" \t", end);
+  if (line.find('/') >= end || begin == std::string::npos || line[begin] != '{') return line;
+  const std::string topic = line.substr(0, end), part = topic.substr(topic.rfind('/') + 1);
+  if (part == "state") return line.substr(begin);
+  static constexpr const char* kOthers[] = {"connection", "factsheet",     "instantActions", "order",
+                                            "responses",  "visualization", "zoneSet"};
+  return std::find(std::begin(kOthers), std::end(kOthers), part) != std::end(kOthers) ? "" : line;
+}
+
+}  // namespace
+
 ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source) {
   StateReader reader(job, source);
   // One message over several lines, or one in each line.
@@ -245,6 +261,7 @@ ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string
   std::size_t number = 0;
   for (std::string line; std::getline(stream, line);) {
     ++number;
+    line = state_of_log(line);
     if (line.find_first_not_of(" \t\r") != std::string::npos) reader.read(line, number);
   }
   return reader.take();

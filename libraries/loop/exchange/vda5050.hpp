@@ -45,7 +45,8 @@ std::string vda_topic(const VdaRobot& robot, const std::string& subtopic);
 /// actionId of an item in the order of its job.
 std::string vda_action_id(const Job& job, const JobItem& item);
 
-/// Reports out of state messages of one robot or several, one in each line, in any order, as often as they come: an
+/// Reports out of state messages of one robot or several, one in each line, by itself or behind its topic as
+/// `mosquitto_sub -v` writes it (other topics of the standard are passed over), in any order, as often as they come: an
 /// action that FINISHED is done, one that FAILED has failed, anything else is no report. An action is reported once,
 /// with the earliest message that says so; a later one that says otherwise is refused, as are messages that are no
 /// state of 2.x or 3.x, of another order, on unknown actions or that lack what the standard requires. A result that is

@@ -98,6 +98,9 @@ struct Facade {
   std::vector<Joint> joints;
   Eigen::MatrixXd covariance;  ///< of the deviations, 3n x 3n [m²], order of the brackets; what was not measured: any
   Eigen::MatrixXd own;         ///< likewise, without what all campaigns share (control); empty: unknown
+  /// Of where robots put what they set, by what they know of their own places, 3n x 3n [m²], order of the brackets:
+  /// besides ErrorModel::station. Empty: none.
+  Eigen::MatrixXd stations;
   ErrorModel errors;
 };
 

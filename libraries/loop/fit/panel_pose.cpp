@@ -201,6 +201,9 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
       if (i == j) out.setting.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.setting * errors.setting);
       if (facade.brackets[i].floor == facade.brackets[j].floor)
         out.station.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.station * errors.station);
+      if (facade.stations.size() > 0)
+        out.station.block<3, 3>(3 * at_i, 3 * at_j) +=
+            facade.stations.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
     }
   out.rows.setZero(m, 3 * n);
   Eigen::MatrixXd made = Eigen::MatrixXd::Zero(m, edges);

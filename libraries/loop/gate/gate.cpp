@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "loop/gate/inside_probability.hpp"
 
@@ -149,28 +150,24 @@ bool all_hang(const Facade& facade, const JudgedValue& judged) {
                      [&](const auto& row) { return facade.panels[row.first].installed; });
 }
 
-constexpr const char* kNoBracket = "hangs on no bracket";
-constexpr const char* kNotMeasured = "not measured: ";
-constexpr const char* kOneBracket = "hangs on one bracket: how it turns is open";
-constexpr const char* kNotTold = "its hooks do not tell how far its corners move ";
-
-/// Why a panel cannot be more than HOLD; empty if it can. It begins with one of the words above.
-std::string obstacle(const Facade& facade, const Fit& fit, std::size_t j) {
+/// The obstacle, and its words; none and empty if there is none.
+std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fit, std::size_t j) {
   const Panel& panel = facade.panels[j];
-  if (panel.hooks.empty()) return kNoBracket;
+  if (panel.hooks.empty()) return {Obstacle::no_bracket, "hangs on no bracket"};
   std::string missing;
   for (const Hook& hook : panel.hooks)
     if (!facade.brackets[hook.bracket].measured())
       missing += (missing.empty() ? "" : ", ") + facade.brackets[hook.bracket].id;
-  if (!missing.empty()) return kNotMeasured + missing + "; measure it, then plan again";
-  if (panel.hooks.size() == 1) return kOneBracket;
+  if (!missing.empty()) return {Obstacle::not_measured, "not measured: " + missing + "; measure it, then plan again"};
+  if (panel.hooks.size() == 1) return {Obstacle::one_bracket, "hangs on one bracket: how it turns is open"};
   if (fit.poses[j].open.cols() > 0) {
     for (int corner = 0; corner < 4; ++corner)
       for (int k = 0; k < 3; ++k)
         if (!fit.poses[j].tells(
                 fit.poses[j].movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k))))
-          return std::string(kNotTold) + kDirections[static_cast<std::size_t>(k)] +
-                 ": a hook more, or one that holds more";
+          return {Obstacle::not_told, std::string("its hooks do not tell how far its corners move ") +
+                                          kDirections[static_cast<std::size_t>(k)] +
+                                          ": a hook more, or one that holds more"};
   }
   return {};
 }
@@ -201,12 +198,6 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
 
 }  // namespace
 
-bool is_obstacle(const std::string& reason) {
-  for (const char* begin : {kNoBracket, kNotMeasured, kOneBracket, kNotTold})
-    if (reason.starts_with(begin)) return true;
-  return false;
-}
-
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options) {
   std::vector<std::vector<std::size_t>> values(facade.panels.size());
   for (std::size_t v = 0; v < fit.judged.size(); ++v)
@@ -215,10 +206,11 @@ std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const Ga
       if (!facade.panels[panel].installed || all_hang(facade, fit.judged[v])) values[panel].push_back(v);
   std::vector<PanelGate> gates;
   for (std::size_t j = 0; j < facade.panels.size(); ++j) {
-    const std::string why_not = obstacle(facade, fit, j);
+    const auto [obstacle, why_not] = obstacle_of(facade, fit, j);
     PanelGate gate;
     if (!values[j].empty()) gate = judge_region(facade, fit, region_of(facade, fit, std::move(values[j])), options);
-    if (!why_not.empty()) {
+    gate.obstacle = obstacle;
+    if (obstacle != Obstacle::none) {
       if (gate.verdict == GateVerdict::go) gate.verdict = GateVerdict::hold;
       gate.p_repeated = kUnknown;
       gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);

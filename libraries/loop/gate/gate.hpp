@@ -21,6 +21,15 @@ struct Advice {
   double u = kUnknown, u_now = kUnknown;  ///< of the value that decides [m]
 };
 
+/// Why a panel cannot be more than HOLD, whatever its probability.
+enum class Obstacle {
+  none,
+  no_bracket,    ///< it hangs on none
+  not_measured,  ///< one of its brackets
+  one_bracket,   ///< how it turns is open
+  not_told,      ///< its hooks do not tell how far its corners move
+};
+
 struct PanelGate {
   GateVerdict verdict = GateVerdict::hold;
   double p_in = kUnknown;  ///< nan: cannot be told
@@ -31,6 +40,7 @@ struct PanelGate {
   double robot_sigma = kUnknown;
   /// Of HOLD: p_in after many more campaigns on the same control, if the estimate stays; nan: not told.
   double p_repeated = kUnknown;
+  Obstacle obstacle = Obstacle::none;
   double slips = 1;  ///< factor of p_in by brackets that slip on tightening, and by knocked plates and control
   std::string reason;
 };
@@ -39,8 +49,5 @@ struct PanelGate {
 /// holds its corners and all joints to panels that are planned or hang; correlations are those of Fit. A panel with a
 /// bracket that was not measured, with values that its hooks do not tell, or without hooks is HOLD, whatever p_in.
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options = {});
-
-/// Whether a PanelGate::reason says that the panel cannot be more than HOLD, whatever p_in.
-bool is_obstacle(const std::string& reason);
 
 }  // namespace plumbline::loop

@@ -72,7 +72,8 @@ namespace {
 
 constexpr int kPoints = 32, kBlocks = 80, kFewestBlocks = 4;  ///< of the lattice
 constexpr double kCloseBounds = 0.001;
-constexpr double kFarInside = 1e-5;  ///< probability outside below which a value is left to itself
+/// Of the precision, what those values may be outside with together that are left to themselves.
+constexpr double kFarInside = 0.2;
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 double between(double low, double high) {
@@ -155,6 +156,7 @@ double product_at(const Separated& s, const double* point, double* y) {
     const double from = normal_below(upper ? -b : a), to = normal_below(upper ? -a : b);
     product *= to - from;
     if (!(product > 0)) return 0;
+    if (k + 1 == rank) break;
     const double x = normal_quantile(from + point[k] * (to - from));
     y[k] = upper ? -x : x;
   }
@@ -196,7 +198,7 @@ double inside_probability(const Eigen::VectorXd& mean, const Eigen::MatrixXd& co
                           const Eigen::VectorXd& high, double precision) {
   if (!mean.allFinite() || !covariance.allFinite()) return std::numeric_limits<double>::quiet_NaN();
   double outside = 0, least = 1;
-  std::vector<Eigen::Index> open;  // those that are not inside for all that matters
+  std::vector<std::pair<double, Eigen::Index>> by_outside;
   for (Eigen::Index i = 0; i < mean.size(); ++i) {
     const double s = std::sqrt(std::max(0.0, covariance(i, i)));
     if (!(s > 0)) {
@@ -205,10 +207,19 @@ double inside_probability(const Eigen::VectorXd& mean, const Eigen::MatrixXd& co
     }
     const double out = normal_below((low[i] - mean[i]) / s) + normal_below((mean[i] - high[i]) / s);
     outside += out, least = std::min(least, 1 - out);
-    if (out > kFarInside) open.push_back(i);
+    by_outside.emplace_back(out, i);
   }
   const double at_least = std::max(0.0, 1 - outside);
-  if (open.size() < 2 || least - at_least < kCloseBounds) return 0.5 * (least + at_least);
+  if (by_outside.size() < 2 || least - at_least < kCloseBounds) return 0.5 * (least + at_least);
+  // Those that are hardly ever outside take between nothing and the sum of their probabilities away.
+  std::sort(by_outside.begin(), by_outside.end());
+  std::size_t first = 0;
+  double beside = 0;
+  while (first + 1 < by_outside.size() && beside + by_outside[first].first <= kFarInside * precision)
+    beside += by_outside[first++].first;
+  std::vector<Eigen::Index> open;
+  for (std::size_t i = first; i < by_outside.size(); ++i) open.push_back(by_outside[i].second);
+  std::sort(open.begin(), open.end());
   const auto m = static_cast<Eigen::Index>(open.size());
   Eigen::VectorXd mean_of(m), low_of(m), high_of(m);
   Eigen::MatrixXd covariance_of(m, m);
@@ -217,7 +228,8 @@ double inside_probability(const Eigen::VectorXd& mean, const Eigen::MatrixXd& co
     mean_of[i] = mean[from], low_of[i] = low[from], high_of[i] = high[from];
     for (Eigen::Index j = 0; j < m; ++j) covariance_of(i, j) = covariance(from, open[static_cast<std::size_t>(j)]);
   }
-  return std::clamp(over_lattice(separate(mean_of, covariance_of, low_of, high_of), precision), 0.0, 1.0);
+  return std::clamp(over_lattice(separate(mean_of, covariance_of, low_of, high_of), precision) - 0.5 * beside, 0.0,
+                    1.0);
 }
 
 }  // namespace plumbline::loop

@@ -10,8 +10,10 @@ namespace plumbline::loop {
 /// them (Genz and Kwong 2000), the variables ordered by how narrow their limits are (Gibson, Glasbey and Elston 1994),
 /// over a fixed lattice of Richtmyer with the baker's transform: the same bits each time. Points are added until the
 /// mean of blocks of them has a standard deviation below `precision`, 2560 at most; the error stays below 0.003 for up
-/// to twelve independent variables (tests/unit/loop). Where bounds of Boole and of the least marginal are closer than
-/// 0.001, their mean is taken instead. Zero variance: inside or not. nan if mean or covariance are not finite.
+/// to twelve independent variables (tests/unit/loop). Values that are together outside with less than a fifth of
+/// `precision` are left to themselves, and half of that taken away. Where bounds of Boole and of the least marginal are
+/// closer than 0.001, their mean is taken instead. Zero variance: inside or not. nan if mean or covariance are not
+/// finite.
 double inside_probability(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance, const Eigen::VectorXd& low,
                           const Eigen::VectorXd& high, double precision = 0.001);
 

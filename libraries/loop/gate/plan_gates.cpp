@@ -15,9 +15,10 @@ using Decision = std::pair<GateDecision, std::string>;
 /// What no rule makes GO: the plan holds it whatever its probability, because something is open, or it cannot tell how
 /// probable it is.
 bool is_open(const InstallationPlanT& plan, const PlannedPanelT& panel) {
-  const bool told = panel.p_in >= 0;
-  return !plan.doubts.empty() || !told || is_obstacle(panel.reason) ||
-         (panel.gate == GateDecision::hold && panel.p_in >= plan.go_probability);
+  const bool told = panel.p_in >= 0, held = panel.gate == GateDecision::hold;
+  // A plan that does not say what stands in the way may hold a panel for it.
+  const bool hindered = panel.obstacle == PanelObstacle::not_said ? held : panel.obstacle != PanelObstacle::none;
+  return !plan.doubts.empty() || !told || hindered || (held && panel.p_in >= plan.go_probability);
 }
 
 /// `decide`: of a panel, its decision and why.

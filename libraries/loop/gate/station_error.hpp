@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "artifacts/poses.hpp"
 
@@ -12,6 +13,11 @@ namespace plumbline::loop {
 /// vector in the camera frame, translation), R <- exp(rotation) R. Throws std::runtime_error that names a pose without
 /// covariance.
 Eigen::Matrix3d station_covariance(const PoseT& pose, const Eigen::Vector3d& point);
+
+/// The same of several places at once, each by the station that is nearest to it: 3 x 3 for each, in their order. Two
+/// places of one robot share its error; of two robots what their poses share by PosesT::joint_covariance, and nothing
+/// where that is empty. Throws as station_covariance(), and for a joint covariance of another size than the poses have.
+Eigen::MatrixXd station_covariances(const PosesT& stations, const std::vector<Eigen::Vector3d>& places);
 
 /// Where it then really stands less where it should: of a robot that believes `believed` and is at `true_pose` [m].
 Eigen::Vector3d station_error(const RigidTransform& believed, const RigidTransform& true_pose,

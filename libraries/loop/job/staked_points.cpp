@@ -39,12 +39,12 @@ std::pair<std::string, std::string> name_and_unit(std::string_view cell) {
 /// X and Y are left out: half of the world takes X for north.
 const std::map<std::string, char>& meaning_of_heads() {
   static const std::map<std::string, char> heads = {
-      {"ptid", 'p'},      {"name", 'p'},       {"point", 'p'}, {"point id", 'p'},  {"pointid", 'p'},
-      {"id", 'p'},        {"point name", 'p'}, {"punkt", 'p'}, {"e", 'e'},         {"east", 'e'},
-      {"easting", 'e'},   {"rechtswert", 'e'}, {"n", 'n'},     {"north", 'n'},     {"northing", 'n'},
-      {"hochwert", 'n'},  {"h", 'h'},          {"z", 'h'},     {"height", 'h'},    {"elev", 'h'},
-      {"elevation", 'h'}, {"höhe", 'h'},       {"hoehe", 'h'}, {"timestamp", 't'}, {"datetime", 't'},
-      {"date time", 't'}};
+      {"ptid", 'p'},      {"name", 'p'},       {"point", 'p'}, {"point id", 'p'}, {"pointid", 'p'},
+      {"id", 'p'},        {"point name", 'p'}, {"punkt", 'p'}, {"e", 'e'},        {"east", 'e'},
+      {"easting", 'e'},   {"rechtswert", 'e'}, {"n", 'n'},     {"north", 'n'},    {"northing", 'n'},
+      {"hochwert", 'n'},  {"h", 'h'},          {"z", 'h'},     {"height", 'h'},   {"elev", 'h'},
+      {"elevation", 'h'}, {"el", 'h'},         {"höhe", 'h'},  {"hoehe", 'h'},    {"timestamp", 't'},
+      {"datetime", 't'},  {"date time", 't'}};
   return heads;
 }
 
@@ -73,6 +73,26 @@ void read_head(const std::vector<std::string_view>& cells, const std::string& so
   if (found.count('t')) columns.date = found['t'];
 }
 
+/// Whether a line names easting, northing and height: a head, wherever it stands.
+bool names_all_coordinates(const std::vector<std::string_view>& cells) {
+  std::set<char> found;
+  for (const std::string_view cell : cells)
+    if (const auto known = meaning_of_heads().find(name_and_unit(cell).first); known != meaning_of_heads().end())
+      found.insert(known->second);
+  return found.contains('e') && found.contains('n') && found.contains('h');
+}
+
+/// "# Units: metres". Throws std::runtime_error if a comment says that they are others.
+void look_at_units(std::string_view comment, std::size_t line, const std::string& source) {
+  const std::string words = lower_case(comment);
+  const auto at = words.find("unit");
+  if (at == std::string::npos || words.find(':', at) == std::string::npos) return;
+  const std::string unit(text::trim(words.substr(words.find(':', at) + 1)));
+  if (unit != "m" && unit.rfind("metre", 0) != 0 && unit.rfind("meter", 0) != 0)
+    throw std::runtime_error(source + ":" + std::to_string(line) + ": its units are '" + unit +
+                             "'; expected metres: export it in metres");
+}
+
 /// Where ';' separates cells a comma is that of a decimal fraction.
 std::optional<double> staked_number(std::string_view cell, LayoutFormat format) {
   const std::string_view text = text::trim(cell);
@@ -94,13 +114,17 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
   bool first = true;
   for (const text::Line& line : text::split_lines(decoded)) {
     if (text::trim(line.text).empty()) continue;
+    if (text::trim(line.text).front() == '#') {  // some writers put what they are before the head
+      look_at_units(line.text, line.number, source);
+      continue;
+    }
     const auto refuse = [&](const std::string& why) {
       out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
     };
     const auto split = text::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
     const std::vector<std::string_view> cells(split.begin(), split.end());
     // A first point with one coordinate that cannot be read is no head.
-    const bool is_head = std::exchange(first, false) &&
+    const bool is_head = (std::exchange(first, false) || names_all_coordinates(cells)) &&
                          std::none_of(cells.begin() + 1, cells.end(),
                                       [&](std::string_view cell) { return staked_number(cell, format).has_value(); });
     if (is_head) {

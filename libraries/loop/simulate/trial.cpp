@@ -11,7 +11,10 @@
 namespace plumbline::loop {
 
 const char* name_of(Strategy strategy) {
-  return strategy == Strategy::open ? "open" : strategy == Strategy::measured_once ? "measured once" : "closed";
+  return strategy == Strategy::open            ? "open"
+         : strategy == Strategy::measured_once ? "measured once"
+         : strategy == Strategy::unattended    ? "closed, no one"
+                                               : "closed";
 }
 
 namespace {
@@ -161,7 +164,9 @@ std::string planted_at(const SimulatedSite& site, const Panel& panel) {
   return words;
 }
 
-std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& state, TrialResult& result) {
+/// `looked_at`: ids of items and floors that a person accepted.
+std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& state,
+                                 const std::set<std::string>& looked_at, TrialResult& result) {
   const Truth truth(site.design());
   const auto& panels = site.design().panels;
   std::set<std::string> verified;
@@ -179,6 +184,10 @@ std::vector<bool> count_verified(const SimulatedSite& site, const LoopStateT& st
   for (std::size_t j = 0; j < panels.size(); ++j) {
     if (!hung[j]) continue;
     ++result.verified, result.verified_wrong += worst[j] > 0;
+    result.by_person += looked_at.contains(panels[j].id) ||
+                        std::any_of(panels[j].hooks.begin(), panels[j].hooks.end(), [&](const Hook& hook) {
+                          return looked_at.contains(site.design().brackets[hook.bracket].id);
+                        });
     result.verified_worst = std::max(result.verified_worst, worst[j]);
     if (worst[j] > 0) result.wrong.push_back(panels[j].id + planted_at(site, panels[j]));
   }
@@ -214,7 +223,8 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
 /// A person goes where the state sends one: to brackets that moved without explanation, once to each that was set too
 /// often, and to the control of a floor that was in doubt twice in a row (once may have been the campaign).
 void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std::string>& in_doubt,
-                           std::set<std::string>& set_too_often, TrialResult& result) {
+                           std::set<std::string>& set_too_often, std::set<std::string>& looked_at,
+                           TrialResult& result) {
   const std::vector<std::string> control = state.moved_control;
   for (const std::string& name : control)
     if (in_doubt.count(name)) accept_item(state, name), ++result.looks;
@@ -231,7 +241,7 @@ void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std:
   for (const auto& item : state.items)
     if (item->kind == "panel" && item->status == ItemStatus::relocalised && item->hangs && !item->seen)
       rejected.push_back(item->id), ++result.looks;
-  for (const std::string& id : rejected) site.hang_what_does_not(id), accept_item(state, id);
+  for (const std::string& id : rejected) site.hang_what_does_not(id), accept_item(state, id), looked_at.insert(id);
 }
 
 /// A campaign, and the plan for floors `from` to `to` on it and on those before.
@@ -265,11 +275,11 @@ void look_at_all_floors(SimulatedSite& site, LoopStateT& state, int& round) {
   }
 }
 
-std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
+std::vector<bool> closed(SimulatedSite& site, bool attended, TrialResult& result) {
   constexpr int kMostRounds = 20;  // of one floor
   LoopStateT state;
   const MachineOptions options;
-  std::set<std::string> in_doubt, set_too_often;
+  std::set<std::string> in_doubt, set_too_often, looked_at;
   int round = 0;
   for (int floor = 1; floor <= site.design().panels.back().floor; ++floor) {
     std::set<std::string> limited;
@@ -285,7 +295,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
         result.settings += item->kind == "bracket" && item->status == ItemStatus::released;
       apply_actuals(state, site.execute(state, round));
       close_round(state);
-      look_at_what_is_asked(site, state, in_doubt, set_too_often, result);
+      if (attended) look_at_what_is_asked(site, state, in_doubt, set_too_often, looked_at, result);
       bool open = false;
       for (const auto& item : state.items)
         open = open || (item->kind == "panel" && item->floor == floor && item->status != ItemStatus::verified &&
@@ -299,7 +309,7 @@ std::vector<bool> closed(SimulatedSite& site, TrialResult& result) {
   look_at_all_floors(site, state, round);
   result.rounds = round, result.journal = state.journal;
   count_planted(site, state, result);
-  return count_verified(site, state, result);
+  return count_verified(site, state, looked_at, result);
 }
 
 }  // namespace
@@ -310,7 +320,8 @@ TrialResult run_trial(const SiteOptions& options, Strategy strategy, std::uint64
   if (strategy == Strategy::open) site.set_to_design();
   if (strategy == Strategy::measured_once) measured_once(site, result);
   std::vector<bool> hung(site.design().panels.size(), true);
-  if (strategy == Strategy::closed) hung = closed(site, result);
+  if (strategy == Strategy::closed || strategy == Strategy::unattended)
+    hung = closed(site, strategy == Strategy::closed, result);
   look_at_truth(site, hung, result);
   return result;
 }

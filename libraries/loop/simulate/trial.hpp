@@ -1,5 +1,5 @@
-// One tower from first survey to last panel, in three ways: with the coordinates of the design, measured once, in a
-// closed loop.
+// One tower from first survey to last panel: with the coordinates of the design, measured once, in a closed loop, and
+// in a closed loop in which no person looks at anything.
 #pragma once
 
 #include <map>
@@ -10,7 +10,8 @@
 
 namespace plumbline::loop {
 
-enum class Strategy { open, measured_once, closed };
+/// `unattended`: closed, and nobody looks at what the state asks a person to look at.
+enum class Strategy { open, measured_once, unattended, closed };
 const char* name_of(Strategy strategy);
 
 /// A statement of a plan and what came of it.
@@ -24,7 +25,8 @@ struct TrialResult {
   int joints = 0, joints_inside = 0;  ///< ends of joints: width and step
   std::vector<int> inside_by_floor;   ///< panels
   int reworks = 0, settings = 0, rounds = 0;
-  int looks = 0;  ///< of a person, at a bracket or at the control of a floor, because the state asked for it
+  int looks = 0;      ///< of a person, at a bracket or at the control of a floor, because the state asked for it
+  int by_person = 0;  ///< of the verified: a person looked at the panel or at one of its brackets
   int verified = 0, verified_wrong = 0;  ///< panels called VERIFIED; those of them that are outside in truth
   double verified_worst = 0;             ///< farthest that a length of a verified panel is outside its limit [m]
   int infeasible = 0;                    ///< panels that no setting could bring within their limits

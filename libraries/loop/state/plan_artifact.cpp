@@ -57,6 +57,11 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
   out->gate = gate.verdict == GateVerdict::go      ? GateDecision::go
               : gate.verdict == GateVerdict::no_go ? GateDecision::no_go
                                                    : GateDecision::hold;
+  out->obstacle = gate.obstacle == Obstacle::none           ? PanelObstacle::none
+                  : gate.obstacle == Obstacle::no_bracket   ? PanelObstacle::no_bracket
+                  : gate.obstacle == Obstacle::not_measured ? PanelObstacle::not_measured
+                  : gate.obstacle == Obstacle::one_bracket  ? PanelObstacle::one_bracket
+                                                            : PanelObstacle::hooks_do_not_tell;
   out->p_in = gate.p_in, out->reason = gate.reason;
   if (gate.decided_by >= 0) out->decided_by = fit.judged[static_cast<std::size_t>(gate.decided_by)].words(facade);
   if (gate.measure.bracket >= 0) {

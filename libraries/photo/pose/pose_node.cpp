@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "geometry/packed_symmetric.hpp"
+#include "geometry/tag_pose_errors.hpp"
 #include "photo/pose/explanation.hpp"
 #include "photo/pose/image_cameras.hpp"
 #include "photo/pose/raw_pose.hpp"
@@ -54,17 +55,56 @@ std::optional<TagView> view_of(const TagT& tag, const Field::Entry& entry, const
 
 namespace {
 
+/// The joint covariance of points, and where each of them is in it.
+class JointPoints {
+ public:
+  explicit JointPoints(const PointsT& points) : packed_(points.covariance) {
+    const std::size_t n = 3 * points.points.size();
+    if (!packed_.empty() && packed_.size() != n * (n + 1) / 2)
+      throw std::runtime_error("the covariance of the " + std::to_string(points.points.size()) + " points has " +
+                               std::to_string(packed_.size()) + " values, expected " + std::to_string(n * (n + 1) / 2) +
+                               ": the lower triangle of all their coordinates");
+    for (std::size_t i = 0; i < points.points.size(); ++i) place_[points.points[i].get()] = 3 * i;
+  }
+  /// 3 x 3 for each view, in their order; what is not known jointly is that of the views, and the same anchor's where
+  /// two show it.
+  Eigen::MatrixXd of(const std::vector<const PointT*>& anchors, const std::vector<TagView>& views) const {
+    const auto n = static_cast<Eigen::Index>(views.size());
+    Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const PointT *a = anchors[static_cast<std::size_t>(i)], *b = anchors[static_cast<std::size_t>(j)];
+        const bool is_known = !packed_.empty() && a->sigma.allFinite() && b->sigma.allFinite();
+        for (int r = 0; is_known && r < 3; ++r)
+          for (int c = 0; c < 3; ++c) {
+            const std::size_t p = place_.at(a) + static_cast<std::size_t>(r),
+                              q = place_.at(b) + static_cast<std::size_t>(c);
+            joint(3 * i + r, 3 * j + c) = packed_[std::max(p, q) * (std::max(p, q) + 1) / 2 + std::min(p, q)];
+          }
+        if (!is_known && a == b) joint.block<3, 3>(3 * i, 3 * j) = views[static_cast<std::size_t>(i)].anchor_covariance;
+      }
+    return joint;
+  }
+
+ private:
+  const std::vector<double>& packed_;
+  std::map<const PointT*, std::size_t> place_;
+};
+
 std::string count_of(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
 /// The pose of one image; throws with what is wrong and what to do, without the image's name.
 std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, const BrownCamera& camera,
+                               const Eigen::MatrixXd& interior_covariance, const JointPoints& joint,
                                const TagPoseSolver& solver, const PoseSettings& settings) {
   std::vector<TagView> views;
+  std::vector<const PointT*> anchors;
   for (const auto& tag : image.tags)
     if (const Field::Entry* entry = field.find(*tag))
-      if (const auto view = view_of(*tag, *entry, camera, settings)) views.push_back(*view);
+      if (const auto view = view_of(*tag, *entry, camera, settings))
+        views.push_back(*view), anchors.push_back(entry->point);
   const int least = settings.raw_tags > 0 ? settings.raw_tags : settings.min_markers;
   const std::string need = std::to_string(least);
   if (image.tags.empty() && !image.problem.empty()) throw NoTagPose("shows no tag: " + image.problem);
@@ -84,7 +124,9 @@ std::unique_ptr<PoseT> pose_of(const ImageTagsT& image, const Field& field, cons
   auto pose = std::make_unique<PoseT>();
   pose->path = image.path;
   pose->cam_from_world = found.cam_from_world;
-  if (!raw) pose->covariance = pack_symmetric(found.covariance);
+  if (!raw)
+    pose->covariance =
+        pack_symmetric(covariance_with({interior_covariance, joint.of(anchors, views)}, camera, views, robust, found));
   pose->inliers = 4 * found.inlier_count;
   pose->correspondences = static_cast<int>(4 * views.size());
   pose->rms = found.rms;
@@ -128,7 +170,14 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
                      const std::function<void(const std::string&)>& warn) {
   const ImageCameras cameras(camera);
   const Field field(plates, points);
+  const JointPoints joint(points);
+  std::vector<Eigen::MatrixXd> interior;
   PosesT result;
+  if (settings.raw_tags == 0) result.calibration = CalibrationErrors::carried;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    interior.push_back(interior_covariance_of(cameras.given(c)));
+    if (interior.back().size() == 0 && settings.raw_tags == 0) result.calibration = CalibrationErrors::taken_as_exact;
+  }
   std::size_t agree = 0, all = 0;
   std::optional<std::string> explanation;  // searched for once
   const auto explain = [&] {
@@ -142,7 +191,8 @@ PosesT initial_poses(const std::vector<ImageTagsT>& images, const CameraT& camer
   for (const ImageTagsT& image : images) {
     stop_point();
     try {
-      result.poses.push_back(pose_of(image, field, cameras.brown(cameras.of(image)), solver, settings));
+      const std::size_t c = cameras.of(image);
+      result.poses.push_back(pose_of(image, field, cameras.brown(c), interior[c], joint, solver, settings));
       agree += static_cast<std::size_t>(result.poses.back()->inliers);
       all += static_cast<std::size_t>(result.poses.back()->correspondences);
     } catch (const NoTagPose& error) {

@@ -87,6 +87,7 @@ PosesT initial_rig_poses(const std::vector<ImageTagsT>& images, const CameraT& c
   const Field field(plates, points);
   const Inputs in{images, cameras, field, solver, settings};
   PosesT result;
+  result.calibration = CalibrationErrors::taken_as_exact;
   const auto cause = [&]() -> std::string {
     const std::string words =
         settings.look_for_causes ? what_would_explain(images, cameras, field, central, settings) : "";

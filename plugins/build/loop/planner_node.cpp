@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/text/words.hpp"
 #include "building/ifc/doubt_words.hpp"
@@ -72,13 +73,18 @@ RoundsEstimate PlannerNode::with_campaigns_before(FacadeInput& input, LoopStateT
 
 namespace {
 
-/// How far corners of panels hang from the design, each direction, root mean square [m]: as planned, or where they hang
-/// as measured; nan: none is told.
-double rms_corner(const InstallationPlanT& plan) {
+/// How far corners of panels are from the design, each direction, root mean square [m]: of those that hang as measured,
+/// of all others as planned; nan: none is told.
+double rms_corner(const InstallationPlanT& plan, bool hanging_only) {
+  std::set<std::string> hanging;
+  for (const auto& panel : plan.panels)
+    if (panel->installed) hanging.insert(panel->id);
   double sum = 0;
   int count = 0;
   for (const auto& length : plan.lengths)
-    if (length->quantity == "corner" && std::isfinite(length->value)) sum += length->value * length->value, ++count;
+    if (length->quantity == "corner" && std::isfinite(length->value) &&
+        (!hanging_only || hanging.contains(length->panels.front())))
+      sum += length->value * length->value, ++count;
   return count > 0 ? std::sqrt(sum / count) : kUnknown;
 }
 
@@ -89,14 +95,35 @@ double largest_variance(const Eigen::Matrix3d& covariance) {
 
 }  // namespace
 
-double PlannerNode::worst_station(const Facade& facade) {
+void PlannerNode::add_stations(FacadeInput& input, Context& context) {
   const PosesT poses = stations.unpack();
+  if (poses.calibration == CalibrationErrors::taken_as_exact)
+    throw std::runtime_error(
+        "'stations': these poses take the calibration of the camera as exact, so what they state of themselves is too "
+        "little and every probability of the plan too high; give the camera its standard deviations (camera.yaml: "
+        "sigmas), or take the poses of an adjustment that estimates it, such as adjust.schur");
+  std::vector<Eigen::Vector3d> places;
+  for (const Bracket& bracket : input.facade.brackets) places.push_back(bracket.design);
+  Eigen::MatrixXd& known = input.facade.stations;
+  known = station_covariances(poses, places);
   double worst = 0;
-  for (const Bracket& bracket : facade.brackets)
-    if (bracket.measured() && !bracket.fixed)
-      worst =
-          std::max(worst, largest_variance(station_covariance(nearest_station(poses, bracket.design), bracket.design)));
-  return std::sqrt(worst);
+  for (std::size_t b = 0; b < places.size(); ++b)
+    if (input.facade.brackets[b].measured() && !input.facade.brackets[b].fixed)
+      worst = std::max(worst, largest_variance(known.block<3, 3>(3 * static_cast<Eigen::Index>(b),
+                                                                 3 * static_cast<Eigen::Index>(b))));
+  context.metric("station_sigma", std::sqrt(worst + std::pow(input.facade.errors.station, 2)), "m");
+  input.notes.push_back(
+      "robots know their place by what they see: a bracket to " + text::millimetres(std::sqrt(worst)) +
+      " at worst, in the direction that is known worst; " +
+      (poses.joint_covariance.empty()
+           ? "brackets of one robot share it, those of two robots share nothing, as far as the poses say"
+           : "brackets of one robot share it, those of two robots as much as their poses do"));
+  if (poses.calibration == CalibrationErrors::not_said) {
+    input.notes.push_back(
+        "whether the robots' poses hold the uncertainty of their calibration is not said: where they do not, they "
+        "state three to five times too little, and p is too high");
+    context.warn(input.notes.back());
+  }
 }
 
 void PlannerNode::run(Context& context) {
@@ -117,13 +144,7 @@ void PlannerNode::run(Context& context) {
   if (brackets->empty())
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
-  if (stations) {
-    const double found = worst_station(input.facade);
-    input.facade.errors.station = std::hypot(input.facade.errors.station, found);
-    context.metric("station_sigma", input.facade.errors.station, "m");
-    input.notes.push_back("robots know their place by what they see: a bracket to " + text::millimetres(found) +
-                          " at worst, in the direction that is known worst, taken as common to a floor");
-  }
+  if (stations) add_stations(input, context);
   const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
   InstallationPlanT told;
   RoundsEstimate rounds;
@@ -155,7 +176,9 @@ void PlannerNode::run(Context& context) {
   context.metric("panels_go", result.go, "1");
   context.metric("panels_hold", result.hold, "1");
   context.metric("panels_no_go", result.no_go, "1");
-  context.metric("rms_corner", rms_corner(result), "m");
+  context.metric("rms_corner", rms_corner(result, false), "m");
+  if (const double hanging = rms_corner(result, true); std::isfinite(hanging))
+    context.metric("rms_corner_hanging", hanging, "m");
   context.metric("relaxations", static_cast<double>(result.relaxations.size()), "1");
   table.commit(text_file("settings.csv", "text/csv", settings_csv(result)));
   words.commit(text_file("installation.txt", "text/plain", installation_words(result)));

@@ -31,9 +31,9 @@ struct PlannerNode : Node {
       "readings of this campaign: one that holds some of a campaign before is found by them; without, only by places "
       "that are the same"};
   Optional<Poses> stations{"stations", frame("frame=?F"),
-                           "where robots stand by the tags that their cameras see, with covariance: how well the "
-                           "nearest one knows the place "
-                           "of a bracket is added to station_sigma; without, station_sigma alone"};
+                           "where robots stand by the tags that their cameras see, with covariance, that of the "
+                           "calibration in it: how well the nearest one knows the place of a bracket is added to "
+                           "station_sigma; without, station_sigma alone"};
   Param<std::vector<std::string>> brackets{
       "brackets", std::vector<std::string>{},
       "what brackets can be set by: 'class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm'; later "
@@ -93,8 +93,8 @@ struct PlannerNode : Node {
 
  private:
   FacadeRules rules();
-  /// Of the worst bracket that is still to be set, in the direction that is known worst [m].
-  double worst_station(const Facade& facade);
+  /// What robots know of their places, into the facade and, in words, to the reader.
+  void add_stations(FacadeInput& input, Context& context);
   RoundsEstimate with_campaigns_before(FacadeInput& input, LoopStateT* before, InstallationPlanT& result);
 };
 

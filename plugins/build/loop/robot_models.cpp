@@ -1,6 +1,9 @@
 #include "build/loop/robot_models.hpp"
 
+#include <stdexcept>
+
 #include "geometry/random.hpp"
+#include "loop/gate/station_error.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -12,9 +15,26 @@ Eigen::Vector3d seen_panel(const Job& job, const JobItem& item, Random& own) {
 
 }  // namespace
 
+void SimulateRobots::run(Context& context) {
+  if (static_cast<bool>(believed) != static_cast<bool>(standing))
+    throw std::runtime_error("'believed' and 'standing' go together: where robots believe to stand, and where they do");
+  if (believed) believed_ = believed.unpack(), standing_ = standing.unpack();
+  RobotNode::run(context);
+}
+
+Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, const JobItem& item, std::uint64_t seed) const {
+  if (!believed) return Random(seed, "station", static_cast<std::uint64_t>(item.floor)).normal3(*station_sigma);
+  const Eigen::Vector3d place = todo.origin + item.target;
+  const PoseT& pose = nearest_station(believed_, place);
+  for (const auto& place_of : standing_.poses)
+    if (place_of->path == pose.path)
+      return item.design_rotation.conjugate() * station_error(pose.cam_from_world, place_of->cam_from_world, place);
+  throw std::runtime_error("a robot believes to stand at " + pose.path + ", and 'standing' has no such place");
+}
+
 Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed) {
   const JobItem& item = todo.items[index];
-  Random luck(seed, "fault " + item.id), station(seed, "station", static_cast<std::uint64_t>(item.floor));
+  Random luck(seed, "fault " + item.id);
   Random own(seed, "setting " + item.id);
   Deed deed = asked(item);
   const bool is_bracket = item.kind == "bracket";
@@ -40,7 +60,7 @@ Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed
     return deed;
   }
   if (is_bracket) {
-    deed.moved += station.normal3(*station_sigma) + own.normal3(*repeatability);
+    deed.moved += off_by_base(todo, item, seed) + own.normal3(*repeatability);
     if (own.uniform() < *slip_share) deed.moved += own.normal3(*slip_sigma);
   } else {
     deed.measured = seen_panel(todo, item, own);

@@ -1,16 +1,23 @@
 // simulate.robots and simulate.fitters: who does a job, simulated.
 #pragma once
 
+#include "artifacts/poses.hpp"
 #include "build/loop/robot_node.hpp"
 
 namespace plumbline::loop {
 
 struct SimulateRobots : RobotNode {
-  static constexpr Info info{"simulate.robots", "robot", 2,
+  static constexpr Info info{"simulate.robots", "robot", 3,
                              "Robots that do a job with their errors and faults, on a site whose truth only they move"};
+  Optional<Poses> believed{
+      "believed", frame("frame=?F"),
+      "where robots believe to stand by what their cameras see: the nearest one works on an item, and what it sets is "
+      "off by where it really stands. Without, the base's error is drawn: station_sigma"};
+  Optional<Poses> standing{"standing", frame("frame=?F"), "where they really stand, by the same names"};
   Param<double> repeatability{"repeatability", 0.0003, "m", between(0, 0.1), "of the arm, each setting and direction"};
-  Param<double> station_sigma{"station_sigma", 0.0003, "m", between(0, 0.1),
-                              "of the base's place: common to one floor and round"};
+  Param<double> station_sigma{
+      "station_sigma", 0.0003, "m", between(0, 0.1),
+      "of the base's place, drawn: common to one floor and round; with 'believed' it is not looked at"};
   Param<double> slip_share{"slip_share", 0.02, "1", between(0, 1), "of brackets that slip on tightening"};
   Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far"};
   Param<double> did_nothing{"did_nothing", 0.0, "1", between(0, 1),
@@ -22,7 +29,13 @@ struct SimulateRobots : RobotNode {
   Param<double> old_revision{"old_revision", 0.0, "1", between(0, 1), "share of reports that name the revision before"};
 
  protected:
+  void run(Context& context) override;
   Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
+
+ private:
+  /// By the base, along the item's right, up and out [m].
+  Eigen::Vector3d off_by_base(const Job& todo, const JobItem& item, std::uint64_t seed) const;
+  PosesT believed_, standing_;
 };
 
 struct SimulateFitters : RobotNode {

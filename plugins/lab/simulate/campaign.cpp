@@ -118,10 +118,11 @@ std::uint64_t derived(std::uint64_t seed, std::size_t wing) {
   return wing == 0 ? seed : derive_seed(seed, "wing", wing);
 }
 
-WingPlan plan_wing(const CampaignOptions& options, const SimulatedCamera& camera, std::uint64_t seed) {
+WingPlan plan_wing(const CampaignOptions& options, const SimulatedCamera& camera, std::uint64_t seed,
+                   std::uint64_t visit) {
   WingPlan wing;
   wing.building = make_building(options.building, seed);
-  wing.stations = plan_camera_stations(wing.building, camera, options.cameras, seed);
+  wing.stations = plan_camera_stations(wing.building, camera, options.cameras, visit);
   wing.plan = plan_set_ups(wing.building, options.survey, seed);
   const std::vector<std::string> broken = broken_station_rules(wing.building, wing.plan);
   if (!broken.empty())
@@ -135,7 +136,7 @@ WingPlan plan_wing(const CampaignOptions& options, const SimulatedCamera& camera
 Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   Campaign c;
   c.options = options;
-  c.seed = seed;
+  c.seed = options.visit.value_or(seed);
   c.camera = make_camera(camera_profile(options.camera), seed);
   const double width = options.building.columns * options.building.spacing;
   const double distance = options.cameras.distance > 0 ? options.cameras.distance : c.camera.profile.distance;
@@ -143,11 +144,17 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
   if (places.size() > 1 && options.obstruction.scaffold_spacing > 0)
     throw std::invalid_argument("a scaffold stands before a flat facade only; the shape is " + options.shape);
   std::vector<WingPlan> wings;
-  for (std::size_t w = 0; w < places.size(); ++w) wings.push_back(plan_wing(options, c.camera, derived(seed, w)));
+  for (std::size_t w = 0; w < places.size(); ++w)
+    wings.push_back(plan_wing(options, c.camera, derived(seed, w), derived(c.seed, w)));
   WingPlan all = join_wings(std::move(wings), places, c.camera.truth, options.cameras.required_tags);
   c.building = std::move(all.building), c.stations = std::move(all.stations), c.plan = std::move(all.plan);
+  for (Anchor& anchor : c.building.anchors)
+    if (const auto now = options.moved.find(anchor.id); now != options.moved.end()) {
+      anchor.building_from_plate.translation += now->second - anchor.built;
+      anchor.built = now->second;
+    }
   c.obstruction = make_obstruction(c.building, options.obstruction, seed);
-  if (options.readings) c.observations = observe(c.building, c.plan, options.survey, seed);
+  if (options.readings) c.observations = observe(c.building, c.plan, options.survey, c.seed);
   return c;
 }
 

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <optional>
 
 #include "camera.hpp"
 #include "renderer.hpp"
@@ -26,6 +28,9 @@ struct CampaignOptions {
   bool design_in_millimetres = false;
   bool readings = true;              ///< take those of the total station; without them `observations` stays empty
   Perturbations perturbations = {};  ///< those of plates are in building.flaws, too
+  /// Of camera stations, noise and readings; without: of the campaign. The same site is then seen and measured again.
+  std::optional<std::uint64_t> visit;
+  std::map<std::string, Eigen::Vector3d> moved;  ///< where anchors are by now [m]; of the others: as built
 };
 
 struct Campaign {

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 struct SimulateCampaign : simulate::SimulatedSite {
   static constexpr Info info{
-      "simulate.campaign", "", 4,
+      "simulate.campaign", "", 5,
       "Simulates a site: photographs, total-station file, design IFC, and the truth beside them"};
   Param<std::string> instrument{
       "instrument", "ics50_assumed",
@@ -46,6 +46,12 @@ struct SimulateCampaign : simulate::SimulatedSite {
   Param<std::string> photographs{"photographs", "rendered", one_of("rendered", "observed"),
                                  "observed: observations.csv with the corners and noise of pixel_sigma, in no time"};
   Param<double> pixel_sigma{"pixel_sigma", 0.1, "px", between(0.001, 10), "noise of observed corners"};
+  Optional<Points> now{"now", frame("frame=building"),
+                       "where anchors are by now, such as after their brackets were set; without, as they were built"};
+  Param<int64_t> site_seed{
+      "site_seed", -1, between(-1, 1e15),
+      "of building, plates and camera; stations and noise stay those of the node's own seed, another in each "
+      "round: the same site seen again. -1: all of the node's own"};
   Out<Folder> folder{"folder", "the campaign, as a site would hand it over"};
   Out<Folder> truth{"truth", "what no processing may see"};
 
@@ -58,7 +64,11 @@ struct SimulateCampaign : simulate::SimulatedSite {
     o.light_gradient = *light_gradient;
     o.haze = *haze;
     o.design_in_millimetres = *ifc_unit == "millimetre";
-    const simulate::Campaign campaign = simulate::make_campaign(o, context.seed());
+    if (*site_seed >= 0) o.visit = context.seed();
+    if (now)
+      for (const auto& point : now.unpack().points) o.moved[point->id] = point->position;
+    const simulate::Campaign campaign =
+        simulate::make_campaign(o, o.visit ? static_cast<uint64_t>(*site_seed) : context.seed());
 
     const bool observed = *photographs == "observed";
     if (*depth_distortion != 0 && !observed)

@@ -202,6 +202,11 @@ CameraT TagBlockBuilder::camera(const TagBlockResult& result) const {
 
 PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
   PosesT poses;
+  if (!result.pose_covariance.empty()) {
+    poses.calibration = CalibrationErrors::carried;
+    for (size_t c = 0; c < cameras_.size(); ++c)  // a held one has none
+      if (adjusted_camera(result, c).covariance.empty()) poses.calibration = CalibrationErrors::taken_as_exact;
+  }
   std::vector<double> squares(block_.images.size());
   std::vector<int> corners(block_.images.size()), offered(block_.images.size());
   for (const auto& seen : block_.observations) offered[static_cast<size_t>(seen.image)] += 4;

@@ -78,8 +78,24 @@ std::size_t joined_before(std::string_view text, std::size_t end, bool signed_nu
   return end;
 }
 
+/// Whether a number with decimals is left that is not converted and has no word or unit of its own behind it: it may
+/// share the unit of a length further on.
+bool leaves_numbers(std::string_view text) {
+  for (std::size_t at = 1; at + 1 < text.size(); ++at) {
+    if ((text[at] != '.' && text[at] != ',') || !is_digit(text[at - 1]) || !is_digit(text[at + 1])) continue;
+    std::size_t end = at + 1;
+    while (end < text.size() && is_digit(text[end])) ++end;
+    if (end < text.size() && text[end] == kConverted) continue;
+    if (end < text.size() && text[end] == ' ') ++end;
+    if (end == text.size() || (!is_word(text[end]) && text[end] != '%') || is_digit(text[end])) return true;
+  }
+  return false;
+}
+
 /// Lengths in mm: those that come converted get the name of their unit, others (of artifacts' texts) are converted.
 std::string with_units(std::string text) {
+  const std::string as_it_was = text;
+  const bool composed = text.find(kConverted) != std::string::npos;
   const std::string unit = unit_of_lengths();
   for (std::size_t at = text.find("mm"); at != std::string::npos; at = text.find("mm", at)) {
     const bool alone = (at == 0 || (!is_word(text[at - 1]) || text.substr(0, at).ends_with(kNoBreak))) &&
@@ -111,7 +127,7 @@ std::string with_units(std::string text) {
       const std::size_t begin = number_before(text, end);
       if (begin == end) break;
       if (text[end - 1] != kConverted) {
-        const std::string converted = inches_of(std::string_view(text).substr(begin, end - begin));
+        const std::string converted = inches_of(std::string_view(text).substr(begin, end - begin)) + kConverted;
         longer += static_cast<std::ptrdiff_t>(converted.size()) - static_cast<std::ptrdiff_t>(end - begin);
         text.replace(begin, end - begin, converted);
       }
@@ -121,6 +137,8 @@ std::string with_units(std::string text) {
     }
     at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(after) + longer);
   }
+  // "E -1.0, N -1.4, H +0.4 mm" of an artifact: which numbers are lengths is not certain, and millimetres stay true.
+  if (!composed && text.find(kConverted) != std::string::npos && leaves_numbers(text)) return as_it_was;
   return text;
 }
 

@@ -87,7 +87,7 @@ def rules(data):
          "plumbline run full_height floors=1 columns=2 site.with.images_per_floor=4 camera=hasselblad_100mp"),
         (r"plumbline run (?:pipelines/)?(full_height|full_height_free|single_floor)(?:\.yaml)?(?: camera=quick_6mp)?((?: (?!--out|seed=|camera=)\S+)*)( --out \S+| seed=…)?",
          r"plumbline run \1 SMALL\2"),
-        (r"plumbline run building shape=(\S+)", r"plumbline run building shape=\1 floors=1"),
+        (r"plumbline run building (shape=\S+|language=de units=in)", r"plumbline run building \1 floors=1"),
         (r"plumbline run execution_loop", "plumbline run execution_loop floors=2 --out executed"),
         (r"plumbline run facade_surfaces", "plumbline run facade_surfaces columns=2 rows=1 photographs=4 plain=0 glass=0 pitch=0.1"),
         (r"plumbline graph full_height --format mermaid", None),

@@ -33,7 +33,7 @@ const std::vector<Library> libraries = {
     {"least_squares/problem", {"geometry", "least_squares/sparse"}},
     {"survey", {"least_squares", "geometry", "geometry/geodesy", "base/text"}},
     {"survey/files", {"base/text", "control/points", "geometry", "survey"}},
-    {"building/step", {}},
+    {"building/step", {"base/text"}},
     {"building/ifc", {"building/step", "geometry", "base/text"}},
     {"building/judgement", {"building/ifc", "building/step", "geometry", "base/text"}},
     {"photo/images", {}},

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -161,20 +163,23 @@ class World {
   Disk disk;
   double now = 100;
   std::string reason;
-  int kills = 0;
+  int kills = 0, lost = 0, doubled = 0, late = 0, outages = 0;  ///< faults that happened
 
  private:
   void send(bool to_robot, MqttMessage message) {
     if (now < away_until_) return;  // nobody takes it
     const int copies = luck_.uniform() < weather_.lost ? 0 : luck_.uniform() < weather_.twice ? 2 : 1;
+    lost += copies == 0, doubled += copies == 2;
     for (int i = 0; i < copies; ++i) {
-      const double delay = luck_.uniform() < weather_.late ? 12 * luck_.uniform() : 0.2 * luck_.uniform();
+      const bool is_late = luck_.uniform() < weather_.late;
+      late += is_late;
+      const double delay = (is_late ? 12 : 0.2) * luck_.uniform();
       on_the_way_.push_back({now + delay, message.expires > 0 ? now + message.expires : 1e300, to_robot, message});
     }
   }
 
   void step(OrderExchange& exchange) {
-    if (luck_.uniform() < weather_.away) away_until_ = now + 10 * luck_.uniform();
+    if (luck_.uniform() < weather_.away) away_until_ = now + 10 * luck_.uniform(), ++outages;
     if (luck_.uniform() < weather_.restarted) robot.restart();
     const bool changed = robot.work(now);
     if (changed || now >= next_state_) send(false, {exchange.state_topic(), robot.state(now)}), next_state_ = now + 5;
@@ -226,8 +231,8 @@ TEST(Exchange, AnOrderGoesToItsEndOnAQuietDay) {
 }
 
 TEST(Exchange, NothingIsLostAndNothingIsDoneTwiceInAnyWeather) {
-  const int seeds = 250;
-  int kills = 0, sendings = 0;
+  const int seeds = std::getenv("PLUMBLINE_LONG") ? 2500 : 250;
+  int kills = 0, sendings = 0, lost = 0, doubled = 0, late = 0, outages = 0;
   for (int seed = 1; seed <= seeds; ++seed) {
     World world({0.2, 0.2, 0.3, 0.003, 0.03, 0}, static_cast<std::uint64_t>(seed));
     for (const char* id : {"job-a", "job-b", "job-c"}) {
@@ -239,8 +244,12 @@ TEST(Exchange, NothingIsLostAndNothingIsDoneTwiceInAnyWeather) {
     }
     EXPECT_EQ(world.robot.executed.size(), 9u);
     for (const auto& [action, n] : world.robot.executed) EXPECT_EQ(n, 1) << seed << " " << action;
+    lost += world.lost, doubled += world.doubled, late += world.late, outages += world.outages;
     kills += world.kills, sendings += static_cast<int>(world.disk.sent_lines.size());
   }
+  std::printf("%d jobs: %d messages lost, %d doubled, %d late, %d times without a broker, %d times killed\n", 3 * seeds,
+              lost, doubled, late, outages, kills);
+  for (const int faults : {lost, doubled, late, outages}) EXPECT_GT(faults, 200);
   EXPECT_GT(kills, 2 * seeds) << "the program was hardly killed";
   EXPECT_GT(sendings, 3 * seeds + seeds / 4) << "hardly an order was lost";
 }

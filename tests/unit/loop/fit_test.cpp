@@ -4,7 +4,6 @@
 #include <ClpSimplex.hpp>
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdlib>
 
 #include "loop/fit/settings_program.hpp"
 #include "plumbline/stop.hpp"
@@ -35,7 +34,8 @@ std::vector<Limit> all_limits(const Facade& facade, const SettingsProgram& progr
 
 /// The whole program at once, all limits known from the start.
 ConvexProgram whole_program(const Facade& facade) {
-  const Fit fit = plan_settings(facade);
+  const Fit fit =
+      fit_of_settings(facade, std::vector<Eigen::Vector3d>(facade.brackets.size(), Eigen::Vector3d::Zero()));
   const SettingsProgram program(facade, fit.poses, fit.judged, {});
   return program.with(all_limits(facade, program, fit));
 }
@@ -86,24 +86,25 @@ TEST(Fit, StopsWhenNobodyWaitsForIt) {
   }
 }
 
-TEST(Fit, KeepsTheOptimalityConditions) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const ConvexProgram program = whole_program(random_facade({2, 2}, seed, 0.010));
-    const OptimalityGap gap = optimality_gap(program, minimise(program));
+/// The conditions of Karush, Kuhn and Tucker, and another program.
+TEST(Fit, IsOptimalByItsConditionsAndByAnotherSolverOnAHundredRandomFacades) {
+  int infeasible = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+    // From easy ones to such that no setting suffices.
+    const ConvexProgram program =
+        whole_program(random_facade({2, 2}, seed, 0.002 + 0.0002 * static_cast<double>(seed)));
+    const ConvexOptimum optimum = minimise(program);
+    const OptimalityGap gap = optimality_gap(program, optimum);
     EXPECT_LT(gap.stationarity, 1e-4) << seed;  // of prices of 1e4 and more
     EXPECT_LT(gap.feasibility, 1e-7) << seed;
     EXPECT_LT(gap.complementarity, 1e-3) << seed;
     EXPECT_LT(gap.sign, 1e-6) << seed;
+    const double theirs = clp_value(program);
+    EXPECT_NEAR(optimum.value, theirs, 1e-4 * std::abs(theirs) + 1e-5) << "seed " << seed;
+    infeasible += theirs > kRangePrice * 0.01;
   }
-}
-
-TEST(Fit, AnotherSolverFindsTheSameOptimumOfRandomFacades) {
-  // From easy ones to such that no setting suffices; all hundred with PLUMBLINE_LONG.
-  for (std::uint64_t seed = 1; seed <= 100; seed += std::getenv("PLUMBLINE_LONG") ? 1 : 6) {
-    const Facade facade = random_facade({2, 2}, seed, 0.002 + 0.0002 * static_cast<double>(seed));
-    const double ours = minimise(whole_program(facade)).value, theirs = clp_value(whole_program(facade));
-    EXPECT_NEAR(ours, theirs, 1e-4 * std::abs(theirs) + 1e-5) << "seed " << seed;
-  }
+  EXPECT_GT(infeasible, 20);
+  EXPECT_LT(infeasible, 80);
 }
 
 TEST(Fit, LimitsAddedOnDemandGiveTheOptimumOfAllOfThem) {

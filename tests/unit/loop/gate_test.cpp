@@ -215,6 +215,29 @@ TEST(Gate, StatedProbabilitiesAreTrue) {
   EXPECT_LT(stated / items, 0.99);
 }
 
+/// What one robot is off by cancels in the joint between two panels that it sets, and not where two robots set them.
+TEST(Gate, AJointBetweenPanelsOfTwoRobotsHasTheErrorsOfBoth) {
+  Facade facade = random_facade({1, 2}, 3, 0.001, 0.0002, 0);
+  facade.errors.setting = facade.errors.edge = facade.errors.face = 0;
+  const auto n = 3 * static_cast<Eigen::Index>(facade.brackets.size());
+  const auto largest = [&](int robots) {
+    facade.stations = Eigen::MatrixXd::Zero(n, n);
+    for (std::size_t i = 0; i < facade.brackets.size(); ++i)
+      for (std::size_t j = 0; j < facade.brackets.size(); ++j) {
+        const bool same = robots == 1 || (facade.brackets[i].design.x() < 1.9) == (facade.brackets[j].design.x() < 1.9);
+        facade.stations.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j)) =
+            (same && robots > 0 ? 1e-6 : 0.0) * Eigen::Matrix3d::Identity();
+      }
+    const Fit fit = plan_settings(facade);
+    double most = 0;
+    for (std::size_t v = 0; v < fit.judged.size(); ++v)
+      if (fit.judged[v].quantity != Quantity::corner) most = std::max(most, fit.values[v].u);
+    return most;
+  };
+  EXPECT_NEAR(largest(1), largest(0), 1e-9);
+  EXPECT_GT(largest(2), largest(1) + 1e-4);
+}
+
 /// By draws: robots that believe a pose and are at another.
 TEST(StationError, ItsCovarianceIsThatOfWhereThingsStand) {
   Random random(4);
@@ -241,6 +264,35 @@ TEST(StationError, ItsCovarianceIsThatOfWhereThingsStand) {
   }
   const Eigen::Matrix3d stated = station_covariance(pose, point);
   EXPECT_LT((found - stated).norm(), 0.04 * stated.norm()) << found << "\n" << stated;
+  // Two robots far apart share nothing, unless their poses say so; one shares all with itself.
+  PosesT stations;
+  for (int i = 0; i < 2; ++i) {
+    stations.poses.push_back(std::make_unique<PoseT>(pose));
+    stations.poses.back()->cam_from_world.translation -= pose.cam_from_world.rotation * Eigen::Vector3d(100 * i, 0, 0);
+  }
+  const std::vector<Eigen::Vector3d> places = {point, point + Eigen::Vector3d(100, 0, 0), point};
+  const Eigen::MatrixXd apart = station_covariances(stations, places);
+  EXPECT_LT((apart.block<3, 3>(0, 6) - stated).norm(), 1e-12);
+  EXPECT_LT((apart.block<3, 3>(3, 3) - station_covariance(*stations.poses[1], places[1])).norm(), 1e-12);
+  EXPECT_EQ((apart.block<3, 3>(0, 3).norm()), 0);
+  const auto jointly = [&](double correlation) {
+    Eigen::MatrixXd both = Eigen::MatrixXd::Zero(16, 16);  // eight unknowns a photograph
+    for (Eigen::Index i = 0; i < 2; ++i)
+      for (Eigen::Index j = 0; j < 2; ++j) both.block<6, 6>(8 * i, 8 * j) = (i == j ? 1.0 : correlation) * covariance;
+    stations.joint_covariance.clear();
+    for (Eigen::Index i = 0; i < 16; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) stations.joint_covariance.push_back(both(i, j));
+    return station_covariances(stations, places);
+  };
+  const Eigen::MatrixXd half = jointly(0.5), full = jointly(1);
+  EXPECT_LT((half - 0.5 * (apart + full)).norm(), 1e-12);
+  EXPECT_GT((full.block<3, 3>(0, 3).norm()), 0.1 * stated.norm());
+  // Who turn and shift alike move both places as one body does: what is left of the difference is by the turn.
+  const Eigen::Matrix3d difference =
+      full.block<3, 3>(0, 0) + full.block<3, 3>(3, 3) - full.block<3, 3>(0, 3) - full.block<3, 3>(3, 0);
+  EXPECT_LT(difference(0, 0), 1e-6 * full(3, 3) + 1e-12);  // along the 100 m between them
+  stations.joint_covariance.pop_back();
+  EXPECT_THROW(station_covariances(stations, places), std::runtime_error);
   pose.covariance.clear();
   EXPECT_THROW(station_covariance(pose, point), std::runtime_error);
   EXPECT_THROW(nearest_station({}, point), std::runtime_error);

@@ -250,6 +250,26 @@ TEST(LayoutFiles, AHeadSaysWhichColumnIsWhat) {
   EXPECT_EQ(place("PtID;E;N;Ortho\nA;401.25;77.5;12.125\n", LayoutFormat::hilti), p);
 }
 
+/// Machine control exports put comments before their head: easting and northing were exchanged then.
+TEST(LayoutFiles, AHeadMayStandBehindComments) {
+  const std::string begin = "# Export, Trimble compatible CSV\n# Format: Name,Easting,Northing,Elevation,Code\n",
+                    date = "# Points: 1\n\n",
+                    points = "Name,Easting,Northing,Elevation,Code,Description\nA,401.25,77.5,12.125,GO,\n\n# End\n";
+  const ActualsT back = read_staked(begin + "# Units: metres\n" + date + points, LayoutFormat::trimble, "staked.csv");
+  ASSERT_EQ(back.items.size(), 1u);
+  EXPECT_TRUE(back.refused.empty());
+  EXPECT_EQ(back.items[0]->measured, Eigen::Vector3d(401.25, 77.5, 12.125));
+  EXPECT_EQ(read_staked("# Topcon\nPoint ID,E,N,EL,Code\nA,1,2,3,\n", LayoutFormat::trimble, "s").items.at(0)->measured,
+            Eigen::Vector3d(1, 2, 3));
+  try {
+    read_staked(begin + "# Units: US survey feet\n" + date + points, LayoutFormat::trimble, "staked.csv");
+    ADD_FAILURE() << "feet are taken for metres";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("staked.csv:3: its units are 'us survey feet'"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(LayoutFiles, AFirstPointThatCannotBeReadIsNoHead) {
   const ActualsT back = read_staked("A;401.25;77.5;\nB;401.25;77.5;12.125\n", LayoutFormat::hilti, "staked.csv");
   ASSERT_EQ(back.items.size(), 1u);

@@ -211,6 +211,22 @@ TEST(Vda5050, LostDoubleLateAndReorderedMessagesReportNothingTwiceAndNothingWron
   }
 }
 
+/// As `mosquitto_sub -v` writes down what it hears of several robots.
+TEST(Vda5050, ALogHasItsTopicsBeforeItsMessages) {
+  const Job job = make_job();
+  const std::string topic = "uagv/v2/Acme/R2D2/",
+                    done = make_state(job, "fw", 1, at_second(1), VdaVersion::v2_0).dump();
+  const std::string log = topic + "connection {\"connectionState\": \"ONLINE\"}\n" + topic + "state " + done + "\n" +
+                          topic + "visualization {\"agvPosition\": {}}\n" + topic + "order {\"orderId\": \"x\"}\n" +
+                          "INFO: path obstructed\n" + topic + "secrets {}\n";
+  const ActualsT actuals = vda_actuals(log, job, "log");
+  ASSERT_EQ(actuals.items.size(), 1u);
+  EXPECT_EQ(actuals.items[0]->outcome, "done");
+  ASSERT_EQ(actuals.refused.size(), 2u);
+  EXPECT_EQ(actuals.refused[0].rfind("log:5: is no state message", 0), 0u) << actuals.refused[0];
+  EXPECT_EQ(actuals.refused[1].rfind("log:6: is no state message", 0), 0u) << actuals.refused[1];
+}
+
 TEST(Vda5050, MessagesThatAreWrongAreRefusedWithTheirLine) {
   const Job job = make_job();
   Job other = job;

@@ -13,6 +13,7 @@
 #include "geometry/samples.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_pose.hpp"
+#include "geometry/tag_pose_errors.hpp"
 #include "photo/pose/rig_pose.hpp"
 #include "place/pose/opencv_solvers.hpp"
 #include "place/pose/opengv_solvers.hpp"
@@ -206,6 +207,61 @@ TEST(TagPose, HasACovarianceThatCoversItsError) {
     EXPECT_GT(sum, chi_squared_quantile(0.0005, 6 * trials)) << rotation_sigma << ", " << shape_sigma;
     EXPECT_LT(sum, chi_squared_quantile(0.9995, 6 * trials)) << rotation_sigma << ", " << shape_sigma;
   }
+}
+
+/// A calibration that is off by as much as it states, and anchors that are off together, as those of one survey are:
+/// without them a pose states far too little, with them what is true. In national coordinates likewise.
+TEST(TagPose, HasTheCalibrationAndWhatAnchorsShareInItsCovariance) {
+  const Field field{.point_sigma = 0.0005, .rotation_sigma = 0.002, .pixel_sigma = 0.1, .seed = 3};
+  const Eigen::Matrix<double, 9, 1> sigma =
+      (Eigen::Matrix<double, 9, 1>() << 1.5, 1.5, 1.5, 1.5, 5e-4, 1.5e-3, 0, 5e-5, 5e-5).finished();
+  const double together = 0.001;
+  const Eigen::Vector3d national(350000, 5800000, 100);
+  double alone = 0, with = 0;
+  const int trials = 60;
+  for (int k = 0; k < trials; ++k) {
+    Scene scene = make_scene({.point_sigma = field.point_sigma,
+                              .rotation_sigma = field.rotation_sigma,
+                              .pixel_sigma = field.pixel_sigma,
+                              .seed = static_cast<std::uint64_t>(k + 10)});
+    Random random(static_cast<std::uint64_t>(1000 + k));
+    auto values = scene.camera.parameters();
+    for (std::size_t p = 0; p < values.size(); ++p) values[p] += sigma[static_cast<Eigen::Index>(p)] * random.normal();
+    BrownCamera believed = scene.camera;
+    believed.set_parameters(values);
+    const Eigen::Vector3d shift = random.normal3(together) + (k % 2 == 0 ? Eigen::Vector3d::Zero() : national);
+    if (k % 2 != 0) scene.cam_from_world.translation -= scene.cam_from_world.rotation * national;
+    const auto n = 3 * static_cast<Eigen::Index>(scene.views.size());
+    SharedTagErrors shared;
+    shared.interior = sigma.cwiseAbs2().asDiagonal();
+    shared.anchors.resize(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j)
+        shared.anchors(i, j) = (i % 3 == j % 3 ? together * together : 0) + (i == j ? 2.5e-7 : 0);
+    for (TagView& view : scene.views) {
+      view.anchor_in_world += shift, view.world_from_tag.translation += shift;
+      view.anchor_covariance = (2.5e-7 + together * together) * Eigen::Matrix3d::Identity();
+    }
+    TagPoseOptions options = options_for(field);
+    options.max_samples = 30;
+    const TagPose found = estimate_tag_pose(believed, scene.views, pose::make_opengv_solver("p3p_kneip"), options);
+    const Eigen::AngleAxisd turn(found.cam_from_world.rotation * scene.cam_from_world.rotation.conjugate());
+    Eigen::Matrix<double, 6, 1> e;
+    e << turn.angle() * turn.axis(), found.cam_from_world.translation - scene.cam_from_world.translation;
+    // About the origin of national coordinates translation and rotation are one: compared where the tags are.
+    Eigen::Matrix<double, 6, 6> here = Eigen::Matrix<double, 6, 6>::Identity();
+    if (k % 2 != 0) here.bottomLeftCorner<3, 3>() = -skew(found.cam_from_world.rotation * national);
+    const Eigen::Matrix<double, 6, 6> total = covariance_with(shared, believed, scene.views, options, found);
+    e.tail<3>() = found.cam_from_world * (k % 2 == 0 ? Eigen::Vector3d::Zero() : national).eval() -
+                  scene.cam_from_world * (k % 2 == 0 ? Eigen::Vector3d::Zero() : national).eval();
+    const auto nees = [&](const Eigen::Matrix<double, 6, 6>& covariance) {
+      return e.dot((here * covariance * here.transpose()).ldlt().solve(e)) / (6 * trials);
+    };
+    alone += nees(found.covariance), with += nees(total);
+  }
+  EXPECT_GT(alone, 2.5);
+  EXPECT_GT(with, chi_squared_quantile(0.0005, 6 * trials) / (6 * trials));
+  EXPECT_LT(with, chi_squared_quantile(0.9995, 6 * trials) / (6 * trials));
 }
 
 /// Edges that a photograph draws inwards, all by the same: each corner slides by it along both of its edges.

@@ -119,6 +119,9 @@ TEST(Inches, NotesOfArtifactsAreConvertedWithTheirUnit) {
             "moved by the same, +0.047, -0.012, +0.157 in (x, y, z)");
   EXPECT_EQ(spoken("limit 5 mm, of C4 mm, 5mm as you wrote it"), "limit 0.197 in, of C4 in, 5mm as you wrote it");
   EXPECT_EQ(spoken("numbers in mm"), "numbers in inches");
+  for (const std::string uncertain : {"G12 E -1.0, N -1.5, H +0.4 mm; G3", "w = 4.3, wrong by 12.0 mm"})
+    EXPECT_EQ(spoken(uncertain), uncertain) << "half of it converted would be wrong by 25 times";
+  EXPECT_EQ(spoken("1.7 times 12.0 mm, 3.10 m, 95.0 %"), "1.7 times 0.472 in, 3.10 m, 95.0 %");
   EXPECT_EQ(spoken(mm(0.0127, 1) + " ± " + mm(0.000254, 1) + "\u00A0mm"), "0.500 ± 0.010\u00A0in");
   const Speaking both({Language::german, Units::inches});
   EXPECT_EQ(spoken("joint to P2 12.7 mm (limit 5 mm)"), "Fuge zu P2 0,500\u00A0Zoll (Grenze 0,197\u00A0Zoll)");

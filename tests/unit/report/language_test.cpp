@@ -13,6 +13,7 @@
 #include "show/report/script_data.hpp"
 #include "show/report/sheets_page.hpp"
 #include "show/report/summary.hpp"
+#include "show/report/surface_page.hpp"
 #include "source_texts.hpp"
 #include "spoken_pages.hpp"
 #include "test_support.hpp"
@@ -177,6 +178,35 @@ TEST(German, NoEnglishWordIsLeftOnAPage) {
   quiet.deviation.reset();
   for (const std::string& text : english_in(texts_read(render_report(quiet)), kGiven))
     ADD_FAILURE() << "report: " << text;
+}
+
+TEST(German, NoEnglishWordIsLeftOnThePageOfSurfaces) {
+  const Speaking speaking(kGerman);
+  SurfacesT surfaces;
+  for (const char* name : {"P1", "P2"}) {
+    auto panel = std::make_unique<PanelSurfaceFiguresT>();
+    panel->face = std::make_unique<SurfaceFaceT>();
+    SurfaceFaceT& face = *panel->face;
+    face.id = name, face.out = {0, -1, 0}, face.up = {0, 0, 1}, face.right = {1, 0, 0}, face.origin.setZero();
+    face.width = 1, face.height = 2, panel->offset = 0.004, panel->coefficients = {0.004, 0, 0, 0, 0, 0};
+    surfaces.panels.push_back(std::move(panel));
+  }
+  auto joint = std::make_unique<JointFiguresT>();
+  joint->first = "P1", joint->second = "P2", joint->nominal_width = 0.012, joint->looked_at = 9;
+  joint->not_measured = "one of its panels was not measured";
+  surfaces.joints.push_back(std::move(joint));
+  SurfaceJudgementT judgement;
+  for (const char* quantity : {"flatness", "bow", "step", "joint", "narrowest"}) {
+    auto verdict = std::make_unique<SurfaceVerdictT>();
+    verdict->quantity = quantity, verdict->panel = "P1", verdict->rule = "*: bow=3mm", verdict->value = 0.0042;
+    verdict->sigma = 0.0003, verdict->upper = 0.003, verdict->lower = -0.003;
+    verdict->verdict = ToleranceVerdict::fail;
+    judgement.verdicts.push_back(std::move(verdict));
+  }
+  judgement.verdicts.front()->length = 1;
+  judgement.verdicts.back()->not_judged = "no face of it was looked at";
+  const auto texts = texts_read(render_surface_page(surfaces, &judgement, "Surfaces of panels and joints"));
+  for (const std::string& text : english_in(texts, {"*: bow=3mm"})) ADD_FAILURE() << text;
 }
 
 /// No sentence loses a number, tells one twice or changes one.
