@@ -5,8 +5,8 @@
 
 namespace plumbline::markers {
 
-/// `other`: a model that is neither Brown's nor the fisheye's of Kannala and Brandt. `not_quite_brown`: one with Brown's
-/// coefficients in another formula (inverse, modified), which is Brown's where all of them are zero.
+/// `other`: a model that is neither Brown's nor the fisheye's of Kannala and Brandt. `not_quite_brown`: one with
+/// Brown's coefficients in another formula (inverse, modified), which is Brown's where all of them are zero.
 enum class LensName { unknown, brown, fisheye, not_quite_brown, other };
 
 /// Of a whole name in small letters and digits alone ("plumbbob" for plumb_bob): OpenCV, ROS, Kalibr, COLMAP, ORB-SLAM,

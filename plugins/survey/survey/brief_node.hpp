@@ -7,8 +7,8 @@
 namespace plumbline::survey {
 
 /// Leaves out of a large result what other files have: covariances and ellipsoids, sightings that pass, and
-/// observations beyond `most` of which nothing is to be said; and of points all but 500. A result with fewer stays as it is but for the
-/// covariances.
+/// observations beyond `most` of which nothing is to be said; and of points all but 500. A result with fewer stays as
+/// it is but for the covariances.
 void make_brief(SurveyNetworkT& network, std::size_t most);
 
 struct BriefNode : Node {

@@ -185,7 +185,8 @@ TEST(ToBuilding, AScaleOfAnotherHeightIsSaidWhereItAmountsToSomething) {
     DesignT design = design_with_map();
     design.map_conversion->eastings = 530000, design.map_conversion->scale = site.scale * (1 - 8e-6);
     std::vector<Eigen::Vector3d> wide, surveyed;
-    for (const Eigen::Vector3d& p : in_building) wide.emplace_back(size * p.x(), size * p.y(), p.z()), surveyed.push_back(site.on_map(wide.back()));
+    for (const Eigen::Vector3d& p : in_building)
+      wide.emplace_back(size * p.x(), size * p.y(), p.z()), surveyed.push_back(site.on_map(wide.back()));
     node.input<Points>("points", points_at(surveyed));
     node.input<Points>("designed", points_at(wide));
     node.input<Design>("design", design);
