@@ -29,7 +29,7 @@ struct Worker {
 
 namespace {
 
-constexpr auto patience_after_cancel = std::chrono::milliseconds(300);
+constexpr auto patience_after_cancel = std::chrono::milliseconds(125);
 
 Worker start(const fs::path& program, const std::string& library) {
   if (access(program.c_str(), X_OK) != 0)

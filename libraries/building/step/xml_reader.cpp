@@ -64,7 +64,10 @@ class Converter {
       fail(root, "found this element", "ifcXML, or iso_10303_28 of IFC2x3, at the top; or export as IFC (STEP)");
     pugi::xml_node population = root;
     for (const pugi::xml_node child : elements_of(root))
-      if (local(child) == "uos") population = child;
+      if (local(child) == "uos") {
+        if (population != root) fail(child, "found a second one", "one uos a file");
+        population = child;
+      }
     schema_.emplace(schema_of(root, population));
     for (const pugi::xml_node child : elements_of(population)) {
       const std::string_view name = local(child);
@@ -317,7 +320,8 @@ class Converter {
         argument = with_references(argument, owners);
       else if (argument == null)
         argument = reference(owners.front());
-      else if (argument != reference(owners.front()))
+      if (!is_list(attribute->type) &&
+          std::any_of(owners.begin(), owners.end(), [&](std::uint64_t owner) { return argument != reference(owner); }))
         fail(relation.node, "found it in another element than its " + std::string(at.second) + " names", "the same");
     }
   }

@@ -198,12 +198,13 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence,
   if (p == 0 || result.photographs < 3 || root.info() != Eigen::Success) return result;
   const Eigen::MatrixXd influences = influences_of(evidence, root);
   if (!influences.allFinite()) return result;
-  if (result.photographs < fewest_to_scatter) {
+  const auto as_of_few = [&] {
     const double level = level_of_few(influences);
     result.written = level * evidence.formal;
     result.factor = std::sqrt(level), result.sigma_ratio.setConstant(result.factor);
     return result;
-  }
+  };
+  if (result.photographs < fewest_to_scatter) return as_of_few();
   const Eigen::MatrixXd lower = root.matrixL(), unit = Eigen::MatrixXd::Identity(p, p);
   Eigen::MatrixXd found = Eigen::MatrixXd::Zero(p, p);
   for (const Eigen::VectorXd& change : evidence.change_without) {
@@ -219,7 +220,7 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence,
   const Eigen::MatrixXd from_unit =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(unit + effects * expected.by_effects).operatorSqrt();
   const Eigen::MatrixXd even = to_unit * found * to_unit;
-  if (!even.allFinite()) return result;
+  if (!even.allFinite()) return as_of_few();  // the photographs alone leave a direction open
   const Scale scale = most_likely(even, result.photographs);
   result.by_order = std::sqrt(alike_by(influences, neighbours_in_order(influences.rows())));
   if (cam_from_object.size() == evidence.score.size())

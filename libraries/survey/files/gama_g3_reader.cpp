@@ -94,12 +94,16 @@ class G3Reader {
     }
   }
 
+  static bool is_on_earth(const Vector3d& at) {
+    return std::abs(at.norm() - 6.37e6) < 5e4 && std::abs(from_geocentric(at).latitude) < 1.5;
+  }
+
   /// A first place of a point; observed ones are as good.
   void see(pugi::xml_node node, const std::string& id) {
     if (child_text(node, "x").empty() || places_.contains(id)) return;
     const auto at = triple(node, "x", "y", "z");
     if (!at) return;
-    if (std::abs(at->norm() - 6.37e6) < 5e4 && std::abs(from_geocentric(*at).latitude) < 1.5)
+    if (is_on_earth(*at))
       places_[id] = *at;
     else
       skip(node, "a place " + text::format_fixed(at->norm() / 1000, 0) + " km from the centre",
@@ -234,7 +238,7 @@ class G3Reader {
       const std::string id = child_text(nodes[i], "id");
       const auto earth = triple(nodes[i], "x", "y", "z");
       if (!earth) return;
-      if (!builder_.has_point(id) || !(std::abs(earth->norm() - 6.37e6) < 5e4))
+      if (!builder_.has_point(id) || !plane_ || !is_on_earth(*earth))
         return skip(nodes[i], "<xyz> of " + text::quoted(id), "a place on the earth of a point that the file declares");
       const auto at = static_cast<Eigen::Index>(3 * i);
       group.values.segment<3>(at) = plane_->place(*earth);
@@ -247,31 +251,50 @@ class G3Reader {
     builder_.survey.coordinates.push_back(std::move(group));
   }
 
+  /// Nothing if it is not taken, which is said. `together`: a cov-mat has its standard deviation.
+  std::optional<Observation> length_of(pugi::xml_node node, bool levelled, bool together) {
+    Observation o;
+    o.kind = levelled ? ObservationKind::height_difference : ObservationKind::slope_distance;
+    o.from = child_text(node, "from"), o.to = child_text(node, "to"), o.source = xml_.position(node);
+    const auto value = number(node, "val");
+    if (!value || !are_points(node, o.from, o.to)) return std::nullopt;
+    o.value = *value;
+    if (!levelled && o.value <= 0) {
+      skip(node, "a distance of " + child_text(node, "val"), "one above zero");
+      return std::nullopt;
+    }
+    o.instrument_height = height(node, "from-dh"), o.target_height = height(node, "to-dh");
+    if (together) return o;
+    const auto sigma = number(node, "stdev");
+    if (!sigma) return std::nullopt;
+    if (!(*sigma > 0)) {
+      skip(node, "a stdev of " + child_text(node, "stdev"), "one above zero");
+      return std::nullopt;
+    }
+    o.sigma = kMillimetre * *sigma;
+    return o;
+  }
+
   void read_lengths(pugi::xml_node cluster, const std::vector<pugi::xml_node>& nodes, bool levelled) {
     ObservationCovariance covariance;
     if (child(cluster, "cov-mat")) {
       covariance.covariance = covariance_of(cluster, static_cast<int>(nodes.size()));
       if (covariance.covariance.size() == 0) return;
     }
-    for (size_t i = 0; i < nodes.size(); ++i) {
-      Observation o;
-      o.kind = levelled ? ObservationKind::height_difference : ObservationKind::slope_distance;
-      o.from = child_text(nodes[i], "from"), o.to = child_text(nodes[i], "to"), o.source = xml_.position(nodes[i]);
-      const auto value = number(nodes[i], "val");
-      if (!value || !are_points(nodes[i], o.from, o.to)) return;
-      o.value = *value;
-      if (!levelled && o.value <= 0)
-        return skip(nodes[i], "a distance of " + child_text(nodes[i], "val"), "one above zero");
-      o.instrument_height = height(nodes[i], "from-dh"), o.target_height = height(nodes[i], "to-dh");
-      const auto k = static_cast<Eigen::Index>(i);
-      const auto sigma = covariance.covariance.size() > 0 ? std::optional(std::sqrt(covariance.covariance(k, k)))
-                                                          : number(nodes[i], "stdev");
-      if (!sigma || !(*sigma > 0)) return;
-      o.sigma = covariance.covariance.size() > 0 ? *sigma : kMillimetre * *sigma;
+    const bool together = covariance.covariance.size() > 0;
+    std::vector<Observation> read;
+    for (size_t i = 0; i < nodes.size(); ++i)
+      if (auto o = length_of(nodes[i], levelled, together))
+        read.push_back(std::move(*o));
+      else if (together && nodes.size() > 1)
+        return skip(cluster, "an obs with a cov-mat of which a reading is not taken", "all of its readings");
+    for (Observation& o : read) {
+      const auto k = static_cast<Eigen::Index>(covariance.indices.size());
+      if (together) o.sigma = std::sqrt(covariance.covariance(k, k));
       covariance.indices.push_back(static_cast<int>(builder_.survey.observations.size()));
       builder_.add(std::move(o));
     }
-    if (covariance.covariance.size() > 0 && !covariance.covariance.isDiagonal(0))
+    if (together && !read.empty() && !covariance.covariance.isDiagonal(0))
       builder_.survey.covariances.push_back(std::move(covariance));
   }
 

@@ -33,6 +33,12 @@ std::string without_marks(std::string text) {
   return text;
 }
 
+/// Whether a place of the text lies in a name, which stays as it is ("Glass 12 mm").
+bool is_in_name(std::string_view text, std::size_t at) {
+  const std::size_t begin = text.rfind(kNameBegins, at);
+  return begin != std::string_view::npos && text.substr(begin, at - begin).find(kNameEnds) == std::string_view::npos;
+}
+
 /// A number that ends at `end` of the text, or with its mark there: where it begins; `end` if there is none.
 std::size_t number_before(std::string_view text, const std::size_t end_with_mark) {
   const std::size_t end = end_with_mark - (end_with_mark > 0 && text[end_with_mark - 1] == kConverted ? 1 : 0);
@@ -100,7 +106,7 @@ std::string with_units(std::string text) {
   for (std::size_t at = text.find("mm"); at != std::string::npos; at = text.find("mm", at)) {
     const bool alone = (at == 0 || (!is_word(text[at - 1]) || text.substr(0, at).ends_with(kNoBreak))) &&
                        (at + 2 == text.size() || !is_word(text[at + 2]) || text.substr(at + 2).starts_with(kNoBreak));
-    if (!alone) {
+    if (!alone || is_in_name(text, at)) {
       at += 2;
       continue;
     }

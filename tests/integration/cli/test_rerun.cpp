@@ -52,7 +52,7 @@ TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
   EXPECT_EQ(answer.code, 0) << answer.err;
   EXPECT_EQ(nodes(out, "executed"),
             (std::set<std::string>{"poses", "block", "chain", "deviation", "accuracy", "drawing", "epochs", "ids",
-                                   "ifc", "issues", "report", "sheets", "summary", "table"}));
+                                   "ifc", "issues", "photographs", "report", "sheets", "summary", "table"}));
 
   run({});
   EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{}) << "the first result is still there";

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "loop/fit/bracket_rules.hpp"
 #include "loop/fit/settings_program.hpp"
 #include "plumbline/stop.hpp"
 #include "random_facade.hpp"
@@ -69,6 +70,16 @@ double clp_value(const ConvexProgram& p) {
 }
 
 /// Not "no optimum", wherever Ipopt was.
+/// Without a rule the topmost brackets carry, the leftmost of them holds sideways; those below only hold to the wall.
+TEST(UsualHook, CarriesInTheTopRowAndHoldsSidewaysAtItsLeft) {
+  const std::vector<Eigen::Vector3d> brackets = {{0, 0, 0}, {2, 0, 0}, {0, 3, 0}, {2, 3.1, 0}};
+  using Hook = std::array<bool, 3>;
+  const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  for (const std::size_t below : {0, 1}) EXPECT_EQ(usual_hook(brackets, below, axes), (Hook{false, false, true}));
+  EXPECT_EQ(usual_hook(brackets, 2, axes), (Hook{true, true, true}));
+  EXPECT_EQ(usual_hook(brackets, 3, axes), (Hook{false, true, true}));
+}
+
 TEST(Fit, StopsWhenNobodyWaitsForIt) {
   const ConvexProgram program = whole_program(random_facade({2, 2}, 1, 0.010));
   struct Asked {

@@ -123,6 +123,8 @@ TEST(Inches, NotesOfArtifactsAreConvertedWithTheirUnit) {
     EXPECT_EQ(spoken(uncertain), uncertain) << "half of it converted would be wrong by 25 times";
   EXPECT_EQ(spoken("1.7 times 12.0 mm, 3.10 m, 95.0 %"), "1.7 times 0.472 in, 3.10 m, 95.0 %");
   EXPECT_EQ(spoken(mm(0.0127, 1) + " ± " + mm(0.000254, 1) + "\u00A0mm"), "0.500 ± 0.010\u00A0in");
+  EXPECT_EQ(spoken("Panel " + verbatim("Glass 12 mm") + " moved 12.7 mm"), "Panel Glass 12 mm moved 0.500 in")
+      << "a name is no length";
   const Speaking both({Language::german, Units::inches});
   EXPECT_EQ(spoken("joint to P2 12.7 mm (limit 5 mm)"), "Fuge zu P2 0,500\u00A0Zoll (Grenze 0,197\u00A0Zoll)");
 }

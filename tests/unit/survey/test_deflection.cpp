@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/model/map_frame.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -155,6 +156,18 @@ TEST(MapFrame, LongDistancesAreChords) {
         EXPECT_NEAR(modelled / chord, 1, height > 0 || length > 5e4 ? 2.5e-7 : 3e-8)
             << length << " m at " << bearing << ", " << height << " m up: " << 1e3 * (modelled - chord) << " mm";
       }
+}
+
+/// Far from the meridian a map's scale is another: of the transverse Mercator on a sphere k0 cosh(E' / (k0 R)) (Snyder
+/// 1987, eq. 8-4).
+TEST(MapThatExplains, KnowsTheScaleFarFromTheMeridian) {
+  constexpr double kRadius = 6371000;
+  for (const auto& [on_meridian, name] : {std::pair{0.9996, "UTM zone 32"}, std::pair{1.0, "Gauss-Krueger zone 32"}})
+    for (const double offset : {-300e3, 250e3}) {
+      const double factor = on_meridian * std::cosh(offset / (on_meridian * kRadius)) * kRadius / (kRadius + 400);
+      const std::string words = map_that_explains(factor, 1e-6, {Vector3d(32.5e6 + offset, 5.4e6, 400)});
+      EXPECT_NE(words.find(name), std::string::npos) << offset << ": " << words;
+    }
 }
 
 }  // namespace
