@@ -42,6 +42,14 @@ std::vector<pugi::xml_node> elements_of(pugi::xml_node node) {
   return found;
 }
 
+/// All of its text: a comment in the midst parts it into several nodes.
+std::string text_of(pugi::xml_node node) {
+  std::string text;
+  for (pugi::xml_node child : node.children())
+    if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) text += child.value();
+  return text;
+}
+
 std::string_view without_wrapper(std::string_view name) {
   constexpr std::string_view end = "-wrapper";
   return name.ends_with(end) ? name.substr(0, name.size() - end.size()) : name;
@@ -221,7 +229,7 @@ class Converter {
     }
     if (kind == "?") return selected(node, inside, attribute);
     if (inside.size() > 1) fail(node, "found " + std::to_string(inside.size()) + " elements", "one value");
-    return simple_value(node, type, (inside.empty() ? node : inside[0]).child_value(), attribute);
+    return simple_value(node, type, text_of(inside.empty() ? node : inside[0]), attribute);
   }
 
   bool is_list(std::string_view type) const { return schema_->resolved(type).starts_with('['); }
@@ -235,8 +243,8 @@ class Converter {
     if (inside.size() == 1) return item(inside[0], "?", attribute);
     const std::string_view type = schema_->defined_type(type_said(node));
     if (!type.empty()) return typed_value(node, type, attribute);
-    if (!text::trim(node.child_value()).empty())
-      fail(node, "found " + text::quoted(node.child_value()) + " without its type", "an element that names it");
+    if (!text::trim(text_of(node)).empty())
+      fail(node, "found " + text::quoted(text_of(node)) + " without its type", "an element that names it");
     return null;
   }
 
@@ -248,8 +256,8 @@ class Converter {
     const Level level(*this, node);
     const std::string_view inner = kind.substr(kind.find(']') + 1);
     std::vector<pugi::xml_node> items = elements_of(node);
-    if (items.empty() && text::trim(node.child_value()).empty()) return list({});
-    if (items.empty()) return simple_value(node, kind, node.child_value(), attribute);
+    if (items.empty() && text::trim(text_of(node)).empty()) return list({});
+    if (items.empty()) return simple_value(node, kind, text_of(node), attribute);
     // A list of numbers that is a type of its own may stand in an element of that name.
     if (items.size() == 1 && schema_->resolved(inner).size() == 1 &&
         is_list(schema_->defined_type(without_wrapper(local(items[0])))))
@@ -272,7 +280,7 @@ class Converter {
       return typed_value(node, named, attribute);
     if (schema_->entity(kind) || kind == "?")
       fail(node, "found this element in " + std::string(attribute), "an entity or a value of " + schema_->name());
-    return simple_value(node, type, node.child_value(), attribute);
+    return simple_value(node, type, text_of(node), attribute);
   }
 
   std::string simple_value(pugi::xml_node node, std::string_view type, std::string_view text,
@@ -337,7 +345,7 @@ class Converter {
       for (const pugi::xml_node child : elements_of(root))
         if (local(child) == "header" || local(child) == "iso_10303_28_header")
           for (const pugi::xml_node entry : elements_of(child))
-            if (local(entry) == name) return std::string(text::trim(entry.child_value()));
+            if (local(entry) == name) return std::string(text::trim(text_of(entry)));
       return "";
     };
     const auto quoted = [&](std::string_view name) { return step::text(said(name)); };

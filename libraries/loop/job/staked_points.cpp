@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <regex>
 #include <set>
 #include <stdexcept>
 
@@ -82,15 +83,22 @@ bool names_all_coordinates(const std::vector<std::string_view>& cells) {
   return found.contains('e') && found.contains('n') && found.contains('h');
 }
 
-/// "# Units: metres". Throws std::runtime_error if a comment says that they are others.
+/// "# Units: metres", "# Units = m", "# coordinates in units [m]". Throws std::runtime_error if a comment says that
+/// they are others. What is called a unit and is none of lengths ("Total station unit: TS16") says nothing.
 void look_at_units(std::string_view comment, std::size_t line, const std::string& source) {
-  const std::string words = lower_case(comment);
-  const auto at = words.find("unit");
-  if (at == std::string::npos || words.find(':', at) == std::string::npos) return;
-  const std::string unit(text::trim(words.substr(words.find(':', at) + 1)));
-  if (unit != "m" && unit.rfind("metre", 0) != 0 && unit.rfind("meter", 0) != 0)
-    throw std::runtime_error(source + ":" + std::to_string(line) + ": its units are '" + unit +
-                             "'; expected metres: export it in metres");
+  static const std::regex said("(^[#/;\\s]*|\\b)units?\\b(?: of)?[\\s:=(\\[]*([^\\])]*)");
+  static const std::regex metres("m(et(re|er)s?)?\\b.*"),
+      others(
+          "(us|u\\.s\\.|survey|international|ft|sft|feet|foot|[mck]m|(milli|centi|kilo)met(re|er)s?|in|inch(es)?|yards?"
+          ")\\b.*");
+  const std::string words = lower_case(comment.substr(0, 200));  // the expressions go deeper with each letter
+  std::smatch found;
+  if (!std::regex_search(words, found, said)) return;
+  const bool heads = text::trim(found.prefix().str() + found[1].str()).find_first_not_of("#/; ") == std::string::npos;
+  const std::string unit(text::trim(found[2].str()));
+  if (std::regex_match(unit, metres) || (!std::regex_match(unit, others) && !heads)) return;
+  throw std::runtime_error(source + ":" + std::to_string(line) + ": its units are '" + unit +
+                           "'; expected metres: export it in metres");
 }
 
 /// Where ';' separates cells a comma is that of a decimal fraction.

@@ -97,6 +97,16 @@ TEST(XmlReader, TheArrangementOfIfc2x3) {
       "#5=IFCSITE('1x',$,$,$,$,$,$,$,.ELEMENT.,$,$,$,$,$);\n");
 }
 
+TEST(XmlReader, ACommentOrCdataPartsNoValue) {
+  const auto length = [](const std::string& value) {
+    return data_of(ifc4("<IfcPropertySingleValue Name='L'><NominalValue><IfcLengthMeasure-wrapper>" + value +
+                        "</IfcLengthMeasure-wrapper></NominalValue></IfcPropertySingleValue>"));
+  };
+  EXPECT_EQ(length("12<!-- c -->34"), length("1234"));
+  EXPECT_EQ(length("<![CDATA[12]]>34"), length("1234"));
+  EXPECT_NE(length("12"), length("1234"));
+}
+
 TEST(XmlReader, NamesLineAndElementOfAMistake) {
   const auto expect = [](const std::string& xml, const std::string& said) {
     EXPECT_NE(message_of(xml).find(said), std::string::npos) << message_of(xml) << "\nlacks " << said;

@@ -270,6 +270,21 @@ TEST(LayoutFiles, AHeadMayStandBehindComments) {
   }
 }
 
+TEST(LayoutFiles, UnitsAreReadHoweverACommentSaysThem) {
+  const auto read = [](const std::string& comment) {
+    return read_staked("# " + comment + "\nName,Easting,Northing,Elevation,Code\nA,1,2,3,GO\n", LayoutFormat::trimble,
+                       "staked.csv")
+        .items.size();
+  };
+  for (const char* metres : {"Units: [m]", "Units = metres", "units (m)", "Total station unit: TS16", "community: x",
+                             "coordinates in units of meters"})
+    EXPECT_EQ(read(metres), 1u) << metres;
+  for (const char* others :
+       {"Units = feet", "units feet", "Units [ft]", "Coordinate units: US survey feet", "unit mm", "Units: cubits"})
+    EXPECT_THROW(read(others), std::runtime_error) << others;
+  EXPECT_EQ(read(std::string(1000000, 'x') + " units: feet"), 1u) << "a line of any length is read";
+}
+
 TEST(LayoutFiles, AFirstPointThatCannotBeReadIsNoHead) {
   const ActualsT back = read_staked("A;401.25;77.5;\nB;401.25;77.5;12.125\n", LayoutFormat::hilti, "staked.csv");
   ASSERT_EQ(back.items.size(), 1u);
