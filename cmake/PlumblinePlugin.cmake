@@ -41,16 +41,20 @@ function(plumbline_add_artifacts name)
   set_target_properties(${name} PROPERTIES PLUMBLINE_BFBS "${bfbs_files}")
 endfunction()
 
-# plumbline_add_plugin(FAMILY SOURCES a.cpp ... [LINK lib ...] [FOLDER dir])
+# plumbline_add_plugin(FAMILY SOURCES a.cpp ... [LINK lib ...] [FOLDER dir] [LOOPS])
 # One shared library build/lib/plumbline/plumbline_FAMILY.so that exports plumbline_plugin() and nothing else. With FOLDER it goes
-# there, and is neither found by the program nor installed: for plugins that tests bring.
+# there, and is neither found by the program nor installed: for plugins that tests bring. LOOPS: pixels or points are gone through in the
+# plugin itself; it is compiled at -O2.
 function(plumbline_add_plugin family)
-  cmake_parse_arguments(ARG "" "FOLDER" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "LOOPS" "FOLDER" "SOURCES;LINK" ${ARGN})
   set(target plumbline_plugin_${family})
   add_library(${target} MODULE ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE Plumbline::node ${ARG_LINK})
   if(TARGET plumbline_settings)
     target_link_libraries(${target} PRIVATE plumbline_settings)
+    if(NOT ARG_LOOPS)
+      target_compile_options(${target} PRIVATE ${PLUMBLINE_THIN_OPTIONS})
+    endif()
   endif()
   target_compile_definitions(${target} PRIVATE PLUMBLINE_BUILD_ID="${PROJECT_VERSION}")
   # The version script leaves one symbol: without it, inline statics of libraries are shared between plugins.

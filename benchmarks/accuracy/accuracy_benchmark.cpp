@@ -122,7 +122,7 @@ Errors errors_of(const PointsT& model, const PointsT& truth) {
   Eigen::MatrixXd covariance(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) {
-      const size_t r = rows[static_cast<size_t>(i)], c = rows[static_cast<size_t>(j)];
+      const size_t r = rows[i], c = rows[j];
       covariance(i, j) = covariance(j, i) = model.covariance.at(r * (r + 1) / 2 + c);
     }
   return {e.squaredNorm() / static_cast<double>(n), covariance.trace() / static_cast<double>(n),

@@ -82,8 +82,7 @@ Eigen::MatrixXd covariance_of(const DeviationInputs& inputs, double own, double 
   Eigen::MatrixXd s = own * own * Eigen::MatrixXd::Identity(3 * n, 3 * n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j)
-      if (inputs.anchors[static_cast<std::size_t>(i)].floor == inputs.anchors[static_cast<std::size_t>(j)].floor)
-        s(3 * i + 2, 3 * j + 2) += common * common;
+      if (inputs.anchors[i].floor == inputs.anchors[j].floor) s(3 * i + 2, 3 * j + 2) += common * common;
   return s;
 }
 
@@ -137,7 +136,7 @@ Counts one_campaign(const DeviationInputs& design, const Eigen::MatrixXd& covari
     Random random(seed, "anchor", i);
     truth.model.positions[i] += random.normal3(built);
     measured.model.positions[i] = truth.model.positions[i] + random.normal3(std::sqrt(0.75) * u) +
-                                  Vector3d(0, 0, of_floor[static_cast<std::size_t>(design.anchors[i].floor)]);
+                                  Vector3d(0, 0, of_floor[design.anchors[i].floor]);
   }
   const auto size = static_cast<Index>(3 * n);
   truth.model.covariance = 1e-18 * Eigen::MatrixXd::Identity(size, size);
@@ -229,8 +228,7 @@ std::vector<Built> sound() {
        [](const DeviationInputs& in, Random& r, std::vector<Vector3d>& d) {
          std::vector<double> scatter;
          for (int floor = 0; floor < 100; ++floor) scatter.push_back(r.uniform(1e-3, 8e-3));
-         for (std::size_t i = 0; i < d.size(); ++i)
-           d[i] = r.normal3(scatter[static_cast<std::size_t>(in.anchors[i].floor)]);
+         for (std::size_t i = 0; i < d.size(); ++i) d[i] = r.normal3(scatter[in.anchors[i].floor]);
        }},
   };
 }

@@ -90,7 +90,7 @@ Made make(const Shape& shape) {
           (first + r * (shape.anywhere ? 1 + static_cast<int>(random.uniform() * shape.images / shape.rays) : 1)) %
           shape.images;
       o.point = j;
-      const Placement& pose = made.truth.images[static_cast<size_t>(o.image)];
+      const Placement& pose = made.truth.images[o.image];
       LensRows rows;
       if (!evaluate_lens(Lens::brown, made.truth.interiors[0].data(), 0, 0,
                          pose.matrix * (made.truth.points.back() - pose.position), Eigen::Vector2d::Zero(), false,
@@ -102,7 +102,7 @@ Made make(const Shape& shape) {
     }
   }
   made.start = made.truth;
-  p.images[0].fixed = p.images[static_cast<size_t>(shape.images / 4)].fixed = true;
+  p.images[0].fixed = p.images[shape.images / 4].fixed = true;
   for (size_t i = 0; i < p.images.size(); ++i) {
     if (p.images[i].fixed) continue;
     Placement& pose = made.start.images[i];
@@ -256,8 +256,8 @@ bool print_covariance(const Made& made, const State& state, std::vector<Eigen::M
       built - start, analysis.is_dense() ? "dense" : "sparse", analysis.unknown_count(),
       1e-6 * static_cast<double>(analysis.bytes()), each - built, anchors.size(), processor_seconds() - each,
       1e-6 * static_cast<double>(elimination.bytes()), peak_megabytes());
-  const Eigen::Matrix3d apart = joint.topLeftCorner<3, 3>() - own[static_cast<size_t>(anchors[0])];
-  return apart.norm() < 1e-9 * own[static_cast<size_t>(anchors[0])].norm();
+  const Eigen::Matrix3d apart = joint.topLeftCorner<3, 3>() - own[anchors[0]];
+  return apart.norm() < 1e-9 * own[anchors[0]].norm();
 }
 
 /// The same by Ceres, of every image and every point, or where that would take hours of 200 of each; its pattern of
@@ -278,8 +278,7 @@ bool compare_covariance(const Made& made, const State& state, const std::vector<
   const auto theirs = covariances_by_ceres(made.problem, state, blocks);
   double worst = 0;
   for (size_t k = 0; k < blocks.size(); ++k) {
-    const Eigen::VectorXd expected = theirs[k].diagonal().cwiseSqrt(),
-                          found = ours[static_cast<size_t>(blocks[k])].diagonal().cwiseSqrt();
+    const Eigen::VectorXd expected = theirs[k].diagonal().cwiseSqrt(), found = ours[blocks[k]].diagonal().cwiseSqrt();
     for (Eigen::Index i = 0; i < found.size(); ++i)
       if (const double off = std::abs(found[i] / expected[i] - 1); !(off <= worst)) worst = off;  // nan stays
   }

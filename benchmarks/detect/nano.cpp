@@ -85,16 +85,16 @@ struct Nano {
         const double u = x - i, v = y - j;
         const std::uint8_t *a = image.ptr(j) + i, *b = image.ptr(j + 1) + i;
         const double grey = (1 - v) * ((1 - u) * a[0] + u * a[1]) + v * ((1 - u) * b[0] + u * b[1]);
-        value[static_cast<std::size_t>(row * n + column)] = static_cast<float>(grey);
+        value[row * n + column] = static_cast<float>(grey);
         low = std::min(low, static_cast<float>(grey)), high = std::max(high, static_cast<float>(grey));
       }
     const float threshold = 0.5f * (low + high);
     for (int k = 0; k < n; ++k)
       for (const int cell : {k, (n - 1) * n + k, k * n, k * n + n - 1})
-        if (value[static_cast<std::size_t>(cell)] > threshold) return -1;
+        if (value[cell] > threshold) return -1;
     std::uint64_t code = 0;
     for (const auto& [column, row] : family.cells)
-      code = code << 1 | static_cast<std::uint64_t>(value[static_cast<std::size_t>(row * n + column)] > threshold);
+      code = code << 1 | static_cast<std::uint64_t>(value[row * n + column] > threshold);
     const auto found = ids.find(code);
     return found == ids.end() ? -1 : found->second;
   }

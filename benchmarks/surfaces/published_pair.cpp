@@ -46,12 +46,11 @@ void leave_out_hidden(Truth& truth) {
     const auto column = [&](int x) { return std::lround(x - row[x]); };
     for (int x = 0; x < truth.width; ++x)
       if (row[x] > 0 && column(x) >= 0) {
-        double& other = nearest[static_cast<size_t>(column(x))];
+        double& other = nearest[column(x)];
         other = std::max(other, row[x]);
       }
     for (int x = 0; x < truth.width; ++x)
-      if (row[x] > 0 && (column(x) < 0 || nearest[static_cast<size_t>(column(x))] > row[x] + 1))
-        row[x] = kNan, ++truth.hidden;
+      if (row[x] > 0 && (column(x) < 0 || nearest[column(x)] > row[x] + 1)) row[x] = kNan, ++truth.hidden;
   }
 }
 

@@ -60,7 +60,7 @@ struct Trial {
   /// M1, M7, M13, M19, M25 as control of 2 mm.
   void know(const std::function<Vector3d(int, const Vector3d&)>& as = [](int, const Vector3d& p) { return p; }) {
     for (int k = 0; k < 5; ++k) {
-      const SimulatedPoint& p = layout.points[static_cast<std::size_t>(6 * k)];
+      const SimulatedPoint& p = layout.points[6 * k];
       CoordinateGroup g;
       for (int axis = 0; axis < 3; ++axis) g.components.push_back({p.id, axis});
       const Vector3d true_place = on_map(p.position);

@@ -45,10 +45,10 @@ void plant(Trial& t, const SurveyMistake& mistake) {
 void gross_reading(Trial& t, Random& random) {
   SurveyMistake m;
   m.observation = static_cast<int>(random.uniform() * static_cast<double>(t.survey.observations.size()));
-  const Observation& o = t.survey.observations[static_cast<std::size_t>(m.observation)];
+  const Observation& o = t.survey.observations[m.observation];
   m.size = o.kind == ObservationKind::slope_distance ? size(random, 0.02, 5) : size(random, 0.05 * kGon, 20 * kGon);
   m.set_up = o.set_up;
-  t.words.push_back(t.survey.set_ups[static_cast<std::size_t>(o.set_up)].station + " -> " + o.to);
+  t.words.push_back(t.survey.set_ups[o.set_up].station + " -> " + o.to);
   plant(t, m);
 }
 
@@ -58,13 +58,11 @@ void swapped(Trial& t, Random& random, bool near) {
   m.kind = Kind::swapped_names;
   m.set_up = static_cast<int>(random.uniform() * 4);
   std::vector<const SimulatedPoint*> seen;
-  const auto& sees = t.layout.set_ups[static_cast<std::size_t>(m.set_up)].sees;
+  const auto& sees = t.layout.set_ups[m.set_up].sees;
   for (const SimulatedPoint& p : t.layout.points)
     if (p.id[0] == 'M' && std::find(sees.begin(), sees.end(), p.id) != sees.end()) seen.push_back(&p);
   for (;;) {
-    const auto pick = [&] {
-      return seen[static_cast<std::size_t>(random.uniform() * static_cast<double>(seen.size()))];
-    };
+    const auto pick = [&] { return seen[random.uniform() * static_cast<double>(seen.size())]; };
     const SimulatedPoint *a = pick(), *b = pick();
     const double apart = (a->position - b->position).norm();
     if (a == b || near != (apart < 3.5) || (!near && apart < 8)) continue;
@@ -80,14 +78,14 @@ void of_set_up(Trial& t, Random& random, Kind kind) {
   m.kind = kind;
   m.set_up = static_cast<int>(random.uniform() * 4);
   const std::string set_up = "set-up S" + std::to_string(m.set_up + 1);
-  const auto sights = t.layout.set_ups[static_cast<std::size_t>(m.set_up)].sees.size();
+  const auto sights = t.layout.set_ups[m.set_up].sees.size();
   if (kind == Kind::turned_circle) {
     m.size = size(random, 0.02 * kGon, 100 * kGon);
     m.from_sight = 5 + static_cast<int>(random.uniform() * (static_cast<double>(sights) - 10));
     t.words = {set_up + " looks turned", set_up + ": the circle was turned"};
   } else if (kind == Kind::prism) {
     const double sizes[] = {0.0344, 0.0231, 0.0175};
-    m.size = sizes[static_cast<std::size_t>(random.uniform() * 3)] * sign(random);
+    m.size = sizes[random.uniform() * 3] * sign(random);
     t.words = {"distances of " + set_up + " look too"};
   } else if (kind == Kind::instrument_height) {
     m.size = size(random, 0.02, 1);

@@ -61,11 +61,11 @@ SurveyObservations facade(int markers, int set_ups, int sights) {
     s.set_ups.push_back({p.id, p.id, kNotGiven, {}});
   }
   for (int m = 0; m < markers; ++m) {
-    const Eigen::Vector3d& marker = s.points[static_cast<size_t>(m)].coordinates;
+    const Eigen::Vector3d& marker = s.points[m].coordinates;
     const int nearest = static_cast<int>(marker.x() / length * set_ups);
     const int first = std::max(0, std::min(nearest - sights / 2, set_ups - sights));
     for (int i = first; i < std::min(set_ups, first + sights); ++i) {
-      const Eigen::Vector3d d = marker - s.points[static_cast<size_t>(markers + i)].coordinates;
+      const Eigen::Vector3d d = marker - s.points[markers + i].coordinates;
       const double values[] = {wrap_angle(std::atan2(d.x(), d.y()) - 0.1 * i),
                                std::atan2(std::hypot(d.x(), d.y()), d.z()), d.norm()};
       const ObservationKind kinds[] = {ObservationKind::direction, ObservationKind::zenith_angle,
@@ -74,8 +74,8 @@ SurveyObservations facade(int markers, int set_ups, int sights) {
         Observation o;
         o.kind = kinds[k];
         o.set_up = i;
-        o.from = s.set_ups[static_cast<size_t>(i)].station;
-        o.to = s.points[static_cast<size_t>(m)].id;
+        o.from = s.set_ups[i].station;
+        o.to = s.points[m].id;
         o.sigma = k == 2 ? 1e-3 : 1.5e-5;
         o.value = values[k] + o.sigma * normal(state);
         s.observations.push_back(o);

@@ -211,7 +211,7 @@ std::vector<size_t> cells_of_task(const BenchOptions& options, const SweepPlan& 
   if (static_cast<size_t>(options.task) >= chunks.size())
     throw std::runtime_error("there is no task " + std::to_string(options.task) + "; the plan has " +
                              std::to_string(chunks.size()));
-  return chunks[static_cast<size_t>(options.task)];
+  return chunks[options.task];
 }
 
 /// "--seeds 1 floors=2": a list takes what follows it, and what has a '=' is an override.

@@ -120,9 +120,7 @@ Difference difference(const Json& points, int a, int b, const std::string& outpu
   };
   Difference result;
   for (int k = 0; k < 3; ++k) {
-    const auto at = [&](int point) {
-      return number(points.at("points")[static_cast<size_t>(point)].at("position")[k]);
-    };
+    const auto at = [&](int point) { return number(points.at("points")[point].at("position")[k]); };
     result.d[k] = at(b) - at(a);
     for (int l = 0; l < 3; ++l)
       result.cov[k][l] = element(a, k, a, l) + element(b, k, b, l) - element(a, k, b, l) - element(b, k, a, l);

@@ -181,7 +181,7 @@ std::string ServedRuns::text_of(const std::string& path, size_t most) const {
   std::string text(std::min<std::uint64_t>(file.size, most), '\0');
   const ssize_t count = pread(file.descriptor, text.data(), text.size(), 0);
   ::close(file.descriptor);
-  text.resize(static_cast<size_t>(std::max<ssize_t>(count, 0)));
+  text.resize(std::max<ssize_t>(count, 0));
   return text;
 }
 
@@ -194,7 +194,7 @@ ServedRuns::Json ServedRuns::progress(const std::string& id) const {
   std::string text(longest_text, '\0');
   const ssize_t count = pread(file, text.data(), text.size(), 0);
   ::close(file);
-  text.resize(static_cast<size_t>(std::max<ssize_t>(count, 0)));
+  text.resize(std::max<ssize_t>(count, 0));
   const Json json = Json::parse(text, nullptr, false);
   return json.is_object() ? json : Json(nullptr);
 }

@@ -16,7 +16,7 @@ inline ControlPoints control_from_artifact(const PointsT& points) {
   control.coordinates.resize(3 * n);
   Eigen::VectorXd sigmas(3 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const PointT& p = *points.points[static_cast<size_t>(i)];
+    const PointT& p = *points.points[i];
     control.ids.push_back(p.id);
     control.coordinates.segment<3>(3 * i) = p.position;
     sigmas.segment<3>(3 * i) = p.sigma;

@@ -109,9 +109,9 @@ inline Point from_artifact(const SurveyPointT& r) {
   p.coordinates = r.position;
   if (r.roles.size() != 3) throw std::runtime_error("roles of point '" + r.id + "' are not three letters");
   for (int k = 0; k < 3; ++k) {
-    const size_t role = std::string("ufcx").find(r.roles[static_cast<size_t>(k)]);
+    const size_t role = std::string("ufcx").find(r.roles[k]);
     if (role == std::string::npos) throw std::runtime_error("role of point '" + r.id + "' is none of u, f, c, x");
-    p.roles[static_cast<size_t>(k)] = static_cast<CoordinateRole>(role);
+    p.roles[k] = static_cast<CoordinateRole>(role);
   }
   for (const char axis : r.known) {
     const size_t k = std::string("ENH").find(axis);

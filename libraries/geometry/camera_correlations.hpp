@@ -39,11 +39,11 @@ inline Eigen::MatrixXd camera_covariance(LensModel lens,
       throw std::runtime_error("the correlations of " + name + " are " + std::to_string(correlations[row].size()) +
                                " numbers, expected " + std::to_string(k) + ": with each parameter before it");
     for (int j = 0; j < k; ++j) {
-      const double value = correlations[row][static_cast<std::size_t>(j)];
+      const double value = correlations[row][j];
       if (!(std::abs(value) <= 1))
-        throw std::runtime_error("the correlation of " + name + " with " +
-                                 std::string(names[static_cast<std::size_t>(j)]) + " is not between -1 and 1");
-      covariance(k, j) = covariance(j, k) = value * sigmas[row] * sigmas[static_cast<std::size_t>(j)];
+        throw std::runtime_error("the correlation of " + name + " with " + std::string(names[j]) +
+                                 " is not between -1 and 1");
+      covariance(k, j) = covariance(j, k) = value * sigmas[row] * sigmas[j];
     }
   }
   if (free.empty()) return {};

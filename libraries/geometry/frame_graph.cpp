@@ -30,7 +30,7 @@ FramePoints through(const FrameGraph::Step& step, const FramePoints& given) {
   FramePoints out;
   Eigen::MatrixXd common(3 * n, 7);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d& p = given.positions[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d& p = given.positions[i];
     out.positions.push_back(step.backwards ? link.apply_inverse(p) : link.apply(p));
     // Backwards p_to is held: 0 = S R dp + B dx, so dp = -(S R)^-1 B dx.
     if (step.backwards)

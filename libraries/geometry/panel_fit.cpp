@@ -16,7 +16,7 @@ PanelMotion fit_panel(const std::vector<Eigen::Vector3d>& fixings, const Eigen::
   // zero.
   Eigen::MatrixXd arms(3 * n, 3), average(3, 3 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    arms.middleRows<3>(3 * i) = -skew(fixings[static_cast<std::size_t>(i)] - mean);
+    arms.middleRows<3>(3 * i) = -skew(fixings[i] - mean);
     average.middleCols<3>(3 * i) = Eigen::Matrix3d::Identity() / static_cast<double>(n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(arms.transpose() * arms);

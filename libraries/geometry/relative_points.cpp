@@ -29,7 +29,7 @@ std::vector<std::pair<int, int>> neighbours(const std::vector<Eigen::Vector3d>& 
   for (int i = 0; i < n; ++i) {
     std::vector<std::pair<double, int>> distances;
     for (int j = 0; j < n; ++j) {
-      const double d = (positions[static_cast<std::size_t>(i)] - positions[static_cast<std::size_t>(j)]).norm();
+      const double d = (positions[i] - positions[j]).norm();
       if (j != i && std::isfinite(d)) distances.emplace_back(d, j);
     }
     const auto most = std::min(distances.size(), static_cast<std::size_t>(std::max(0, count)));

@@ -185,7 +185,7 @@ class Estimator {
   /// stays. The gate closes as the pose gets better.
   RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) {
     std::vector<bool> chosen(views_.size(), false);
-    for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
+    for (const int i : sample) chosen[i] = true;
     pose = refine(chosen, pose, 1, kRough);
     for (int round = 0; round < 12; ++round) {
       const double limit = gate_ * std::max(1.0, kLenience / ((round + 1) * (round + 1)));
@@ -302,7 +302,7 @@ RigidTransform search(Estimator& estimator, const std::vector<TagView>& views, c
   double needed = kInfinity;
   for (std::size_t k = 0; static_cast<double>(k) < needed && samples.next(sample); ++k) {
     std::vector<const TagView*> tags;
-    for (const int i : sample) tags.push_back(&views[static_cast<std::size_t>(i)]);
+    for (const int i : sample) tags.push_back(&views[i]);
     for (const RigidTransform& pose : solver(tags)) best.offer(pose, sample);
     const bool power_of_two = ((k + 1) & k) == 0;
     if (!power_of_two || best.list().empty() || best.list().front().score == looked_at) continue;

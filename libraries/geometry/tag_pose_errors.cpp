@@ -44,7 +44,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> by_interior(const Eigen::VectorXd& sigm
   for (Eigen::Index p = 0; p < sigma.size(); ++p) {
     if (!(sigma[p] > 0)) continue;
     auto values = camera.parameters();
-    values[static_cast<std::size_t>(p)] += sigma[p];
+    values[p] += sigma[p];
     BrownCamera displaced = camera;
     displaced.set_parameters(values);
     columns.col(p) = right_side(displaced, views, inliers, options, pose) - here;

@@ -147,7 +147,7 @@ TEST_P(Adjuster, CovariancesOfPosesAndCameraCoverTheirErrors) {
     std::vector<int> free;
     Eigen::VectorXd error(9);
     for (int i = 0; i < 9; ++i) {
-      error(i) = camera.parameters[static_cast<size_t>(i)] - facade.camera.parameters()[static_cast<size_t>(i)];
+      error(i) = camera.parameters[i] - facade.camera.parameters()[i];
       if (covariance(i, i) > 0) free.push_back(i);
     }
     ASSERT_EQ(free.size(), 6u);

@@ -74,7 +74,7 @@ TEST_P(Registrar, RefusesTooFewAndCollinearPoints) {
   PointsT two, line;
   for (size_t i = 0; i < 2; ++i) two.points.push_back(std::make_unique<PointT>(*facade_.truth.points[i]));
   for (int i = 0; i < 5; ++i) {
-    line.points.push_back(std::make_unique<PointT>(*facade_.truth.points[static_cast<size_t>(i)]));
+    line.points.push_back(std::make_unique<PointT>(*facade_.truth.points[i]));
     line.points.back()->position = Eigen::Vector3d(1, 2, 2.0 * i);
   }
   EXPECT_THROW(registered(two, two), NodeFailed);
@@ -166,7 +166,7 @@ TEST_P(Registrar, MovedPointsAreAsGoodAsTheBoundWhateverTheDatumOfTheSource) {
     if (unknowns == 7 && !NodeHarness(GetParam()).has_parameter("scale", "estimated")) continue;
     Eigen::MatrixXd motions(n, unknowns);  // of the truth in its own frame
     for (Eigen::Index i = 0; i < n; i += 3) {
-      const Eigen::Vector3d p = facade_.truth.points[static_cast<size_t>(i / 3)]->position;
+      const Eigen::Vector3d p = facade_.truth.points[i / 3]->position;
       motions.middleRows<3>(i).leftCols<6>() << -skew(p), Eigen::Matrix3d::Identity();
       if (unknowns == 7) motions.block<3, 1>(i, 6) = p;
     }
@@ -196,8 +196,8 @@ TEST_P(Registrar, MovedPointsAreAsGoodAsTheBoundWhateverTheDatumOfTheSource) {
       observed.head(n) = errors * white;
       for (Eigen::Index i = 0; i < controls; i += 3) observed.segment<3>(n + i) = random.normal3(surveyed);
       for (Eigen::Index i = 0; i < n; i += 3) {
-        source.points[static_cast<size_t>(i / 3)]->position += observed.segment<3>(i);
-        PointT& surveyed_point = *target.points[static_cast<size_t>(i / 3)];
+        source.points[i / 3]->position += observed.segment<3>(i);
+        PointT& surveyed_point = *target.points[i / 3];
         if (i < controls) surveyed_point.position += motion_.rotation * observed.segment<3>(n + i);
         if (i >= controls) surveyed_point.role = "check";
         surveyed_point.sigma.setConstant(surveyed);

@@ -74,7 +74,7 @@ class RandomNetwork {
     SurveyObservations stripped = survey;
     for (Point& p : stripped.points)
       for (int k = 0; k < 3; ++k)
-        if (p.roles[static_cast<size_t>(k)] != CoordinateRole::fixed) p.coordinates[k] = kNotGiven;
+        if (p.roles[k] != CoordinateRole::fixed) p.coordinates[k] = kNotGiven;
     return stripped;
   }
 
@@ -98,7 +98,7 @@ class RandomNetwork {
     return static_cast<int>(truth.size()) - 1;
   }
   void hold(int i) {
-    for (CoordinateRole& role : survey.points[static_cast<size_t>(i)].roles)
+    for (CoordinateRole& role : survey.points[i].roles)
       if (role != CoordinateRole::unused) role = CoordinateRole::fixed;
   }
   void hold_first(int count) {
@@ -115,22 +115,22 @@ class RandomNetwork {
     }
   }
   int set_up_at(int i) {
-    const std::string& id = survey.points[static_cast<size_t>(i)].id;
+    const std::string& id = survey.points[i].id;
     survey.set_ups.push_back({id + "/" + std::to_string(survey.set_ups.size()), id, kNotGiven, {}});
     orientation_ = within(0, 2 * std::numbers::pi);
     return static_cast<int>(survey.set_ups.size()) - 1;
   }
   void observe(ObservationKind kind, int set_up, int from, int to, int second = -1) {
     const auto azimuth = [&](int i) {
-      const Eigen::Vector3d d = truth[static_cast<size_t>(i)] - truth[static_cast<size_t>(from)];
+      const Eigen::Vector3d d = truth[i] - truth[from];
       return std::atan2(d.x(), d.y());
     };
-    const Eigen::Vector3d d = truth[static_cast<size_t>(to)] - truth[static_cast<size_t>(from)];
+    const Eigen::Vector3d d = truth[to] - truth[from];
     Observation o;
     o.kind = kind;
     o.set_up = set_up;
-    o.from = survey.points[static_cast<size_t>(from)].id;
-    o.to = survey.points[static_cast<size_t>(to)].id;
+    o.from = survey.points[from].id;
+    o.to = survey.points[to].id;
     o.sigma = kLength;
     switch (kind) {
       case ObservationKind::direction:
@@ -140,7 +140,7 @@ class RandomNetwork {
         o.value = azimuth(to);
         break;
       case ObservationKind::angle:
-        o.second_to = survey.points[static_cast<size_t>(second)].id;
+        o.second_to = survey.points[second].id;
         o.value = azimuth(second) - azimuth(to);
         break;
       case ObservationKind::zenith_angle:

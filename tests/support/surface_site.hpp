@@ -68,8 +68,8 @@ inline void give_orientations_errors(Site& site) {
   for (int a = 0; a < 5; ++a)  // all projection centres moved alike: dt = −R dC
     for (int b = 0; b < 5; ++b)
       covariance.block<3, 3>(8 * a + 3, 8 * b + 3) +=
-          std::pow(2e-4, 2) * site.views[static_cast<size_t>(a)].cam_from_world.rotation.toRotationMatrix() *
-          site.views[static_cast<size_t>(b)].cam_from_world.rotation.toRotationMatrix().transpose();
+          std::pow(2e-4, 2) * site.views[a].cam_from_world.rotation.toRotationMatrix() *
+          site.views[b].cam_from_world.rotation.toRotationMatrix().transpose();
   covariance(40, 40) = covariance(41, 41) = covariance(40, 41) = covariance(41, 40) = 1.0;
 }
 
@@ -77,7 +77,7 @@ inline void give_orientations_errors(Site& site) {
 inline void perturb(Site& site, const std::vector<View>& views, const Eigen::VectorXd& error) {
   site.views = views;
   for (int k = 0; k < 5; ++k) {
-    View& view = site.views[static_cast<size_t>(k)];
+    View& view = site.views[k];
     view.cam_from_world.rotation =
         quaternion_from_rotation_vector(error.segment<3>(8 * k)) * view.cam_from_world.rotation;
     view.cam_from_world.translation += error.segment<3>(8 * k + 3);

@@ -141,7 +141,7 @@ std::string end_of_log(int log, size_t most) {
   const off_t size = size_of(log);
   std::string text(std::min(most, static_cast<size_t>(size)), '\0');
   const ssize_t count = pread(log, text.data(), text.size(), size - static_cast<off_t>(text.size()));
-  text.resize(static_cast<size_t>(std::max<ssize_t>(count, 0)));
+  text.resize(std::max<ssize_t>(count, 0));
   return text;
 }
 

@@ -87,7 +87,7 @@ void OutputFolder::put_away_leftovers() {
     std::ifstream stream(begun, std::ios::binary);
     std::string text(record_begin.size(), '\0');
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<size_t>(stream.gcount()));
+    text.resize(stream.gcount());
     if (record_begin.compare(0, text.size(), text) == 0) ::unlink(begun.c_str());
   }
   if (old_staging_.empty()) return;

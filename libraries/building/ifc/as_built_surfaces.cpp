@@ -62,9 +62,7 @@ void add_figures(PropertySet& set, const JointFiguresT& joint, double widened) {
   set.integer("PlacesLookedAt", joint.looked_at);
   set.integer("PlacesMeasured", static_cast<std::int64_t>(joint.places.size()));
   const auto place = [&](int index) {
-    return index >= 0 && static_cast<size_t>(index) < joint.places.size()
-               ? joint.places[static_cast<size_t>(index)].get()
-               : nullptr;
+    return index >= 0 && static_cast<size_t>(index) < joint.places.size() ? joint.places[index].get() : nullptr;
   };
   if (const JointPlaceT* narrowest = place(joint.narrowest)) {
     set.length("Narrowest", narrowest->width), set.length("NarrowestUncertainty", widened * narrowest->width_sigma);
@@ -123,7 +121,7 @@ void AsBuiltWriter::write_surfaces() {
   // The panel's GlobalId by its number; by the name where a joint has none.
   const auto guids_of = [&](int number, const std::string& name) {
     if (number < 0 || static_cast<size_t>(number) >= panels.size()) return guids[name];
-    const std::string& guid = panels[static_cast<size_t>(number)]->face->guid;
+    const std::string& guid = panels[number]->face->guid;
     return elements.count(guid) ? std::vector<std::string>{guid} : std::vector<std::string>{};
   };
   for (size_t j = 0; j < options_.surfaces->joints.size(); ++j) {

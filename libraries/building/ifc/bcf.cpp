@@ -115,8 +115,7 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
     const auto numbered = by_number.find(static_cast<int>(j));
     const auto found = by_what.find({joint->first, joint->second});
     const bool by_name = joint->first_panel < 0 || static_cast<size_t>(joint->first_panel) >= panels.size();
-    const SurfaceFaceT* face =
-        by_name ? faces[joint->first] : panels[static_cast<size_t>(joint->first_panel)]->face.get();
+    const SurfaceFaceT* face = by_name ? faces[joint->first] : panels[joint->first_panel]->face.get();
     if (!face || face->guid.size() != 22 || (numbered == by_number.end() && found == by_what.end())) continue;
     const auto& verdicts = numbered != by_number.end() ? numbered->second : found->second;
     if (worst_of(verdicts) != wanted) continue;

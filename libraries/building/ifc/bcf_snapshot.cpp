@@ -22,7 +22,7 @@ class Picture {
  public:
   Picture() : pixels_(static_cast<std::size_t>(kWidth) * kHeight, 0) {}
   void set(int x, int y, unsigned char colour) {
-    if (x >= 0 && y >= 0 && x < kWidth && y < kHeight) pixels_[static_cast<std::size_t>(y * kWidth + x)] = colour;
+    if (x >= 0 && y >= 0 && x < kWidth && y < kHeight) pixels_[y * kWidth + x] = colour;
   }
   void box(double x0, double y0, double x1, double y1, unsigned char colour) {
     const int left = std::max(0, at(x0)), right = std::min(kWidth - 1, at(x1));

@@ -97,7 +97,7 @@ std::vector<ItemExtent> Extents::of_shape(std::uint64_t shape_id, std::uint64_t 
   std::array<std::vector<std::uint64_t>, 3> ranked;
   for (const std::uint64_t id : shape.references("Representations")) {
     const int rank = rank_of(model_.entity(id, shape_id).text("RepresentationIdentifier"));
-    if (rank < 3) ranked[static_cast<std::size_t>(rank)].push_back(id);
+    if (rank < 3) ranked[rank].push_back(id);
   }
   for (const auto& representations : ranked) {
     std::vector<ItemExtent> items;

@@ -52,8 +52,7 @@ using Cell = std::array<int, 3>;
 Cell cell_of(const Element& plate) {
   Cell cell;
   for (int k = 0; k < 3; ++k)
-    cell[static_cast<std::size_t>(k)] =
-        static_cast<int>(std::floor(std::clamp(middle_of(plate)[k], -1e8, 1e8) / (kLargestFixing + kFieldJoint)));
+    cell[k] = static_cast<int>(std::floor(std::clamp(middle_of(plate)[k], -1e8, 1e8) / (kLargestFixing + kFieldJoint)));
   return cell;
 }
 
@@ -65,7 +64,7 @@ class Fields {
     for (std::size_t i = 0; i < plates.size(); ++i)
       if (group_[i] < 0) grow(i);
   }
-  int size_of_field(std::size_t plate) const { return sizes_[static_cast<std::size_t>(group_[plate])]; }
+  int size_of_field(std::size_t plate) const { return sizes_[group_[plate]]; }
 
  private:
   void grow(std::size_t first) {

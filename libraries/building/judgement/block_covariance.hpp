@@ -37,7 +37,7 @@ class BlockCovariance {
   Index step() const { return step_; }            ///< coordinates of an item
   Index items() const { return static_cast<Index>(where_.size()); }
   const std::vector<Cluster>& clusters() const { return clusters_; }
-  std::size_t cluster_of(Index item) const { return where_[static_cast<std::size_t>(item)].cluster; }
+  std::size_t cluster_of(Index item) const { return where_[item].cluster; }
 
   double operator()(Index row, Index column) const;
   /// Of two points.

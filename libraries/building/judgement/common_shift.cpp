@@ -157,7 +157,7 @@ std::unique_ptr<CommonShiftT> common_shift(
   if (n < 4) return nullptr;
   const Motion motion(positions);
   Eigen::VectorXd d(3 * n);
-  for (Index i = 0; i < n; ++i) d.segment<3>(3 * i) = deviations[static_cast<std::size_t>(i)];
+  for (Index i = 0; i < n; ++i) d.segment<3>(3 * i) = deviations[i];
   const Fit fit = robust_fit(motion, d);
   auto out = std::make_unique<CommonShiftT>();
   out->anchors = static_cast<int>(n);

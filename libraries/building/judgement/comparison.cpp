@@ -42,7 +42,7 @@ void fill_heights(const DifferenceSet& set, const std::vector<AnchorEntry>& tabl
   if (dz.size() > 1) out.deviation_dz = std::sqrt((dz.array() - out.mean_dz).square().sum() / (n - 1));
   Eigen::Index worst = 0;
   out.max_abs_dz = dz.cwiseAbs().maxCoeff(&worst);
-  out.worst_anchor = table[set.anchors[static_cast<std::size_t>(worst)]].id;
+  out.worst_anchor = table[set.anchors[worst]].id;
   fill_verdicts(dz, covariance, options, out);
   if (covariance.size() == 0) return;
   out.u_mean_dz = std::sqrt(std::max(0.0, covariance.sum())) / n;

@@ -24,7 +24,7 @@ constexpr double kRounding = 1e-12;
 double uniform(int sample, Eigen::Index dimension, Eigen::Index n) {
   if (n <= 3) {
     const std::array<int, 3> bases = {2, 3, 5};
-    const int base = bases[static_cast<std::size_t>(dimension)];
+    const int base = bases[dimension];
     double fraction = 0, digit = 1;
     for (int rest = sample + 1; rest > 0; rest /= base) fraction += (digit /= base) * (rest % base);
     return fraction;

@@ -77,13 +77,11 @@ void judge_anchors(Work& work) {
   const auto n = static_cast<Eigen::Index>(places.size());
   work.deviations.difference.resize(3 * n);
   for (Eigen::Index i = 0; i < n; ++i)
-    work.deviations.difference.segment<3>(3 * i) =
-        work.out.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]]->deviation;
+    work.deviations.difference.segment<3>(3 * i) = work.out.anchors[work.deviations.anchors[i]]->deviation;
   if (model.covariance.size() == 0) return;
   work.deviations.covariance = model.covariance.subset(places);
   for (Eigen::Index i = 0; i < n; ++i)
-    work.deviations.covariance.add(i,
-                                   work.inputs.anchors[work.deviations.anchors[static_cast<std::size_t>(i)]].mounting);
+    work.deviations.covariance.add(i, work.inputs.anchors[work.deviations.anchors[i]].mounting);
 }
 
 /// Neither in order nor out of tolerance, at whatever tolerance.

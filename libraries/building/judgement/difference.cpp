@@ -37,8 +37,8 @@ DifferenceSet DifferenceSet::subset(const std::vector<std::size_t>& positions) c
   part.difference.resize(3 * n);
   part.covariance = covariance.subset(positions);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto from = static_cast<Eigen::Index>(positions[static_cast<std::size_t>(i)]);
-    part.anchors.push_back(anchors[static_cast<std::size_t>(from)]);
+    const auto from = static_cast<Eigen::Index>(positions[i]);
+    part.anchors.push_back(anchors[from]);
     part.difference.segment<3>(3 * i) = difference.segment<3>(3 * from);
   }
   return part;

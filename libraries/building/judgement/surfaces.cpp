@@ -169,7 +169,7 @@ class Judge {
       if (!selects[r]) continue;
       for (const SurfaceLimit& limit : rules_[r].limits) {
         if (is_of_joints(limit.quantity) != of_joints) continue;
-        Followed& followed = asked_[r][static_cast<size_t>(&limit - rules_[r].limits.data())];
+        Followed& followed = asked_[r][&limit - rules_[r].limits.data()];
         ++followed.selected;
         std::erase_if(asked, [&](const Asked& before) {
           const bool same_edge = std::isnan(limit.length) || std::abs(before.limit.length - limit.length) < 1e-9;
@@ -190,7 +190,7 @@ class Judge {
   std::unique_ptr<SurfaceVerdictT> started(const Asked& asked, const JointFiguresT& joint) const {
     auto verdict = started(asked);
     if (joint.first_panel >= 0 && static_cast<size_t>(joint.first_panel) < surfaces_.panels.size())
-      verdict->guid = surfaces_.panels[static_cast<size_t>(joint.first_panel)]->face->guid;
+      verdict->guid = surfaces_.panels[joint.first_panel]->face->guid;
     verdict->panel = joint.first, verdict->second = joint.second, verdict->looked_at = joint.looked_at;
     return verdict;
   }

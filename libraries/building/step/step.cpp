@@ -24,7 +24,7 @@ constexpr std::array<bool, 256> kInKeyword = [] {
   std::array<bool, 256> table{};
   for (int c = 0; c < 128; ++c) {
     const char letter = static_cast<char>(c);
-    table[static_cast<std::size_t>(c)] = is_letter(letter) || is_digit(letter) || letter == '-';
+    table[c] = is_letter(letter) || is_digit(letter) || letter == '-';
   }
   return table;
 }();

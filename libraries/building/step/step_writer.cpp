@@ -34,7 +34,7 @@ int decode_utf8(std::string_view bytes, char32_t& code) {
   }
   constexpr std::array<char32_t, 5> smallest{0, 0, 0x80, 0x800, 0x10000};  // anything below is an overlong form
   const bool surrogate = code >= 0xD800 && code < 0xE000;
-  return code < smallest[static_cast<std::size_t>(length)] || code > 0x10FFFF || surrogate ? 0 : length;
+  return code < smallest[length] || code > 0x10FFFF || surrogate ? 0 : length;
 }
 
 void append_hex(std::string& out, char32_t value, int digits) {

@@ -67,8 +67,8 @@ void check_figure(const Eigen::Matrix3Xd& points, const std::vector<std::string>
   const std::string figures = fmt::format(" ({} points, standard deviation {:.3g} m along it, {:.3g} m across)",
                                           static_cast<long long>(points.cols()), spread[0], spread[1]);
   throw DegenerateRegistration("the points of the " + std::string(side) + " lie on a line" + figures +
-                               ": rotation about the line through " + ids[static_cast<std::size_t>(first)] + " and " +
-                               ids[static_cast<std::size_t>(last)] + " is not determined; add a point off the line");
+                               ": rotation about the line through " + ids[first] + " and " + ids[last] +
+                               " is not determined; add a point off the line");
 }
 
 /// Weighted least squares in closed form: Umeyama (1991), IEEE PAMI 13(4), with weights.

@@ -78,7 +78,7 @@ struct Problem {
     Correspondences c;
     std::vector<Index> rows;
     for (int i : chosen) {
-      c.ids.push_back(points.ids[static_cast<size_t>(i)]);
+      c.ids.push_back(points.ids[i]);
       for (Index k = 0; k < 3; ++k) rows.push_back(3 * i + k);
     }
     c.source = points.source(Eigen::all, chosen);
@@ -143,7 +143,7 @@ struct Problem {
       candidate.scale = motion.scale;
       double sum = 0;
       for (Index i = 0; i < points.source.cols(); ++i) {
-        double& s = squares[static_cast<size_t>(i)] = residual(candidate, i).squaredNorm();
+        double& s = squares[i] = residual(candidate, i).squaredNorm();
         if (sigma_is_known) sum += std::min(s * 3 / covariance(candidate, i).trace(), threshold * threshold);
       }
       std::nth_element(squares.begin(), squares.begin() + static_cast<long>(squares.size() / 2), squares.end());

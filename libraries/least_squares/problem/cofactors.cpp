@@ -84,7 +84,7 @@ const Eigen::MatrixXd& Cofactors::whole() const {
 std::vector<int> Cofactors::blocks_of(std::span<const int> unknowns) const {
   std::vector<int> blocks;
   for (const int u : unknowns) {
-    const int b = sparse_->block_of[static_cast<std::size_t>(u)];
+    const int b = sparse_->block_of[u];
     if (std::find(blocks.begin(), blocks.end(), b) == blocks.end()) blocks.push_back(b);
   }
   return blocks;
@@ -98,12 +98,12 @@ Eigen::MatrixXd Cofactors::without_datum(std::span<const int> unknowns) const {
   const auto n = static_cast<Eigen::Index>(unknowns.size());
   const SparseCholesky& factor = sparse_->factor.cholesky();
   Eigen::VectorXd scale(n);
-  for (Eigen::Index k = 0; k < n; ++k) scale[k] = sparse_->inverse_scale[unknowns[static_cast<std::size_t>(k)]];
+  for (Eigen::Index k = 0; k < n; ++k) scale[k] = sparse_->inverse_scale[unknowns[k]];
   const std::vector<int> blocks = blocks_of(unknowns);
   if (std::optional<Eigen::MatrixXd> all = joint_blocks(blocks)) {
     std::vector<Eigen::Index> at;
     for (const int u : unknowns) {
-      const int own = sparse_->block_of[static_cast<std::size_t>(u)];
+      const int own = sparse_->block_of[u];
       Eigen::Index row = u - factor.analysis().offset(own);
       for (auto b = blocks.begin(); *b != own; ++b) row += factor.analysis().size(*b);
       at.push_back(row);
@@ -111,7 +111,7 @@ Eigen::MatrixXd Cofactors::without_datum(std::span<const int> unknowns) const {
     return scale.asDiagonal() * (*all)(at, at) * scale.asDiagonal();
   }
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(size_, n);
-  for (Eigen::Index k = 0; k < n; ++k) unit(unknowns[static_cast<std::size_t>(k)], k) = scale[k];
+  for (Eigen::Index k = 0; k < n; ++k) unit(unknowns[k], k) = scale[k];
   return factor.covariance(unit);
 }
 
@@ -144,8 +144,7 @@ Eigen::MatrixXd Cofactors::joint(std::span<const int> unknowns) const {
   Eigen::MatrixXd result(n, n);
   if (!sparse_) {
     for (Eigen::Index j = 0; j < n; ++j)
-      for (Eigen::Index i = 0; i < n; ++i)
-        result(i, j) = whole_(unknowns[static_cast<std::size_t>(i)], unknowns[static_cast<std::size_t>(j)]);
+      for (Eigen::Index i = 0; i < n; ++i) result(i, j) = whole_(unknowns[i], unknowns[j]);
     return result;
   }
   result = without_datum(unknowns);

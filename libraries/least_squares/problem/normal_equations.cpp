@@ -33,7 +33,7 @@ std::vector<NormalEquations::Part> NormalEquations::parts_of(const Linearisation
                                                              const Linearisation::Block& block) const {
   std::vector<Part> parts;
   for (int k = 0; k < block.column_count; ++k) {
-    const int of = block_of(lin.columns[static_cast<std::size_t>(block.column_begin + k)]);
+    const int of = block_of(lin.columns[block.column_begin + k]);
     if (parts.empty() || parts.back().block != of) parts.push_back({of, k, 0});
     ++parts.back().count;
   }
@@ -50,7 +50,7 @@ void NormalEquations::assemble(const Linearisation& lin) {
     for (int j = 0; j < block.column_count; ++j) {
       double sum = 0;
       for (int r = 0; r < block.rows; ++r) sum += jacobian(r, j) * residual[r];
-      gradient_[lin.columns[static_cast<std::size_t>(block.column_begin + j)]] += sum;
+      gradient_[lin.columns[block.column_begin + j]] += sum;
     }
     // A block of unknowns appears whole: its columns follow each other, ascending.
     const std::vector<Part> parts = parts_of(lin, block);

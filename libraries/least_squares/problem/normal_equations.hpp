@@ -23,7 +23,7 @@ class NormalEquations {
   const SymmetricBlocks& blocks() const { return blocks_; }  ///< N, unscaled
   const std::shared_ptr<const Analysis>& analysis() const { return analysis_; }
   /// Block of an unknown, in the numbers of blocks() and of the analysis.
-  int block_of(int unknown) const { return block_of_[static_cast<std::size_t>(unknown)]; }
+  int block_of(int unknown) const { return block_of_[unknown]; }
   /// S^-1 N S^-1 x with S = diag(scale()).
   Eigen::MatrixXd multiply_scaled(const Eigen::Ref<const Eigen::MatrixXd>& x) const;
   /// Square roots of the diagonal of N; 1 where no observation depends on the unknown.

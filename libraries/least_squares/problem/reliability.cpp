@@ -58,7 +58,7 @@ class ExternalEffect {
     group_of_.assign(static_cast<size_t>(q.size()), -1);
     for (size_t g = 0; g < groups.size(); ++g)
       for (int unknown : groups[g])
-        if (unknown >= 0) group_of_[static_cast<size_t>(unknown)] = static_cast<int>(g);
+        if (unknown >= 0) group_of_[unknown] = static_cast<int>(g);
   }
 
   void add(const Linearisation::Block& block, const Eigen::MatrixXd& local, const Eigen::VectorXd& influence,
@@ -90,11 +90,11 @@ class ExternalEffect {
   double of_block(const Linearisation::Block& block, const Eigen::VectorXd& movement, RowStatistics& row) const {
     double largest = 0;
     for (int k = 0; k < block.column_count; ++k) {
-      const int g = group_of_[static_cast<size_t>(lin_.columns[block.column_begin + k])];
+      const int g = group_of_[lin_.columns[block.column_begin + k]];
       if (g < 0) continue;
       double sum = 0;
       for (int j = 0; j < block.column_count; ++j)
-        if (group_of_[static_cast<size_t>(lin_.columns[block.column_begin + j])] == g) sum += movement[j] * movement[j];
+        if (group_of_[lin_.columns[block.column_begin + j]] == g) sum += movement[j] * movement[j];
       if (sum > largest) largest = sum, row.external_group = g;
     }
     return largest;

@@ -68,10 +68,10 @@ double rounding(const Problem& problem, const Solution& s) {
     const auto jacobian = lin.jacobian_of(block);
     for (int r = 0; r < block.rows; ++r)
       for (int k = 0; k < block.column_count; ++k) {
-        const int unknown = lin.columns[static_cast<size_t>(block.column_begin + k)];
-        const ParameterBlock& of = problem.parameters[static_cast<size_t>(s.unknowns.block_of(unknown))];
+        const int unknown = lin.columns[block.column_begin + k];
+        const ParameterBlock& of = problem.parameters[s.unknowns.block_of(unknown)];
         if (of.plus) continue;
-        const double digit = kLastDigit * of.value[static_cast<size_t>(s.unknowns.component_of(unknown))];
+        const double digit = kLastDigit * of.value[s.unknowns.component_of(unknown)];
         sum += std::pow(jacobian(r, k) * digit, 2);
       }
   }

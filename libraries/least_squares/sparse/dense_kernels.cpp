@@ -37,7 +37,7 @@ class Packed {
           __builtin_memcpy(next + k * tile_columns, from + k * column, tile_columns * sizeof(double));
       else
         copy(from, row, column, count, inner, width, next);
-      empty[static_cast<size_t>(i / width)] = std::all_of(next, next + size, [](double x) { return x == 0; });
+      empty[i / width] = std::all_of(next, next + size, [](double x) { return x == 0; });
     }
   }
 
@@ -84,9 +84,9 @@ void subtract_product(double* c, std::ptrdiff_t stride, int rows, int columns, i
         const int height = std::min(row_step, rows - i);
         a.pack(f.a + i * f.a_row + k * f.a_column, f.a_row, f.a_column, height, depth, tile_rows);
         for (int jj = 0; jj < width; jj += tile_columns) {
-          if (b.empty[static_cast<size_t>(jj / tile_columns)]) continue;
+          if (b.empty[jj / tile_columns]) continue;
           for (int ii = 0; ii < height; ii += tile_rows) {
-            if (a.empty[static_cast<size_t>(ii / tile_rows)] || (lower && i + ii + tile_rows <= j + jj)) continue;
+            if (a.empty[ii / tile_rows] || (lower && i + ii + tile_rows <= j + jj)) continue;
             multiply_tile(a.numbers.get() + static_cast<std::ptrdiff_t>(ii) * depth,
                           b.numbers.get() + static_cast<std::ptrdiff_t>(jj) * depth, depth, tile);
             for (int cc = 0; cc < std::min(tile_columns, width - jj); ++cc) {

@@ -17,7 +17,7 @@ const Eigen::MatrixXd& InverseEntries::below(int block) {
   if (!is_new) return at->second;
   const Analysis& analysis = factor_.analysis();
   const int position = analysis.position(block);
-  const auto& s = analysis.supernodes()[static_cast<std::size_t>(analysis.supernode_at(position))];
+  const auto& s = analysis.supernodes()[analysis.supernode_at(position)];
   const Eigen::Map<const Eigen::MatrixXd> panel(factor_.values().data() + s.begin, s.height(), s.width);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(s.width, analysis.size(block));
   columns.middleRows(position - s.first, analysis.size(block)).setIdentity();
@@ -31,10 +31,10 @@ const Eigen::MatrixXd* InverseEntries::find(int later, int earlier) {
   if (known != found_.end()) return &known->second;
   if (--left_ < 0) return nullptr;
   const Analysis& analysis = factor_.analysis();
-  const auto& s = analysis.supernodes()[static_cast<std::size_t>(analysis.supernode_at(analysis.position(earlier)))];
+  const auto& s = analysis.supernodes()[analysis.supernode_at(analysis.position(earlier))];
   Eigen::MatrixXd of_rows(analysis.size(later), s.height() - s.width);
   for (int r = s.width; r < s.height();) {
-    const int row = analysis.block_at(s.rows[static_cast<std::size_t>(r)]), size = analysis.size(row);
+    const int row = analysis.block_at(s.rows[r]), size = analysis.size(row);
     auto target = of_rows.middleCols(r - s.width, size);
     r += size;
     if (inverse_.has(later, row)) {

@@ -89,7 +89,7 @@ std::size_t SymmetricBlocks::bytes(const Pattern& pattern) {
 }
 
 std::size_t SymmetricBlocks::find(int row, int column) const {
-  const Column& own = columns_.at(static_cast<std::size_t>(column));
+  const Column& own = columns_.at(column);
   const auto at = std::lower_bound(own.rows.begin(), own.rows.end(), row);
   if (at == own.rows.end() || *at != row)
     throw std::out_of_range("blocks " + std::to_string(row) + " and " + std::to_string(column) +

@@ -59,8 +59,8 @@ void solve_right(int size, const double* lower, std::ptrdiff_t stride, int rows,
   std::array<double, widest * widest> by_row;
   std::array<double, widest> inverse;
   for (int c = 0; c < size; ++c) {
-    inverse[static_cast<size_t>(c)] = 1 / lower[c * stride + c];
-    for (int k = 0; k < c; ++k) by_row[static_cast<size_t>(c * widest + k)] = lower[k * stride + c];
+    inverse[c] = 1 / lower[c * stride + c];
+    for (int k = 0; k < c; ++k) by_row[c * widest + k] = lower[k * stride + c];
   }
   int r = 0;
   for (; r + 16 <= rows; r += 16) solve_rows<V4, 4>(size, by_row.data(), inverse.data(), x + r, x_stride);

@@ -83,7 +83,7 @@ class Suspects {
     worst.moved.statistic = critical;
     std::map<int, Indices> floors;
     for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(left_.size()); ++i) {
-      const auto at = static_cast<std::size_t>(left_[static_cast<std::size_t>(i)]);
+      const auto at = static_cast<std::size_t>(left_[i]);
       look_at({i}, before_.ids[at], before_.floors[at], weighted, worst);
       floors[before_.floors[at]].push_back(i);
     }
@@ -101,7 +101,7 @@ class Suspects {
       if (std::find(which.begin(), which.end(), i) == which.end())
         kept.push_back(i);
       else
-        ids.insert(before_.ids[static_cast<std::size_t>(left_[static_cast<std::size_t>(i)])]);
+        ids.insert(before_.ids[left_[i]]);
     const Indices rows = coordinates_of(kept), out = coordinates_of(which);
     const Eigen::MatrixXd across = weights_(out, rows);
     const Eigen::MatrixXd rest =
@@ -109,7 +109,7 @@ class Suspects {
     weights_ = 0.5 * (rest + rest.transpose());
     difference_ = Eigen::VectorXd(difference_(rows));
     Indices left;
-    for (const Eigen::Index i : kept) left.push_back(left_[static_cast<std::size_t>(i)]);
+    for (const Eigen::Index i : kept) left.push_back(left_[i]);
     left_ = std::move(left);
     return ids;
   }
@@ -152,8 +152,7 @@ std::vector<std::set<std::string>> groups_of(const AnchorPlaces& before, const A
     for (Eigen::Index a = 0; a < static_cast<Eigen::Index>(places->size()); ++a)
       for (Eigen::Index b = 0; b < a; ++b)
         if (!places->own.block<3, 3>(3 * a, 3 * b).isZero(0))
-          root[find(number.at(places->ids[static_cast<std::size_t>(a)]))] =
-              find(number.at(places->ids[static_cast<std::size_t>(b)]));
+          root[find(number.at(places->ids[a]))] = find(number.at(places->ids[b]));
   std::map<std::size_t, std::set<std::string>> by_root;
   for (const auto& [id, i] : number) by_root[find(i)].insert(id);
   std::vector<std::set<std::string>> groups;
@@ -224,8 +223,7 @@ AnchorPlaces fused(const AnchorPlaces& before, const AnchorPlaces& campaign, con
     added_own -= of_fresh * comparison.factor().solve(of_fresh.transpose());
     across = gain * of_fresh.transpose();
     for (std::size_t i = 0; i < meeting.before.size(); ++i)
-      out.campaigns[static_cast<std::size_t>(meeting.before[i])] +=
-          campaign.campaigns[static_cast<std::size_t>(meeting.now[i])];
+      out.campaigns[meeting.before[i]] += campaign.campaigns[meeting.now[i]];
   }
   const Eigen::Index n = out.places.size(), m = added_places.size();
   Eigen::MatrixXd own(n + m, n + m);

@@ -18,7 +18,7 @@ BracketRule parse_bracket_rule(const std::string& text) {
                                "', expected a length from 0 to 0.5 m with its unit, such as 20mm");
     bool known = false;
     for (int k = 0; k < 3; ++k) {
-      const std::string direction = kDirections[static_cast<std::size_t>(k)];
+      const std::string direction = kDirections[k];
       if (name == direction) rule.type.low[k] = -length, rule.type.high[k] = length, known = true;
       if (name == "step_" + direction) rule.type.step[k] = length, known = true;
     }

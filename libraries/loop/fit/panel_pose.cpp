@@ -25,13 +25,12 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
   pose.arm = std::max(0.1, 0.5 * (panel.corners[3] - panel.corners[0]).norm());
   for (const Hook& hook : panel.hooks)
     for (int k = 0; k < 3; ++k)
-      if (hook.holds[static_cast<std::size_t>(k)] && brackets[hook.bracket].measured())
-        pose.held.push_back({hook.bracket, panel.axes.col(k)});
+      if (hook.holds[k] && brackets[hook.bracket].measured()) pose.held.push_back({hook.bracket, panel.axes.col(k)});
   const auto h = static_cast<Eigen::Index>(pose.held.size());
   pose.hooks.resize(h, 6), pose.solve.setZero(6, h), pose.open = Eigen::MatrixXd::Identity(6, 6);
   if (h == 0) return pose;
   for (Eigen::Index i = 0; i < h; ++i) {
-    const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+    const PanelPose::Held& held = pose.held[i];
     pose.hooks.row(i) = pose.movement(panel, brackets[held.bracket].design, held.direction);
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(pose.hooks, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -54,7 +53,7 @@ void add_corners(const Facade& facade, std::size_t j, const PanelPose& pose, std
   std::set<int> missing;
   for (int corner = 0; corner < 4; ++corner)
     for (int k = 0; k < 3; ++k) {
-      const auto row = pose.movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k));
+      const auto row = pose.movement(panel, panel.corners[corner], panel.axes.col(k));
       if (!pose.tells(row)) {
         missing.insert(k);
         continue;
@@ -68,7 +67,7 @@ void add_corners(const Facade& facade, std::size_t j, const PanelPose& pose, std
     }
   for (const int k : missing)
     untold.push_back("panel " + panel.id + ": its measured hooks do not tell how far its corners move " +
-                     kDirections[static_cast<std::size_t>(k)]);
+                     kDirections[k]);
 }
 
 void add_joint(const Facade& facade, std::size_t index, const std::vector<PanelPose>& poses,
@@ -80,8 +79,8 @@ void add_joint(const Facade& facade, std::size_t index, const std::vector<PanelP
     for (const Quantity quantity : {Quantity::gap, Quantity::step}) {
       if (quantity == Quantity::step && !std::isfinite(joint.step_most)) continue;
       const Eigen::Vector3d direction = quantity == Quantity::gap ? joint.across : Eigen::Vector3d(a.axes.col(2));
-      const auto of_a = poses[joint.a].movement(a, joint.on_a[static_cast<std::size_t>(end)], direction);
-      const auto of_b = poses[joint.b].movement(b, joint.on_b[static_cast<std::size_t>(end)], direction);
+      const auto of_a = poses[joint.a].movement(a, joint.on_a[end], direction);
+      const auto of_b = poses[joint.b].movement(b, joint.on_b[end], direction);
       if (!poses[joint.a].tells(of_a) || !poses[joint.b].tells(of_b)) {
         told = false;
         continue;
@@ -106,9 +105,8 @@ void add_joint(const Facade& facade, std::size_t index, const std::vector<PanelP
 
 std::string JudgedValue::words(const Facade& facade) const {
   if (quantity == Quantity::corner)
-    return "corner " + std::string(kCorners[corner]) + " of " + facade.panels[panel].id + ", " +
-           kDirections[static_cast<std::size_t>(direction)];
-  const Joint& j = facade.joints[static_cast<std::size_t>(joint)];
+    return "corner " + std::string(kCorners[corner]) + " of " + facade.panels[panel].id + ", " + kDirections[direction];
+  const Joint& j = facade.joints[joint];
   return std::string(quantity == Quantity::gap ? "gap" : "step") + " from " + facade.panels[j.a].id + " to " +
          facade.panels[j.b].id;
 }
@@ -128,7 +126,7 @@ std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& va
     const PanelPose& pose = poses[panel];
     const Eigen::RowVectorXd of_held = row * pose.solve;
     for (Eigen::Index i = 0; i < of_held.size(); ++i) {
-      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      const PanelPose::Held& held = pose.held[i];
       gradient.try_emplace(held.bracket, Eigen::RowVector3d::Zero()).first->second +=
           of_held[i] * held.direction.transpose();
     }
@@ -145,7 +143,7 @@ Eigen::MatrixXd ValueErrors::covariance() const {
 Eigen::MatrixXd ValueErrors::covariance_when(int event) const {
   Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
   if (event >= 0) {
-    const Eigen::MatrixXd& shift = rare[static_cast<std::size_t>(event)].shift;
+    const Eigen::MatrixXd& shift = rare[event].shift;
     all += shift * shift.transpose();
   }
   return 0.5 * (all + all.transpose());
@@ -208,9 +206,8 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
   out.rows.setZero(m, 3 * n);
   Eigen::MatrixXd made = Eigen::MatrixXd::Zero(m, edges);
   for (Eigen::Index v = 0; v < m; ++v) {
-    const JudgedValue& value = *values[static_cast<std::size_t>(v)];
-    for (const auto& [bracket, row] : gradients[static_cast<std::size_t>(v)])
-      out.rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
+    const JudgedValue& value = *values[v];
+    for (const auto& [bracket, row] : gradients[v]) out.rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
     for (const auto& [which, factor] : value.edges)
       made(v, edge.at(which)) = factor * (which % 5 == 4 ? errors.face : errors.edge);
   }

@@ -75,7 +75,7 @@ std::string panels_on(const Facade& facade, std::size_t bracket) {
 std::string range_words(const Facade& facade, const Relaxation& relaxed) {
   static constexpr const char* kPlus[] = {"to the right", "up", "outward"};
   static constexpr const char* kMinus[] = {"to the left", "down", "inward"};
-  const auto& bracket = facade.brackets[static_cast<std::size_t>(relaxed.bracket)];
+  const auto& bracket = facade.brackets[relaxed.bracket];
   const auto k = static_cast<std::size_t>(relaxed.direction);
   const double excess = std::abs(relaxed.needed - relaxed.limit);
   return "bracket " + bracket.id + " would have to move " + millimetres(std::abs(relaxed.needed)) + " mm " +
@@ -106,9 +106,8 @@ void gather_relaxations(const Facade& facade, const SettingsProgram& program, co
     Relaxation relaxed{working[i].bracket, working[i].direction, working[i].value, 0, 0, {}};
     relaxed.needed = 1e-3 * program.at(working[i], optimum.x);
     relaxed.limit = 1e-3 * (std::isfinite(working[i].high) ? working[i].high : working[i].low);
-    relaxed.words = working[i].value < 0
-                        ? range_words(facade, relaxed)
-                        : value_words(facade, fit.judged[static_cast<std::size_t>(working[i].value)], relaxed);
+    relaxed.words = working[i].value < 0 ? range_words(facade, relaxed)
+                                         : value_words(facade, fit.judged[working[i].value], relaxed);
     fit.relaxations.push_back(std::move(relaxed));
   }
 }
@@ -161,7 +160,7 @@ void add_uncertainties(const Facade& facade, Fit& fit) {
 Eigen::VectorXd movements(const Facade& facade, const PanelPose& pose, const std::vector<Eigen::Vector3d>& settings) {
   Eigen::VectorXd moved(pose.solve.cols());
   for (Eigen::Index i = 0; i < moved.size(); ++i) {
-    const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+    const PanelPose::Held& held = pose.held[i];
     const Bracket& bracket = facade.brackets[held.bracket];
     moved[i] = held.direction.dot(bracket.deviation + bracket.axes * settings[held.bracket]);
   }

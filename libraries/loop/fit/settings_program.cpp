@@ -34,7 +34,7 @@ SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPo
     }
     Eigen::VectorXd moved(pose.solve.cols());
     for (Eigen::Index i = 0; i < moved.size(); ++i) {
-      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      const PanelPose::Held& held = pose.held[i];
       moved[i] = 1e3 * held.direction.dot(facade.brackets[held.bracket].deviation);
     }
     known_.back() = pose.solve * moved;
@@ -66,7 +66,7 @@ void SettingsProgram::choose_settings() {
 
 /// The hook's end of the panel moves by what its anchor is off and is set by.
 void SettingsProgram::add_hook(std::size_t panel, Eigen::Index held) {
-  const PanelPose::Held& hook = poses_[panel].held[static_cast<std::size_t>(held)];
+  const PanelPose::Held& hook = poses_[panel].held[held];
   const Bracket& bracket = facade_.brackets[hook.bracket];
   const double deviation = 1e3 * hook.direction.dot(bracket.deviation);
   Row movement;
@@ -74,7 +74,7 @@ void SettingsProgram::add_hook(std::size_t panel, Eigen::Index held) {
   const int axis = axis_of(bracket, hook.direction);
   const double sign = axis < 0 ? -1 : 1;
   if (is_set_[hook.bracket] && axis != 0) {
-    Term& term = settings_[hook.bracket][static_cast<std::size_t>(std::abs(axis) - 1)];
+    Term& term = settings_[hook.bracket][std::abs(axis) - 1];
     if (!term.is_told) {
       term = {movement, -sign * deviation, true};
       for (auto& [at, factor] : term.row) factor *= sign;
@@ -87,7 +87,7 @@ void SettingsProgram::add_hook(std::size_t panel, Eigen::Index held) {
   if (is_set_[hook.bracket]) {
     const Eigen::Vector3d along = bracket.axes.transpose() * hook.direction;
     for (int c = 0; c < 3; ++c) {
-      const Term& term = settings_[hook.bracket][static_cast<std::size_t>(c)];
+      const Term& term = settings_[hook.bracket][c];
       if (std::abs(along[c]) <= 1e-9) continue;
       for (const auto& [at, factor] : term.row) equations_.emplace_back(row, static_cast<int>(at), -along[c] * factor);
       right += along[c] * term.constant;
@@ -118,7 +118,7 @@ std::pair<SettingsProgram::Row, double> SettingsProgram::row_of(const JudgedValu
 void SettingsProgram::add_square(const Row& row, double constant, double weight) {
   constant_ += weight * constant * constant;
   for (const auto& [i, a] : row) {
-    linear_[static_cast<std::size_t>(i)] += 2 * weight * constant * a;
+    linear_[i] += 2 * weight * constant * a;
     for (const auto& [j, b] : row) squares_.emplace_back(static_cast<int>(i), static_cast<int>(j), 2 * weight * a * b);
   }
 }
@@ -161,15 +161,14 @@ ConvexProgram SettingsProgram::with(const std::vector<Limit>& limits) const {
   program.high.head(equations) = program.low.head(equations);
   std::vector<Eigen::Triplet<double>> rows = equations_;
   for (Eigen::Index i = 0; i < count; ++i) {
-    const Limit& limit = limits[static_cast<std::size_t>(i)];
+    const Limit& limit = limits[i];
     const auto at = static_cast<int>(equations + i), excess = static_cast<int>(unknowns_ + i);
     double constant = 0;
     if (limit.value >= 0) {
-      constant = value_rows_[static_cast<std::size_t>(limit.value)].second;
-      for (const auto& [j, a] : value_rows_[static_cast<std::size_t>(limit.value)].first)
-        rows.emplace_back(at, static_cast<int>(j), a);
+      constant = value_rows_[limit.value].second;
+      for (const auto& [j, a] : value_rows_[limit.value].first) rows.emplace_back(at, static_cast<int>(j), a);
     } else {
-      const Term& term = settings_[static_cast<std::size_t>(limit.bracket)][static_cast<std::size_t>(limit.direction)];
+      const Term& term = settings_[limit.bracket][limit.direction];
       constant = term.constant;
       for (const auto& [j, a] : term.row) rows.emplace_back(at, static_cast<int>(j), a);
     }
@@ -189,9 +188,8 @@ double SettingsProgram::value_of(const Term& term, const Eigen::VectorXd& x) con
 }
 
 double SettingsProgram::at(const Limit& limit, const Eigen::VectorXd& x) const {
-  if (limit.value < 0)
-    return value_of(settings_[static_cast<std::size_t>(limit.bracket)][static_cast<std::size_t>(limit.direction)], x);
-  const auto& [row, constant] = value_rows_[static_cast<std::size_t>(limit.value)];
+  if (limit.value < 0) return value_of(settings_[limit.bracket][limit.direction], x);
+  const auto& [row, constant] = value_rows_[limit.value];
   return value_of({row, constant, true}, x);
 }
 

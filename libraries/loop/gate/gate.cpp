@@ -36,7 +36,7 @@ Region region_of(const Facade& facade, const Fit& fit, std::vector<std::size_t> 
   region.mean.resize(m), region.low.resize(m), region.high.resize(m);
   std::vector<const JudgedValue*> judged;
   for (Eigen::Index i = 0; i < m; ++i) {
-    const std::size_t v = values[static_cast<std::size_t>(i)];
+    const std::size_t v = values[i];
     judged.push_back(&fit.judged[v]);
     region.mean[i] = fit.values[v].value, region.low[i] = fit.judged[v].low, region.high[i] = fit.judged[v].high;
   }
@@ -128,7 +128,7 @@ std::string value_words(const Facade& facade, const Fit& fit, std::size_t value,
 std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOptions& options) {
   std::string words;
   if (gate.measure.bracket >= 0)
-    words += "; measuring " + facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id + " once more to " +
+    words += "; measuring " + facade.brackets[gate.measure.bracket].id + " once more to " +
              fmt::format("{:.1f} mm", 1e3 * options.measurement_sigma) + " takes u to " +
              fmt::format("{:.2f} mm", 1e3 * gate.measure.u) + " and p to " + fmt::format("{:.2f}", gate.measure.p_in) +
              " if the estimate stays";
@@ -163,10 +163,8 @@ std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fi
   if (fit.poses[j].open.cols() > 0) {
     for (int corner = 0; corner < 4; ++corner)
       for (int k = 0; k < 3; ++k)
-        if (!fit.poses[j].tells(
-                fit.poses[j].movement(panel, panel.corners[static_cast<std::size_t>(corner)], panel.axes.col(k))))
-          return {Obstacle::not_told, std::string("its hooks do not tell how far its corners move ") +
-                                          kDirections[static_cast<std::size_t>(k)] +
+        if (!fit.poses[j].tells(fit.poses[j].movement(panel, panel.corners[corner], panel.axes.col(k))))
+          return {Obstacle::not_told, std::string("its hooks do not tell how far its corners move ") + kDirections[k] +
                                           ": a hook more, or one that holds more"};
   }
   return {};
@@ -176,7 +174,7 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
   PanelGate gate;
   const Eigen::MatrixXd covariance = region.errors.covariance();
   const Eigen::Index worst = worst_of(region, covariance);
-  gate.decided_by = static_cast<int>(region.values[static_cast<std::size_t>(worst)]);
+  gate.decided_by = static_cast<int>(region.values[worst]);
   const Eigen::MatrixXd unslipped = region.errors.covariance_when(-1);
   gate.p_in = region.inside(unslipped);
   gate.slips = slip_factor(region, gate.p_in);
@@ -184,9 +182,8 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
   gate.verdict = gate.p_in >= options.go          ? GateVerdict::go
                  : 1 - gate.p_in >= options.no_go ? GateVerdict::no_go
                                                   : GateVerdict::hold;
-  gate.reason =
-      "p " + fmt::format("{:.3f}", gate.p_in) + "; " +
-      value_words(facade, fit, region.values[static_cast<std::size_t>(worst)], std::sqrt(covariance(worst, worst)));
+  gate.reason = "p " + fmt::format("{:.3f}", gate.p_in) + "; " +
+                value_words(facade, fit, region.values[worst], std::sqrt(covariance(worst, worst)));
   if (gate.verdict == GateVerdict::hold) {
     gate.measure = best_measurement(region, unslipped, worst, gate, options.measurement_sigma);
     if (facade.own.size() > 0) gate.p_repeated = after_many_campaigns(region, gate.slips);

@@ -99,9 +99,7 @@ Separated separate(const Eigen::VectorXd& mean, Eigen::MatrixXd rest, const Eige
   const Eigen::VectorXd variance = rest.diagonal();
   std::vector<bool> used(static_cast<std::size_t>(m), false);
   Eigen::VectorXd shift = Eigen::VectorXd::Zero(m);
-  const auto is_left = [&](Eigen::Index i) {
-    return !used[static_cast<std::size_t>(i)] && rest(i, i) > 1e-10 * variance[i] && variance[i] > 0;
-  };
+  const auto is_left = [&](Eigen::Index i) { return !used[i] && rest(i, i) > 1e-10 * variance[i] && variance[i] > 0; };
   for (Eigen::Index k = 0;; ++k) {
     Eigen::Index pivot = -1;
     double least = 2;
@@ -122,15 +120,15 @@ Separated separate(const Eigen::VectorXd& mean, Eigen::MatrixXd rest, const Eige
     const auto density = [](double x) { return std::isfinite(x) ? std::exp(-0.5 * x * x) : 0.0; };
     const double expected =
         least > 1e-12 ? (density(a) - density(b)) / (std::sqrt(2 * std::numbers::pi) * least) : std::clamp(0.0, a, b);
-    used[static_cast<std::size_t>(pivot)] = true;
+    used[pivot] = true;
     rest -= column * column.transpose();
     shift += expected * out.factor.col(k);
   }
-  out.rows.resize(static_cast<std::size_t>(out.factor.cols()));
+  out.rows.resize(out.factor.cols());
   for (Eigen::Index i = 0; i < m; ++i)
     for (Eigen::Index k = out.factor.cols(); k-- > 0;)
       if (std::abs(out.factor(i, k)) > 1e-7 * std::sqrt(variance[i])) {
-        out.rows[static_cast<std::size_t>(k)].push_back(i);
+        out.rows[k].push_back(i);
         break;
       }
   return out;
@@ -224,9 +222,9 @@ double inside_probability(const Eigen::VectorXd& mean, const Eigen::MatrixXd& co
   Eigen::VectorXd mean_of(m), low_of(m), high_of(m);
   Eigen::MatrixXd covariance_of(m, m);
   for (Eigen::Index i = 0; i < m; ++i) {
-    const Eigen::Index from = open[static_cast<std::size_t>(i)];
+    const Eigen::Index from = open[i];
     mean_of[i] = mean[from], low_of[i] = low[from], high_of[i] = high[from];
-    for (Eigen::Index j = 0; j < m; ++j) covariance_of(i, j) = covariance(from, open[static_cast<std::size_t>(j)]);
+    for (Eigen::Index j = 0; j < m; ++j) covariance_of(i, j) = covariance(from, open[j]);
   }
   return std::clamp(over_lattice(separate(mean_of, covariance_of, low_of, high_of), precision) - 0.5 * beside, 0.0,
                     1.0);

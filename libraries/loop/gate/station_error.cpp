@@ -31,8 +31,7 @@ Eigen::MatrixXd covariance_of(const PosesT& stations) {
   const auto n = static_cast<Eigen::Index>(stations.poses.size());
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * n, 6 * n);
   if (stations.joint_covariance.empty()) {
-    for (Eigen::Index i = 0; i < n; ++i)
-      all.block<6, 6>(6 * i, 6 * i) = own_covariance(*stations.poses[static_cast<std::size_t>(i)]);
+    for (Eigen::Index i = 0; i < n; ++i) all.block<6, 6>(6 * i, 6 * i) = own_covariance(*stations.poses[i]);
     return all;
   }
   const Eigen::Index size = own * n + camera * static_cast<Eigen::Index>(stations.cameras.size());
@@ -66,15 +65,12 @@ Eigen::MatrixXd station_covariances(const PosesT& stations, const std::vector<Ei
   std::vector<Eigen::Matrix<double, 3, 6>> rows;
   for (const Eigen::Vector3d& place : places) {
     by.push_back(static_cast<Eigen::Index>(nearest(stations, place)));
-    rows.push_back(by_pose(*stations.poses[static_cast<std::size_t>(by.back())], place));
+    rows.push_back(by_pose(*stations.poses[by.back()], place));
   }
   Eigen::MatrixXd out(3 * n, 3 * n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j)
-      out.block<3, 3>(3 * i, 3 * j) =
-          rows[static_cast<std::size_t>(i)] *
-          poses.block<6, 6>(6 * by[static_cast<std::size_t>(i)], 6 * by[static_cast<std::size_t>(j)]) *
-          rows[static_cast<std::size_t>(j)].transpose();
+      out.block<3, 3>(3 * i, 3 * j) = rows[i] * poses.block<6, 6>(6 * by[i], 6 * by[j]) * rows[j].transpose();
   return out;
 }
 

@@ -22,7 +22,7 @@ ordered_json quaternion(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z
 
 Eigen::Quaterniond rotation_of(const std::vector<Eigen::Vector3d>& axes) {
   Eigen::Matrix3d m;
-  for (int k = 0; k < 3; ++k) m.col(k) = axes[static_cast<std::size_t>(k)];
+  for (int k = 0; k < 3; ++k) m.col(k) = axes[k];
   return Eigen::Quaterniond(m).normalized();
 }
 
@@ -44,7 +44,7 @@ JobItem bracket_item(const BracketSettingT& bracket, const LoopItemT& item, cons
   out.id = item.id, out.kind = "bracket", out.operation = "setBracket", out.guid = bracket.guid;
   out.floor = item.floor, out.revision = item.revision, out.reason = item.why;
   out.design = bracket.design - origin, out.target = item.expected - origin;
-  for (int k = 0; k < 3; ++k) out.target += item.pending[k] * bracket.axes[static_cast<std::size_t>(k)];
+  for (int k = 0; k < 3; ++k) out.target += item.pending[k] * bracket.axes[k];
   out.design_rotation = out.target_rotation = rotation_of(bracket.axes);
   out.setting = item.pending, out.tolerance.setConstant(0.001);
   return out;

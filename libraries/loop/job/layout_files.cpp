@@ -60,7 +60,7 @@ std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan) {
     const auto gate = worst.find(bracket->id);
     if (gate == worst.end() || !bracket->measured.allFinite()) continue;
     LayoutPoint point{bracket->id, bracket->measured, bracket->fixed ? "FIXED" : gate_name(gate->second)};
-    for (int k = 0; k < 3; ++k) point.position += bracket->setting[k] * bracket->axes[static_cast<std::size_t>(k)];
+    for (int k = 0; k < 3; ++k) point.position += bracket->setting[k] * bracket->axes[k];
     points.push_back(std::move(point));
   }
   return points;
@@ -133,11 +133,9 @@ ActualsT read_actuals_json(const std::string& text, const std::string& source) {
       actual->job = entry.value("job", ""), actual->revision = entry.value("revision", 0);
       actual->by = entry.value("by", ""), actual->at = entry.value("at", ""), actual->note = entry.value("note", "");
       for (int k = 0; k < 3; ++k) {
-        if (entry.contains("measured"))
-          actual->measured[k] = entry["measured"].at(static_cast<std::size_t>(k)).get<double>();
-        if (entry.contains("sigma")) actual->sigma[k] = entry["sigma"].at(static_cast<std::size_t>(k)).get<double>();
-        if (entry.contains("setting"))
-          actual->setting[k] = entry["setting"].at(kDirections[static_cast<std::size_t>(k)]).get<double>();
+        if (entry.contains("measured")) actual->measured[k] = entry["measured"].at(k).get<double>();
+        if (entry.contains("sigma")) actual->sigma[k] = entry["sigma"].at(k).get<double>();
+        if (entry.contains("setting")) actual->setting[k] = entry["setting"].at(kDirections[k]).get<double>();
       }
       out.items.push_back(std::move(actual));
     } catch (const nlohmann::json::exception& error) {

@@ -44,7 +44,7 @@ Facade SimulatedSite::measure(int round) {
   Random faults(seed_, "campaign faults", static_cast<std::uint64_t>(round));
   std::vector<Eigen::Vector3d> set_up;
   for (int floor = 0; floor < options_.tower.floors; ++floor) {
-    set_up.push_back(noise.normal3(s.set_up) + walk_[static_cast<std::size_t>(floor)] * Eigen::Vector3d::UnitZ());
+    set_up.push_back(noise.normal3(s.set_up) + walk_[floor] * Eigen::Vector3d::UnitZ());
     if (faults.uniform() < options_.faults.control_knocked) {
       planted_.push_back({"control knocked", "floor " + std::to_string(floor + 1), round, 0.006});
       set_up.back() += Eigen::Vector3d(0, 0, 0.006);
@@ -62,9 +62,8 @@ Facade SimulatedSite::measure(int round) {
       plate_off_[b] = Eigen::Vector3d(0.004, 0, 0.003);
       plant("tag bumped", b, round, plate_off_[b]);
     }
-    bracket.deviation =
-        truth_[b] + plate_off_[b] + set_up[static_cast<std::size_t>(bracket.floor - 1)] + noise.normal3(s.single);
-    if (left_out[static_cast<std::size_t>(bracket.floor - 1)] && seen_[b].allFinite()) bracket.deviation = seen_[b];
+    bracket.deviation = truth_[b] + plate_off_[b] + set_up[bracket.floor - 1] + noise.normal3(s.single);
+    if (left_out[bracket.floor - 1] && seen_[b].allFinite()) bracket.deviation = seen_[b];
     if (gaps.uniform() < options_.faults.hidden) {
       plant("hidden", b, round, Eigen::Vector3d::Zero());
       bracket.deviation.setConstant(kUnknown);
@@ -153,10 +152,10 @@ ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
     else
       actual->measured = item->expected + luck.normal3(0.001), not_hung_.erase(item->id);
     actuals.items.push_back(std::move(actual));
-    hung[static_cast<std::size_t>(item->floor)] += loads_.insert(item->id).second;
+    hung[item->floor] += loads_.insert(item->id).second;
   }
   for (int floor = 1; floor <= options_.tower.floors; ++floor)
-    hang(floor, static_cast<double>(hung[static_cast<std::size_t>(floor)]) / on_a_floor);
+    hang(floor, static_cast<double>(hung[floor]) / on_a_floor);
   return actuals;
 }
 
@@ -188,7 +187,7 @@ std::vector<double> SimulatedSite::true_values(const std::vector<JudgedValue>& j
   for (const PanelPose& pose : poses) {
     Eigen::VectorXd moved(pose.solve.cols());
     for (Eigen::Index i = 0; i < moved.size(); ++i) {
-      const PanelPose::Held& held = pose.held[static_cast<std::size_t>(i)];
+      const PanelPose::Held& held = pose.held[i];
       moved[i] = held.direction.dot(truth_[held.bracket]);
     }
     twists.push_back(pose.solve * moved);

@@ -83,7 +83,7 @@ class SimulatedSite {
   void hang_what_does_not(const std::string& panel) { not_hung_.erase(panel); }
 
   /// By how much the control of a floor is too high, the same in all campaigns [m]: no number of them tells it.
-  double control_height(int floor) const { return walk_[static_cast<std::size_t>(floor - 1)]; }
+  double control_height(int floor) const { return walk_[floor - 1]; }
 
   /// Judged values as they really are, in the order of `judged`.
   std::vector<double> true_values(const std::vector<JudgedValue>& judged, const std::vector<PanelPose>& poses) const;

@@ -112,7 +112,7 @@ void look_at_truth(const SimulatedSite& site, const std::vector<bool>& hung, Tri
   double height = 0;
   int top = 0;
   for (std::size_t j = 0; j < panels.size(); ++j)
-    if (worst[j] == 0) ++result.panels_inside, ++result.inside_by_floor[static_cast<std::size_t>(panels[j].floor - 1)];
+    if (worst[j] == 0) ++result.panels_inside, ++result.inside_by_floor[panels[j].floor - 1];
   for (std::size_t v = 0; v < values.size(); ++v) {
     const JudgedValue& judged = truth.judged[v];
     if (!hang(judged, hung)) continue;

@@ -110,7 +110,7 @@ void note_control(LoopStateT& state) {
   std::map<int, int> place;
   state.controls.clear();
   for (const int number : used) {
-    state.controls.push_back(std::move(sets[static_cast<std::size_t>(number - 1)]));
+    state.controls.push_back(std::move(sets[number - 1]));
     place[number] = static_cast<int>(state.controls.size());
   }
   for (auto& item : state.items)

@@ -68,7 +68,7 @@ void Round::verify(LoopItemT& item, const BracketSettingT& bracket, const std::s
 
 void Round::note_unset(LoopItemT& item, const BracketSettingT& bracket) {
   Eigen::Vector3d unset = bracket.measured;
-  for (int k = 0; k < 3; ++k) unset -= item.setting[k] * bracket.axes[static_cast<std::size_t>(k)];
+  for (int k = 0; k < 3; ++k) unset -= item.setting[k] * bracket.axes[k];
   item.unset.assign(unset.begin(), unset.end());
 }
 

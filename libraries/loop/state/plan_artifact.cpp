@@ -63,9 +63,9 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
                   : gate.obstacle == Obstacle::one_bracket  ? PanelObstacle::one_bracket
                                                             : PanelObstacle::hooks_do_not_tell;
   out->p_in = gate.p_in, out->reason = gate.reason;
-  if (gate.decided_by >= 0) out->decided_by = fit.judged[static_cast<std::size_t>(gate.decided_by)].words(facade);
+  if (gate.decided_by >= 0) out->decided_by = fit.judged[gate.decided_by].words(facade);
   if (gate.measure.bracket >= 0) {
-    out->measure = facade.brackets[static_cast<std::size_t>(gate.measure.bracket)].id;
+    out->measure = facade.brackets[gate.measure.bracket].id;
     out->p_in_measured = gate.measure.p_in;
   }
   out->robot_sigma = gate.robot_sigma, out->p_in_repeated = gate.p_repeated;

@@ -30,8 +30,7 @@ void add_pointings(const SurveyObservationsT& o, std::vector<ReadingKey>& keys) 
       values.insert(values.end(), {static_cast<double>(one->kind), static_cast<double>(one->face), one->value});
     const int at = std::get<0>(which);
     const bool has_set_up = at >= 0 && at < static_cast<int>(o.set_ups.size());
-    keys.push_back(key_of(sighted.front()->from, sighted.front()->to,
-                          has_set_up ? o.set_ups[static_cast<std::size_t>(at)]->id : "", values));
+    keys.push_back(key_of(sighted.front()->from, sighted.front()->to, has_set_up ? o.set_ups[at]->id : "", values));
   }
 }
 
@@ -42,7 +41,7 @@ std::vector<ReadingKey> reading_keys(const SurveyObservationsT& o) {
   add_pointings(o, keys);
   for (const auto& one : o.local_coordinates) {
     const bool has_set_up = one->set_up >= 0 && one->set_up < static_cast<int>(o.set_ups.size());
-    const SurveySetUpT* set_up = has_set_up ? o.set_ups[static_cast<std::size_t>(one->set_up)].get() : nullptr;
+    const SurveySetUpT* set_up = has_set_up ? o.set_ups[one->set_up].get() : nullptr;
     keys.push_back(key_of(set_up ? set_up->station : "", one->point, set_up ? set_up->id : "",
                           {one->position.x(), one->position.y(), one->position.z()}));
   }

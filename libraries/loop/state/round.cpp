@@ -76,7 +76,7 @@ void Round::take_control() {
   if (!plan_.control.empty()) state_.control = kept_control(state_.control, plan_.control);
   const double least = kOtherResult * options_.setting_tolerance;
   for (auto& item : state_.items) {
-    const ControlChange* steps = item->control > 0 ? &since.at(static_cast<std::size_t>(item->control - 1)) : nullptr;
+    const ControlChange* steps = item->control > 0 ? &since.at(item->control - 1) : nullptr;
     if (last.largest <= least && !(steps && steps->largest > least)) continue;
     const std::string why = last.largest > least ? words_of(last) : words_since(*steps);
     item->control = 0;

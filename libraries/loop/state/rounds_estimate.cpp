@@ -79,7 +79,7 @@ void put_into(Facade& facade, const std::vector<std::size_t>& measured, const An
     Bracket& bracket = facade.brackets[b];
     const Eigen::Index i = at.at(bracket.id), to = 3 * static_cast<Eigen::Index>(b);
     bracket.deviation = estimate.places.segment<3>(3 * i) - bracket.design;
-    bracket.campaigns = count_of(estimate.campaigns[static_cast<std::size_t>(i)]);
+    bracket.campaigns = count_of(estimate.campaigns[i]);
     bracket.difference_sigma =
         difference_sigma(of_campaign.block<3, 3>(to, to), bracket.campaigns, bracket.floor, drift_per_storey);
     for (const std::size_t other : measured) {

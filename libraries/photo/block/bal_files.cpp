@@ -127,7 +127,7 @@ bool looks_like_bal(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string start(4096, '\0');
   stream.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<size_t>(stream.gcount()));
+  start.resize(stream.gcount());
   start = start.substr(0, start.find_last_of(" \t\r\n") + 1);
   try {
     Numbers numbers("", start);
@@ -210,7 +210,7 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
                  " observations) are too small, and what was read is not what was meant");
   std::erase_if(block.measurements, [&](const BlockMeasurement& m) {
     const size_t i = static_cast<size_t>(m.image);
-    const Eigen::Vector3d v = turns[i] * (block.points[static_cast<size_t>(m.point)].position - block.images[i].centre);
+    const Eigen::Vector3d v = turns[i] * (block.points[m.point].position - block.images[i].centre);
     const bool out = !(v.z() < -1e-6 * v.norm());
     behind += out;
     return out;
@@ -241,7 +241,7 @@ std::string bal_text(const PointBlock& block, std::vector<std::string>& notes) {
     notes.push_back("control points and scale bars have no place in the format");
   text += fmt::format("{} {} {}\n", block.images.size(), block.points.size(), block.measurements.size());
   for (const auto& m : block.measurements) {
-    const size_t c = static_cast<size_t>(block.images[static_cast<size_t>(m.image)].camera);
+    const size_t c = static_cast<size_t>(block.images[m.image].camera);
     const SensorCamera& camera = block.cameras[c];
     const Eigen::Vector2d at = cameras[c].exact
                                    ? Eigen::Vector2d(m.position - Eigen::Vector2d(camera.values[1], camera.values[2]))
@@ -250,12 +250,12 @@ std::string bal_text(const PointBlock& block, std::vector<std::string>& notes) {
         fmt::format("{} {} {:.17g} {:.17g}\n", m.image, m.point, at.x() / pitch_of(camera), at.y() / pitch_of(camera));
   }
   for (const auto& image : block.images) {
-    const BalCamera& camera = cameras[static_cast<size_t>(image.camera)];
+    const BalCamera& camera = cameras[image.camera];
     const Eigen::Matrix3d turn = rotation_from_angles(image.angles).transpose();
     const Eigen::AngleAxisd axis(turn);
     const Eigen::Vector3d r = axis.angle() * axis.axis(), t = -(turn * image.centre);
-    for (double value : {r.x(), r.y(), r.z(), t.x(), t.y(), t.z(),
-                         camera.f / pitch_of(block.cameras[static_cast<size_t>(image.camera)]), camera.k1, camera.k2})
+    for (double value : {r.x(), r.y(), r.z(), t.x(), t.y(), t.z(), camera.f / pitch_of(block.cameras[image.camera]),
+                         camera.k1, camera.k2})
       text += fmt::format("{:.17g}\n", value);
   }
   for (const auto& point : block.points)

@@ -19,7 +19,7 @@ void drop_strangers(ReadBlock& read, const std::vector<std::string>& labels) {
   BlockControl& control = block.control;
   std::vector<Eigen::Vector3d> in_block, in_control;
   for (size_t k = 0; k < control.points.size(); ++k) {
-    in_block.push_back(block.points[static_cast<size_t>(control.points[k])].position);
+    in_block.push_back(block.points[control.points[k]].position);
     in_control.emplace_back(control.position.segment<3>(3 * static_cast<Eigen::Index>(k)));
   }
   const std::vector<size_t> strangers = strangers_in_figure(in_block, in_control);

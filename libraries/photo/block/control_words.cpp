@@ -25,7 +25,7 @@ Eigen::Vector3d common_offset(const TagBlock& block, const TagBlockResult& resul
     const auto j = at - result.plates.begin();
     const Eigen::Vector3d adjusted = result.anchors.segment<3>(3 * j);
     rows.emplace_back(adjusted - block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)),
-                      result.world_from_plate[static_cast<size_t>(j)].toRotationMatrix());
+                      result.world_from_plate[j].toRotationMatrix());
     places.push_back(adjusted);
     centre += adjusted;
   }
@@ -35,9 +35,9 @@ Eigen::Vector3d common_offset(const TagBlock& block, const TagBlockResult& resul
   Eigen::MatrixXd a(3 * n, 9);
   Eigen::VectorXd r(3 * n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto& [residual, rotation] = rows[static_cast<size_t>(k)];
+    const auto& [residual, rotation] = rows[k];
     a.block<3, 3>(3 * k, 0).setIdentity();
-    a.block<3, 3>(3 * k, 3) = -skew(places[static_cast<size_t>(k)] - centre);
+    a.block<3, 3>(3 * k, 3) = -skew(places[k] - centre);
     a.block<3, 3>(3 * k, 6) = rotation;
     r.segment<3>(3 * k) = residual;
   }
@@ -63,7 +63,7 @@ std::string control_in_words(const TagBlock& block, const TagBlockResult& result
   for (const AdjustedControl& control : result.control) {
     double w = 0;
     for (const auto& coordinate : control.coordinates) w = std::max(w, std::abs(coordinate.w));
-    worst.emplace_back(-w, block.plates[static_cast<size_t>(control.plate)].anchor);
+    worst.emplace_back(-w, block.plates[control.plate].anchor);
   }
   std::sort(worst.begin(), worst.end());
   std::vector<std::string> names;

@@ -84,14 +84,14 @@ void require_image_size(const PointBlock& block, const fs::path& file) {
                              ": are width and height of the image exchanged?");
   }
   for (const BlockMeasurement& m : block.measurements) {
-    const BlockImage& image = block.images[static_cast<size_t>(m.image)];
-    const SensorCamera& camera = block.cameras[static_cast<size_t>(image.camera)];
+    const BlockImage& image = block.images[m.image];
+    const SensorCamera& camera = block.cameras[image.camera];
     const Eigen::Array2d share = m.position.array() / Eigen::Array2d(camera.sensor_width, camera.sensor_height);
     if (share.minCoeff() > -0.05 && share.maxCoeff() < 1.05) continue;
     const std::string text = fmt::format(" is marked at ({:.1f}, {:.1f}) in photo {}, outside of ",
                                          share.x() * camera.width, share.y() * camera.height, image.id);
-    throw std::runtime_error(file.string() + ": point " + block.points[static_cast<size_t>(m.point)].name + text +
-                             size_of(camera) + ": that is not the size of the photographs");
+    throw std::runtime_error(file.string() + ": point " + block.points[m.point].name + text + size_of(camera) +
+                             ": that is not the size of the photographs");
   }
 }
 
@@ -226,8 +226,7 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     }
     if (!pairs.emplace(image->second, point->second).second)
       reader.fail("point " + std::to_string(static_cast<int>(v[1])) + " is marked a second time in this photo");
-    const SensorCamera& camera =
-        block.cameras[static_cast<size_t>(block.images[static_cast<size_t>(image->second)].camera)];
+    const SensorCamera& camera = block.cameras[block.images[image->second].camera];
     const double px = camera.sensor_width / camera.width, py = camera.sensor_height / camera.height;
     BlockMeasurement m;
     m.image = image->second;

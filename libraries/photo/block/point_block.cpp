@@ -88,8 +88,8 @@ void add_control(const PointBlock& block, const Eigen::Vector3d& origin, Built& 
     if (control.is_check[k]) continue;
     const Eigen::Vector3d position = control.position.segment<3>(3 * static_cast<Eigen::Index>(k));
     if (is_fixed(control, k)) {
-      built.problem.points[static_cast<size_t>(control.points[k])].fixed = true;
-      built.state.points[static_cast<size_t>(control.points[k])] = position - origin;
+      built.problem.points[control.points[k]].fixed = true;
+      built.state.points[control.points[k]] = position - origin;
     } else {
       weighted.push_back(k);
     }
@@ -184,7 +184,7 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
   std::vector<int> points;
   for (size_t j = 0; j < built.problem.points.size(); ++j) {
     points.push_back(block_of(bundle::Kind::point, j));
-    const auto& q = own[static_cast<size_t>(points.back())];
+    const auto& q = own[points.back()];
     result.point_covariances.push_back(q.size() > 0 ? Eigen::Matrix3d(factor * q) : Eigen::Matrix3d::Zero());
   }
   if (points.size() <= max_joint_points) {
@@ -197,7 +197,7 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
   }
   for (size_t c = 0; c < built.problem.cameras.size(); ++c) {
     result.free_parameters.push_back(layout.free_values(static_cast<int>(c)));
-    const auto& q = own[static_cast<size_t>(block_of(bundle::Kind::camera, c))];
+    const auto& q = own[block_of(bundle::Kind::camera, c)];
     result.interior_covariance.push_back(factor * q);
   }
   for (size_t i = 0; i < built.problem.images.size(); ++i) {
@@ -210,7 +210,7 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
     }
     result.pose_covariance.push_back(joint.topLeftCorner<6, 6>());
     if (built.problem.images[i].shift_free) {
-      result.principal_point_covariance.push_back(factor * own[static_cast<size_t>(block_of(bundle::Kind::shift, i))]);
+      result.principal_point_covariance.push_back(factor * own[block_of(bundle::Kind::shift, i)]);
     }
     Matrix6 turn = Matrix6::Identity();
     turn.bottomRightCorner<3, 3>() =
@@ -238,7 +238,7 @@ void fill_control(const PointBlock& given, const Built& built, const bundle::Rel
     const auto& [term, row] = built.control_row[k];
     for (Eigen::Index c = 0; c < 3; ++c) {
       if (term != SIZE_MAX) {
-        const auto& q = reliability.known[term][static_cast<size_t>(row + c)];
+        const auto& q = reliability.known[term][row + c];
         entry.w(c) = q.w / std::sqrt(factor);
         entry.redundancy_number(c) = q.redundancy_number;
       } else if (entry.check) {
@@ -280,8 +280,8 @@ void align_to_control(PointBlock& block) {
   std::vector<Eigen::Vector3d> from, to;
   for (size_t k = 0; k < block.control.points.size(); ++k) {
     if (block.control.is_check[k]) continue;
-    names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
-    from.push_back(block.points[static_cast<size_t>(block.control.points[k])].position);
+    names.push_back(block.points[block.control.points[k]].name);
+    from.push_back(block.points[block.control.points[k]].position);
     to.emplace_back(block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)));
   }
   require_same_figure(names, from, to);
@@ -347,7 +347,7 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   result.sigma0 = options.image_sigma * std::sqrt(factor);
   result.weighted_sum_of_squares = options.image_sigma * options.image_sigma * adjusted.sum_of_squares;
   result.rays.resize(block.points.size());
-  for (const auto& m : block.measurements) ++result.rays[static_cast<size_t>(m.point)];
+  for (const auto& m : block.measurements) ++result.rays[m.point];
   store_values(adjusted.state, origin, result.block);
   for (size_t i = 0; i < built.problem.images.size(); ++i)
     if (built.problem.images[i].shift_free)

@@ -21,8 +21,8 @@ bundle::Reliability residuals_of(const bundle::Problem& problem, const bundle::L
   bundle::Reliability result;
   for (const auto& group : problem.groups) result.groups.push_back({group.name, kUnknown, 0, kUnknown, 0});
   const auto add = [&](int group, double squares, Eigen::Index rows) {
-    result.groups[static_cast<size_t>(group)].sum_of_squares += squares;
-    result.groups[static_cast<size_t>(group)].rows += static_cast<int>(rows);
+    result.groups[group].sum_of_squares += squares;
+    result.groups[group].rows += static_cast<int>(rows);
   };
   bundle::Rows rows;
   for (const auto& o : problem.image_points) {
@@ -31,8 +31,8 @@ bundle::Reliability residuals_of(const bundle::Problem& problem, const bundle::L
     statistics.fill(unknown);
     const Eigen::Matrix2d back = o.whitening.inverse();
     for (Eigen::Index k = 0; k < 2; ++k) {
-      statistics[static_cast<size_t>(k)].residual = back.row(k).dot(rows.values());
-      statistics[static_cast<size_t>(k)].sigma = back.row(k).norm();
+      statistics[k].residual = back.row(k).dot(rows.values());
+      statistics[k].sigma = back.row(k).norm();
     }
     add(o.group, rows.values().squaredNorm(), 2);
   }

@@ -30,12 +30,11 @@ void require_enough_observations(const PointBlock& block) {
     throw std::runtime_error("a block needs at least 2 images, this one has " + std::to_string(block.images.size()));
   std::vector<int> rays(block.points.size()), seen(block.images.size());
   for (const auto& m : block.measurements) {
-    ++rays[static_cast<size_t>(m.point)];
-    ++seen[static_cast<size_t>(m.image)];
+    ++rays[m.point];
+    ++seen[m.image];
   }
   std::vector<bool> known(block.points.size());
-  for (size_t k = 0; k < block.control.points.size(); ++k)
-    known[static_cast<size_t>(block.control.points[k])] = !block.control.is_check[k];
+  for (size_t k = 0; k < block.control.points.size(); ++k) known[block.control.points[k]] = !block.control.is_check[k];
   std::vector<std::string> few;
   for (size_t i = 0; i < rays.size(); ++i)
     if (rays[i] < 2 && !known[i]) few.push_back(block.points[i].name);
@@ -52,7 +51,7 @@ void require_enough_observations(const PointBlock& block) {
 void require_enough_control(const PointBlock& block) {
   std::vector<std::string> names;
   for (size_t k = 0; k < block.control.points.size(); ++k)
-    if (!block.control.is_check[k]) names.push_back(block.points[static_cast<size_t>(block.control.points[k])].name);
+    if (!block.control.is_check[k]) names.push_back(block.points[block.control.points[k]].name);
   if (names.empty() || names.size() > 2) return;
   throw std::runtime_error("only " + std::to_string(names.size()) + (names.size() == 1 ? " point" : " points") +
                            " of the control (" + text::enumerate(names) +
@@ -66,7 +65,7 @@ void require_coordinates(const PointBlock& block) {
   for (const auto& image : block.images)
     require_on_earth("the projection centre of image " + std::to_string(image.id), image.centre);
   for (size_t k = 0; k < block.control.points.size(); ++k)
-    require_on_earth("control point " + block.points[static_cast<size_t>(block.control.points[k])].name,
+    require_on_earth("control point " + block.points[block.control.points[k]].name,
                      block.control.position.segment<3>(3 * static_cast<Eigen::Index>(k)));
 }
 

@@ -27,8 +27,7 @@ std::string control_against_images(const PointBlockResult& result) {
   for (const ControlResult& c : result.control) {
     if (c.check || c.fixed) continue;
     squares += c.residual.squaredNorm(), ++count;
-    if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest)
-      largest = w, worst = result.block.points[static_cast<size_t>(c.point)].name;
+    if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest) largest = w, worst = result.block.points[c.point].name;
   }
   return fmt::format(
       "control and images contradict each other: the control's variance factor is {:.3g} times that of the images (at "
@@ -57,8 +56,8 @@ std::string blunders_in_words(const PointBlockResult& result) {
       "{} image point{} of {} contradict{} all the others, most point {} in image {} (off by {:.3g} mm in the sensor, "
       "w {:.0f}): it is another point there, or its control is wrong; Block.targets.findings lists them",
       count, count == 1 ? "" : "s", result.measurement_reliability.size(), count == 1 ? "s" : "",
-      result.block.points[static_cast<size_t>(measured.point)].name,
-      result.block.images[static_cast<size_t>(measured.image)].id, std::hypot(x.residual, y.residual), largest);
+      result.block.points[measured.point].name, result.block.images[measured.image].id,
+      std::hypot(x.residual, y.residual), largest);
 }
 
 std::string turned_images(const PointBlock& given, const PointBlockResult& result) {

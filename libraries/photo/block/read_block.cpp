@@ -8,9 +8,8 @@ namespace {
 
 int count_erased(std::vector<BlockMeasurement>& measurements, const std::vector<bool>& drop_point,
                  const std::vector<bool>& drop_image) {
-  return static_cast<int>(std::erase_if(measurements, [&](const BlockMeasurement& m) {
-    return drop_point[static_cast<size_t>(m.point)] || drop_image[static_cast<size_t>(m.image)];
-  }));
+  return static_cast<int>(std::erase_if(
+      measurements, [&](const BlockMeasurement& m) { return drop_point[m.point] || drop_image[m.image]; }));
 }
 
 /// Removes points and images without a measurement and numbers the others anew.
@@ -31,12 +30,12 @@ void compact(PointBlock& block, const std::vector<bool>& drop_point, const std::
   block.points = std::move(points);
   block.images = std::move(images);
   for (auto& m : block.measurements) {
-    m.point = point[static_cast<size_t>(m.point)];
-    m.image = image[static_cast<size_t>(m.image)];
+    m.point = point[m.point];
+    m.image = image[m.image];
   }
   std::erase_if(block.scale_bars, [&](ScaleBar& bar) {
-    bar.from = point[static_cast<size_t>(bar.from)];
-    bar.to = point[static_cast<size_t>(bar.to)];
+    bar.from = point[bar.from];
+    bar.to = point[bar.to];
     return bar.from < 0 || bar.to < 0;
   });
   BlockControl& control = block.control;
@@ -44,7 +43,7 @@ void compact(PointBlock& block, const std::vector<bool>& drop_point, const std::
   std::vector<int> kept;
   std::vector<bool> is_check;
   for (size_t k = 0; k < control.points.size(); ++k) {
-    const int now = point[static_cast<size_t>(control.points[k])];
+    const int now = point[control.points[k]];
     if (now < 0) continue;
     kept.push_back(now);
     is_check.push_back(control.is_check[k]);
@@ -72,16 +71,15 @@ std::string number_of(size_t count, const std::string& thing) {
 void drop_unusable(ReadBlock& read) {
   PointBlock& block = read.block;
   std::vector<bool> known(block.points.size()), drop_point(block.points.size()), drop_image(block.images.size());
-  for (size_t k = 0; k < block.control.points.size(); ++k)
-    known[static_cast<size_t>(block.control.points[k])] = !block.control.is_check[k];
+  for (size_t k = 0; k < block.control.points.size(); ++k) known[block.control.points[k]] = !block.control.is_check[k];
   std::vector<std::string> single, unmarked, poor;
   for (bool changed = true; changed;) {
     changed = false;
     std::vector<int> rays(block.points.size()), ties(block.images.size());
-    for (const auto& m : block.measurements) ++rays[static_cast<size_t>(m.point)];
+    for (const auto& m : block.measurements) ++rays[m.point];
     for (const auto& m : block.measurements) {
       const size_t j = static_cast<size_t>(m.point);
-      if (rays[j] >= 2 || known[j]) ties[static_cast<size_t>(m.image)] += known[j] || rays[j] > 2 ? 2 : 1;
+      if (rays[j] >= 2 || known[j]) ties[m.image] += known[j] || rays[j] > 2 ? 2 : 1;
     }
     for (size_t j = 0; j < rays.size(); ++j)
       if (!drop_point[j] && rays[j] < (known[j] ? 1 : 2)) {

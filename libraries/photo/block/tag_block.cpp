@@ -30,9 +30,8 @@ least_squares::DatumAnalysis analyse_control(const TagBlockOptions& options, con
   // plane.
   bundle::State surveyed = model.state;
   for (size_t k = 0; k < model.control_plates.size(); ++k)
-    surveyed.plates[static_cast<size_t>(model.control_plates[k])].position =
-        model.problem.known[static_cast<size_t>(model.control_term)].target.segment<3>(3 *
-                                                                                       static_cast<Eigen::Index>(k));
+    surveyed.plates[model.control_plates[k]].position =
+        model.problem.known[model.control_term].target.segment<3>(3 * static_cast<Eigen::Index>(k));
   const bundle::Layout layout(model.problem);
   std::vector<least_squares::NamedPoint> anchors = bundle::bodies_of(model.problem, surveyed), fixed;
   const Eigen::MatrixXd motions =
@@ -44,7 +43,7 @@ least_squares::DatumAnalysis analyse_control(const TagBlockOptions& options, con
     information += moved.transpose() * moved;
   }
   for (auto& anchor : anchors) anchor.position += model.origin;
-  for (int j : model.control_plates) fixed.push_back(anchors[static_cast<size_t>(j)]);
+  for (int j : model.control_plates) fixed.push_back(anchors[j]);
   return least_squares::analyse_datum(information, anchors, fixed, scale_is_unknown(model), options.weak_ratio);
 }
 
@@ -107,8 +106,7 @@ std::vector<int> find_blunders(const TagBlockOptions& options, const TagStart& s
 /// The block with the poses of `model` as approximate ones.
 TagBlock with_poses(const TagBlock& block, const TagStart& start, const TagModel& model) {
   TagBlock result = block;
-  for (size_t i = 0; i < start.images.size(); ++i)
-    result.images[static_cast<size_t>(start.images[i])].cam_from_world = pose_of(model, i);
+  for (size_t i = 0; i < start.images.size(); ++i) result.images[start.images[i]].cam_from_world = pose_of(model, i);
   return result;
 }
 
@@ -261,7 +259,7 @@ void fill_unknowns(const TagStart& start, const TagModel& model, const bundle::L
                               static_cast<int>(b / printed)});
   }
   result.images_per_plate.assign(start.plates.size(), 0);
-  for (const auto& term : model.problem.image_tags) ++result.images_per_plate[static_cast<size_t>(term.plate)];
+  for (const auto& term : model.problem.image_tags) ++result.images_per_plate[term.plate];
 }
 
 void fill_tags(const TagStart& start, const TagModel& model, const Solved& solved, TagBlockResult& result) {
@@ -279,7 +277,7 @@ void fill_tags(const TagStart& start, const TagModel& model, const Solved& solve
       tag.largest_detectable_error = std::max(tag.largest_detectable_error, row.mdb * root);
     }
     tag.rms = std::sqrt(sum / 8);
-    w_of_plate[static_cast<size_t>(model.problem.image_tags[i].plate)].push_back(tag.largest_normalised);
+    w_of_plate[model.problem.image_tags[i].plate].push_back(tag.largest_normalised);
     result.tags.push_back(tag);
   }
   for (const auto& w : w_of_plate) result.plate_w.push_back(w.empty() ? 0 : upper_median(w));
@@ -359,7 +357,7 @@ void require_few(const TagBlock& given, const std::vector<RejectedControl>& reje
   if (part * rejected.size() <= given.control.plates.size()) return;
   std::vector<std::string> names;
   for (size_t k = 0; k < std::min<size_t>(rejected.size(), 5); ++k)
-    names.push_back(given.plates[static_cast<size_t>(rejected[k].plate)].anchor);
+    names.push_back(given.plates[rejected[k].plate].anchor);
   throw std::runtime_error("more than a third of the " + std::to_string(given.control.plates.size()) +
                            " control points contradict the photographs, " + text::enumerate(names) +
                            " most: survey and photographs do not show the same state, or their standard deviations are "
@@ -379,8 +377,7 @@ void fill_rejected_control(const TagBlock& given, TagBlockResult& result) {
     const std::string text =
         fmt::format(" contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} mm",
                     1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z());
-    result.left_out.push_back("the control of " + given.plates[static_cast<size_t>(rejected.plate)].anchor + ", which" +
-                              text);
+    result.left_out.push_back("the control of " + given.plates[rejected.plate].anchor + ", which" + text);
   }
 }
 
@@ -407,7 +404,7 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   const auto warnings = result.warnings;
   result.rejected = find_blunders(options, start, model);
   if (!result.rejected.empty()) {
-    for (int o : result.rejected) use[static_cast<size_t>(o)] = false;
+    for (int o : result.rejected) use[o] = false;
     block = with_poses(block, start, model);
     model = begin(start);
     result.warnings = warnings;

@@ -99,9 +99,7 @@ void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreem
   std::vector<Eigen::Vector3d> placed, surveyed;
   for (const PlatePair& pair : agreement.other)
     placed.push_back(agreement.motion * pair.placed), surveyed.push_back(pair.surveyed);
-  const auto anchor = [&](size_t k) {
-    return block.plates[static_cast<size_t>(start.plates[agreement.other[k].plate])].anchor;
-  };
+  const auto anchor = [&](size_t k) { return block.plates[start.plates[agreement.other[k].plate]].anchor; };
   const auto tell = [&](size_t thing, size_t place) {
     exchanged.push_back("the plate of " + anchor(thing) + " hangs where the survey has " + anchor(place));
   };

@@ -68,8 +68,8 @@ double inverse_distance(const TagBlock& block, const TagStart& start, int camera
   for (size_t j = 0; j < start.plates.size(); ++j) plate[start.plates[j]] = start.world_from_plate[j];
   std::vector<double> depths;
   for (int o : start.observations) {
-    const TagObservation& seen = block.observations[static_cast<size_t>(o)];
-    if (block.images[static_cast<size_t>(seen.image)].camera != camera) continue;
+    const TagObservation& seen = block.observations[o];
+    if (block.images[seen.image].camera != camera) continue;
     depths.push_back((pose.at(seen.image) * plate.at(seen.plate).translation).z());
   }
   const double middle = depths.empty() ? 0 : upper_median(std::move(depths));
@@ -89,7 +89,7 @@ void add_interior_terms(const TagBlock& block, const TagCamera& camera, const Ta
   const int all = bundle::value_count(bundle::lens_of(camera.interior.lens));
   std::vector<int> chosen;
   for (int i = 0; i < count; ++i)  // nobody calibrated d1 and d2
-    if (free[static_cast<size_t>(i)]) chosen.push_back(i);
+    if (free[i]) chosen.push_back(i);
   if (chosen.empty()) return;
   bundle::Known term;
   term.refs = {{bundle::Kind::camera, static_cast<int>(model.problem.cameras.size()) - 1}};
@@ -119,9 +119,8 @@ void add_interior_terms(const TagBlock& block, const TagCamera& camera, const Ta
 void add_cameras(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     const TagCamera& camera = block.cameras[c];
-    const bool used = std::any_of(start.images.begin(), start.images.end(), [&](int i) {
-      return block.images[static_cast<size_t>(i)].camera == static_cast<int>(c);
-    });
+    const bool used = std::any_of(start.images.begin(), start.images.end(),
+                                  [&](int i) { return block.images[i].camera == static_cast<int>(c); });
     std::vector<bool> free = free_interior(camera, options);
     if (!used) std::fill(free.begin(), free.end(), false);
     model.problem.cameras.push_back({camera.name, bundle::lens_of(camera.interior.lens), 0, free,
@@ -170,7 +169,7 @@ double inset_prior(const TagBlock& block, const TagBlockOptions& options, int ca
 void add_plates(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   std::map<std::string, int> batches;
   for (size_t j = 0; j < start.plates.size(); ++j) {
-    const TagPlate& plate = block.plates[static_cast<size_t>(start.plates[j])];
+    const TagPlate& plate = block.plates[start.plates[j]];
     const auto [at, is_new] = batches.emplace(plate.batch, static_cast<int>(batches.size()));
     if (is_new) {
       model.problem.batches.push_back({plate.batch, options.tag_scale_sigma > 0, options.corner_inset_sigma > 0});
@@ -185,7 +184,7 @@ void add_plates(const TagBlock& block, const TagBlockOptions& options, const Tag
   const int printed = static_cast<int>(model.problem.batches.size());
   if (options.corner_inset_sigma > 0) add_insets_of_cameras(block, model);
   for (int b = 0; b < static_cast<int>(model.problem.batches.size()); ++b) {
-    if (model.problem.batches[static_cast<size_t>(b)].scale_free && std::isfinite(options.tag_scale_sigma))
+    if (model.problem.batches[b].scale_free && std::isfinite(options.tag_scale_sigma))
       add_prior(model, {bundle::Kind::scale, b}, 1, options.tag_scale_sigma, group_scale);
     if (options.corner_inset_sigma > 0)
       add_prior(model, {bundle::Kind::inset, b}, 0, inset_prior(block, options, b / printed), group_inset);
@@ -195,12 +194,12 @@ void add_plates(const TagBlock& block, const TagBlockOptions& options, const Tag
 void add_images(const TagBlock& block, const TagBlockOptions& options, const TagStart& start, TagModel& model) {
   for (size_t i = 0; i < start.images.size(); ++i) {
     const RigidTransform& pose = start.cam_from_world[i];
-    const TagImage& image = block.images[static_cast<size_t>(start.images[i])];
+    const TagImage& image = block.images[start.images[i]];
     model.problem.images.push_back({image.name, image.camera});
     model.state.images.emplace_back();
     model.state.images.back().set(pose.rotation, pose.inverse().translation - model.origin);
   }
-  const auto own = [&](int i) { return block.images[static_cast<size_t>(i)].principal_point; };
+  const auto own = [&](int i) { return block.images[i].principal_point; };
   if (std::any_of(start.images.begin(), start.images.end(), [&](int i) { return !own(i).isZero(0); }))
     for (int i : start.images) model.state.shifts.push_back(own(i));
   if (options.image_principal_point_sigma > 0)
@@ -214,12 +213,12 @@ void add_observations(const TagBlock& block, const TagBlockOptions& options, con
   // Of each camera's insets there are as many as print batches: those of the first stand with the batches themselves.
   const size_t printed = options.corner_inset_sigma > 0 ? model.problem.batches.size() / block.cameras.size() : 0;
   for (int o : start.observations) {
-    const TagObservation& seen = block.observations[static_cast<size_t>(o)];
+    const TagObservation& seen = block.observations[o];
     bundle::ImageTag term;
     term.image = number(start.images, seen.image);
     term.plate = number(start.plates, seen.plate);
-    if (const int camera = block.images[static_cast<size_t>(seen.image)].camera; printed > 0 && camera > 0)
-      term.inset = camera * static_cast<int>(printed) + model.problem.plates[static_cast<size_t>(term.plate)].batch;
+    if (const int camera = block.images[seen.image].camera; printed > 0 && camera > 0)
+      term.inset = camera * static_cast<int>(printed) + model.problem.plates[term.plate].batch;
     term.corners = seen.corners;
     term.group = group_images;
     term.robust = true;
@@ -270,7 +269,7 @@ Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
 void free_principal_points(double sigma, bundle::Problem& problem, bundle::State& state) {
   state.shifts.resize(problem.images.size(), Eigen::Vector2d::Zero());
   for (int i = 0; i < static_cast<int>(problem.images.size()); ++i) {
-    problem.images[static_cast<size_t>(i)].shift_free = true;
+    problem.images[i].shift_free = true;
     problem.known.push_back({{{bundle::Kind::shift, i}},
                              Eigen::Vector2d::Zero(),
                              Eigen::Matrix2d::Identity() / sigma,

@@ -62,7 +62,7 @@ std::optional<RigidTransform> place_plate(const TagPlate& plate, const std::vect
   constexpr double smallest_parallax = 0.035;  // [rad], 2 degrees
   std::array<std::vector<Ray>, 4> rays;
   for (const View* view : views)
-    if (const auto& pose = placed.cam_from_world[static_cast<size_t>(view->image)])
+    if (const auto& pose = placed.cam_from_world[view->image])
       for (size_t k = 0; k < 4; ++k) rays[k].push_back(ray_of(*pose, view->corners[k]));
   if (rays[0].empty()) return std::nullopt;
   double parallax = 0;
@@ -93,8 +93,8 @@ std::optional<RigidTransform> camera_from_tag(const std::array<Eigen::Vector2d, 
   const double h = 0.5 * size;
   const std::array<Eigen::Vector2d, 4> square = {Eigen::Vector2d(-h, -h), {h, -h}, {h, h}, {-h, h}};
   for (Eigen::Index k = 0; k < 4; ++k) {
-    const Eigen::Vector2d& p = square[static_cast<size_t>(k)];
-    const Eigen::Vector2d& q = seen[static_cast<size_t>(k)];
+    const Eigen::Vector2d& p = square[k];
+    const Eigen::Vector2d& q = seen[k];
     system.row(2 * k) << p.x(), p.y(), 1, 0, 0, 0, -q.x() * p.x(), -q.x() * p.y();
     system.row(2 * k + 1) << 0, 0, 0, p.x(), p.y(), 1, -q.y() * p.x(), -q.y() * p.y();
     right.segment<2>(2 * k) = q;
@@ -120,9 +120,9 @@ double misfit(const RigidTransform& cam_from_world, const TagBlock& block, const
   constexpr double cut_off = 0.05;
   double sum = 0;
   for (const View* view : views) {
-    const auto& plate = placed.world_from_plate[static_cast<size_t>(view->plate)];
+    const auto& plate = placed.world_from_plate[view->plate];
     if (!plate) continue;
-    const auto corners = tag_corners_in_plate(block.plates[static_cast<size_t>(view->plate)].plate);
+    const auto corners = tag_corners_in_plate(block.plates[view->plate].plate);
     for (size_t k = 0; k < 4; ++k) {
       const Eigen::Vector3d p = cam_from_world * (*plate * corners[k]);
       sum += p.z() > 0 ? std::min(cut_off, (p.hnormalized() - view->corners[k]).norm()) : cut_off;
@@ -138,10 +138,10 @@ std::optional<RigidTransform> orient_image(const TagBlock& block, const std::vec
   double smallest = std::numeric_limits<double>::infinity();
   int known = 0;
   for (const View* view : views) {
-    const auto& plate = placed.world_from_plate[static_cast<size_t>(view->plate)];
+    const auto& plate = placed.world_from_plate[view->plate];
     if (!plate) continue;
     ++known;
-    const MarkerPlate& shape = block.plates[static_cast<size_t>(view->plate)].plate;
+    const MarkerPlate& shape = block.plates[view->plate].plate;
     const auto tag = camera_from_tag(view->corners, shape.tag_size);
     if (!tag) continue;
     const RigidTransform plate_from_tag{Eigen::Quaterniond::Identity(), shape.tag_centre_in_plate};
@@ -166,8 +166,8 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
   for (size_t i = 0; i < block.observations.size(); ++i) {
     if (!use[i]) continue;
     const TagObservation& seen = block.observations[i];
-    const TagImage& image = block.images[static_cast<size_t>(seen.image)];
-    const BrownCamera& camera = block.cameras[static_cast<size_t>(image.camera)].interior;
+    const TagImage& image = block.images[seen.image];
+    const BrownCamera& camera = block.cameras[image.camera].interior;
     View view{seen.image, seen.plate, static_cast<int>(i), {}};
     bool inside = true;
     for (size_t k = 0; k < 4; ++k) {
@@ -180,7 +180,7 @@ std::vector<View> undistort(const TagBlock& block, const std::vector<bool>& use,
       views.push_back(view);
     else
       left_out.push_back(
-          "the tag of " + block.plates[static_cast<size_t>(seen.plate)].anchor + " in " + image.name +
+          "the tag of " + block.plates[seen.plate].anchor + " in " + image.name +
           (has_area ? ": outside what the distortion model can invert" : ": its corners enclose no area"));
   }
   return views;
@@ -215,13 +215,12 @@ Placed grow(const TagBlock& block, const std::vector<std::vector<const View*>>& 
 void drop_impossible(const TagBlock& block, const Placed& placed, std::vector<View>& views,
                      std::vector<std::string>& left_out) {
   std::erase_if(views, [&](const View& view) {
-    const auto& pose = placed.cam_from_world[static_cast<size_t>(view.image)];
-    const auto& plate = placed.world_from_plate[static_cast<size_t>(view.plate)];
+    const auto& pose = placed.cam_from_world[view.image];
+    const auto& plate = placed.world_from_plate[view.plate];
     if (!pose || !plate) return false;
-    for (const auto& corner : tag_corners_in_plate(block.plates[static_cast<size_t>(view.plate)].plate))
+    for (const auto& corner : tag_corners_in_plate(block.plates[view.plate].plate))
       if (!((*pose * (*plate * corner)).z() > 0.05)) {
-        left_out.push_back("the tag of " + block.plates[static_cast<size_t>(view.plate)].anchor + " in " +
-                           block.images[static_cast<size_t>(view.image)].name +
+        left_out.push_back("the tag of " + block.plates[view.plate].anchor + " in " + block.images[view.image].name +
                            ": behind the camera by the approximate values; a wrong pose or a wrong tag number");
         return true;
       }
@@ -235,19 +234,17 @@ TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
   std::vector<View> views = undistort(block, use, left_out);
   std::vector<std::vector<const View*>> by_image(block.images.size()), by_plate(block.plates.size());
   for (const View& view : views) {
-    by_image[static_cast<size_t>(view.image)].push_back(&view);
-    by_plate[static_cast<size_t>(view.plate)].push_back(&view);
+    by_image[view.image].push_back(&view);
+    by_plate[view.plate].push_back(&view);
   }
   Placed placed = grow(block, by_image, by_plate);
   drop_impossible(block, placed, views, left_out);
   std::vector<bool> image_used(block.images.size()), plate_used(block.plates.size());
   for (const View& view : views)
-    if (placed.cam_from_world[static_cast<size_t>(view.image)] &&
-        placed.world_from_plate[static_cast<size_t>(view.plate)])
-      image_used[static_cast<size_t>(view.image)] = plate_used[static_cast<size_t>(view.plate)] = true;
+    if (placed.cam_from_world[view.image] && placed.world_from_plate[view.plate])
+      image_used[view.image] = plate_used[view.plate] = true;
   std::vector<bool> plate_seen(block.plates.size()), image_saw(block.images.size());
-  for (const auto& seen : block.observations)
-    plate_seen[static_cast<size_t>(seen.plate)] = image_saw[static_cast<size_t>(seen.image)] = true;
+  for (const auto& seen : block.observations) plate_seen[seen.plate] = image_saw[seen.image] = true;
   TagStart start;
   for (size_t i = 0; i < image_used.size(); ++i)
     if (image_used[i])
@@ -270,11 +267,10 @@ TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
     throw std::runtime_error("a block needs at least 2 oriented images that see plates, this one has " +
                              std::to_string(start.images.size()) + " of " + std::to_string(block.images.size()) +
                              (left_out.empty() ? "" : " (" + left_out.front() + ")"));
-  for (int i : start.images) start.cam_from_world.push_back(*placed.cam_from_world[static_cast<size_t>(i)]);
-  for (int j : start.plates) start.world_from_plate.push_back(*placed.world_from_plate[static_cast<size_t>(j)]);
+  for (int i : start.images) start.cam_from_world.push_back(*placed.cam_from_world[i]);
+  for (int j : start.plates) start.world_from_plate.push_back(*placed.world_from_plate[j]);
   for (const View& view : views)
-    if (placed.cam_from_world[static_cast<size_t>(view.image)] &&
-        placed.world_from_plate[static_cast<size_t>(view.plate)])
+    if (placed.cam_from_world[view.image] && placed.world_from_plate[view.plate])
       start.observations.push_back(view.observation);
   return start;
 }

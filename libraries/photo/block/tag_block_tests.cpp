@@ -80,7 +80,7 @@ std::optional<RejectedControl> worst_control(const TagModel& model, const TagSta
     const Eigen::Vector3d pull = b.transpose() * quality.rows.residual, off = -seen.llt().solve(pull);
     const double test = -pull.dot(off);
     if (!(test > worst.test)) continue;
-    worst.plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    worst.plate = start.plates[model.control_plates[k]];
     worst.off = off;
     worst.test = test;
   }
@@ -94,7 +94,7 @@ WithheldControl withheld_control(const TagModel& model, const TagStart& start, c
   WithheldControl result;
   std::vector<int> columns;
   for (size_t k = 0; k < model.control_plates.size(); ++k) {
-    const int plate = start.plates[static_cast<size_t>(model.control_plates[k])];
+    const int plate = start.plates[model.control_plates[k]];
     if (std::find(plates.begin(), plates.end(), plate) == plates.end()) continue;
     result.plates.push_back(plate);
     for (int c = 0; c < 3; ++c) columns.push_back(3 * static_cast<int>(k) + c);
@@ -139,8 +139,7 @@ void test_models(const TagBlockOptions& options, const TagModel& model, const bu
   if (distances.empty() && !points) return;
   if (points) free_principal_points(anywhere, larger, state);
   const bundle::ScoreTest score(model.problem, larger, state, *adjusted.elimination);
-  for (int c : distances)
-    add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[static_cast<size_t>(c)].name : "", result);
+  for (int c : distances) add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[c].name : "", result);
   if (points) add_principal_points(score, result);
 }
 

@@ -122,7 +122,7 @@ void TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector
   std::vector<Part> parts;
   int width = 0;
   const auto part_of = [&](Index first, Index size) {
-    const Index at = place[static_cast<std::size_t>(first)];
+    const Index at = place[first];
     const auto known = std::find_if(parts.begin(), parts.end(), [&](const Part& part) { return part.at == at; });
     if (known != parts.end()) return *known;
     parts.push_back({at, static_cast<int>(size), width});
@@ -145,10 +145,8 @@ void TagBound::eliminate(const RigidTransform& cam_from_world, const std::vector
     std::array<bundle::Outer, 10> jobs;
     int job = 0;
     const auto add = [&](double* to, Index stride, const double* a, int a_size, int a_stride, const double* b,
-                         int b_size) {
-      jobs[static_cast<std::size_t>(job++)] = {to, stride, a, b, a_size, b_size, a_stride, rest_stride};
-    };
-    jobs[static_cast<std::size_t>(job++)] = {pose.data(), 6, by_pose.data(), by_pose.data(), 6, 6, 6, 6};
+                         int b_size) { jobs[job++] = {to, stride, a, b, a_size, b_size, a_stride, rest_stride}; };
+    jobs[job++] = {pose.data(), 6, by_pose.data(), by_pose.data(), 6, 6, 6, 6};
     for (std::size_t i = 0, from = 0; i < count; from += static_cast<std::size_t>(own[i++].size)) {
       add(cross.data() + own[i].column, most, by_pose.data(), 6, 6, by_rest.data() + from, own[i].size);
       for (std::size_t j = 0, other = 0; j < count; other += static_cast<std::size_t>(own[j++].size))
@@ -243,9 +241,9 @@ BoundInformation TagBound::of_image(const RigidTransform& cam_from_world, const 
   BoundInformation result;
   std::vector<Index> place(static_cast<std::size_t>(size_), -1);
   const auto take = [&](Index first, Index size) {
-    if (size == 0 || place[static_cast<std::size_t>(first)] >= 0) return;
+    if (size == 0 || place[first] >= 0) return;
     for (Index k = first; k < first + size; ++k) {
-      place[static_cast<std::size_t>(k)] = static_cast<Index>(result.unknowns.size());
+      place[k] = static_cast<Index>(result.unknowns.size());
       result.unknowns.push_back(k);
     }
   };

@@ -78,7 +78,7 @@ void fit_what_is_open(TagModel& model) {
   for (auto& tag : open.image_tags) tag.robust = false;
   for (int j = 0; j < static_cast<int>(open.plates.size()); ++j)
     open.known.push_back({{{bundle::Kind::plate, j}},
-                          model.state.plates[static_cast<size_t>(j)].position,
+                          model.state.plates[j].position,
                           Eigen::Matrix3d::Identity() / held,
                           group_control});
   bundle::minimise_schur(open, model.state, {});
@@ -90,15 +90,13 @@ void sum_up(const TagModel& model, TagCost& cost) {
   bundle::Rows rows;
   for (const auto& tag : model.problem.image_tags) {
     if (!bundle::evaluate(model.problem, layout, model.state, tag, false, rows))
-      throw std::runtime_error("the tag of " + model.problem.plates[static_cast<size_t>(tag.plate)].name +
-                               " lies behind the camera of " +
-                               model.problem.images[static_cast<size_t>(tag.image)].name);
+      throw std::runtime_error("the tag of " + model.problem.plates[tag.plate].name + " lies behind the camera of " +
+                               model.problem.images[tag.image].name);
     cost.images += rows.values().squaredNorm();
     cost.corner_rows += rows.rows;
   }
   for (int k = 0; k < static_cast<int>(model.problem.known.size()); ++k) {
-    const auto known =
-        bundle::evaluate(model.problem, layout, model.state, model.problem.known[static_cast<size_t>(k)]);
+    const auto known = bundle::evaluate(model.problem, layout, model.state, model.problem.known[k]);
     if (k == model.control_term) {
       cost.control = known.residual.squaredNorm();
       cost.control_rows = static_cast<int>(known.residual.size());

@@ -167,10 +167,9 @@ void require_eliminated_determined(const Problem& problem, const Layout& layout,
     if (block.weakest >= rank_tolerance) continue;
     const Ref ref = layout.ref(block.block);
     if (ref.kind == Kind::image)
-      images.push_back(problem.images[static_cast<size_t>(ref.index)].name);
+      images.push_back(problem.images[ref.index].name);
     else
-      points.push_back(ref.kind == Kind::point ? problem.points[static_cast<size_t>(ref.index)].name
-                                               : problem.plates[static_cast<size_t>(ref.index)].name);
+      points.push_back(ref.kind == Kind::point ? problem.points[ref.index].name : problem.plates[ref.index].name);
   }
   if (images.size() > 10) images = {images[0], images[1], std::to_string(images.size() - 2) + " others"};
   if (points.size() > 10) points = {points[0], points[1], std::to_string(points.size() - 2) + " others"};
@@ -432,12 +431,12 @@ Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
   for (size_t g = 0; g < problem.groups.size(); ++g) result.groups[g].name = problem.groups[g].name;
   const auto add = [&](int group, const Eigen::Ref<const Eigen::VectorXd>& residuals,
                        const Eigen::Ref<const Eigen::MatrixXd>& cofactor) {
-    auto& sums = result.groups[static_cast<size_t>(group)];
+    auto& sums = result.groups[group];
     sums.sum_of_squares += residuals.squaredNorm();
     sums.redundancy += cofactor.trace();
     sums.rows += static_cast<int>(residuals.size());
   };
-  const auto factor_of = [&](int group) { return problem.groups[static_cast<size_t>(group)].sigma_factor; };
+  const auto factor_of = [&](int group) { return problem.groups[group].sigma_factor; };
   adjusted.cofactors->visit_rows(adjusted.state, [&](const Elimination::TermRef& term, const Rows& rows,
                                                      const Eigen::Ref<const Eigen::MatrixXd>& cofactor) {
     const size_t i = static_cast<size_t>(term.index);
@@ -450,8 +449,7 @@ Reliability reliability_of(const Problem& problem, const Adjusted& adjusted) {
     } else if (term.kind == Elimination::TermRef::Kind::tag) {
       const auto& o = problem.image_tags[i];
       Eigen::Matrix<double, 8, 8> whitening = Eigen::Matrix<double, 8, 8>::Zero();
-      for (int k = 0; k < 4; ++k)
-        whitening.block<2, 2>(2 * k, 2 * k) = o.whitening[static_cast<size_t>(k)] / factor_of(o.group);
+      for (int k = 0; k < 4; ++k) whitening.block<2, 2>(2 * k, 2 * k) = o.whitening[k] / factor_of(o.group);
       const auto quality = least_squares::row_statistics(whitening, rows.values(), cofactor, non_centrality);
       std::copy(quality.begin(), quality.end(), result.tags[i].begin());
       add(o.group, rows.values(), cofactor);

@@ -62,8 +62,8 @@ Cofactors::Local Cofactors::local(const Elimination::Block& block) const {
 Eigen::MatrixXd Cofactors::own_before_datum(int block) const {
   const int e = elimination_.eliminated(block);
   if (e < 0) return kept_.block(elimination_.kept_index(block), elimination_.kept_index(block));
-  const Eigen::MatrixXd& known = own_[static_cast<size_t>(e)];
-  return known.size() > 0 ? known : local(elimination_.blocks()[static_cast<size_t>(e)]).own;
+  const Eigen::MatrixXd& known = own_[e];
+  return known.size() > 0 ? known : local(elimination_.blocks()[e]).own;
 }
 
 /// What of a block's errors comes from kept unknowns, and what it has of its own: Q_ab = G_a Q G_bᵀ, and for a = b
@@ -85,7 +85,7 @@ Cofactors::Reach Cofactors::reach_of(int block) const {
     reach.g.setIdentity(size, size);
     return reach;
   }
-  const auto& from = elimination_.blocks()[static_cast<size_t>(e)];
+  const auto& from = elimination_.blocks()[e];
   if (!from.determined()) return reach;
   for (int b : from.kept) reach.kept.push_back(elimination_.kept_index(b));
   reach.starts = from.local;
@@ -104,7 +104,7 @@ Eigen::MatrixXd Cofactors::by_inverse(const std::vector<Reach>& reaches, const s
   Eigen::MatrixXd gathered;
   if (!is_dense_) gathered = kept_.joint(kept);
   Eigen::Index next = 0, all = 0;
-  for (int k : kept) row[static_cast<size_t>(k)] = is_dense_ ? analysis.offset(k) : next, next += analysis.size(k);
+  for (int k : kept) row[k] = is_dense_ ? analysis.offset(k) : next, next += analysis.size(k);
   const Eigen::Map<const Eigen::MatrixXd> q =
       is_dense_ ? kept_.dense() : Eigen::Map<const Eigen::MatrixXd>(gathered.data(), gathered.rows(), gathered.cols());
   for (const Reach& reach : reaches) all += reach.own.rows();
@@ -115,16 +115,15 @@ Eigen::MatrixXd Cofactors::by_inverse(const std::vector<Reach>& reaches, const s
     Eigen::MatrixXd to_kept = Eigen::MatrixXd::Zero(reaches[i].own.rows(), q.cols());
     for (size_t k = 0; k < reaches[i].kept.size(); ++k) {
       const int b = reaches[i].kept[k], size = analysis.size(b);
-      to_kept.noalias() += reaches[i].g.middleCols(reaches[i].starts[k], size) *
-                           q.middleCols(row[static_cast<size_t>(b)], size).transpose();
+      to_kept.noalias() += reaches[i].g.middleCols(reaches[i].starts[k], size) * q.middleCols(row[b], size).transpose();
     }
     Eigen::Index to = 0;
     for (size_t j = 0; j <= i; to += reaches[j].own.rows(), ++j) {
       auto part = result.block(at, to, reaches[i].own.rows(), reaches[j].own.rows());
       for (size_t k = 0; k < reaches[j].kept.size(); ++k) {
         const int b = reaches[j].kept[k], size = analysis.size(b);
-        part.noalias() += to_kept.middleCols(row[static_cast<size_t>(b)], size) *
-                          reaches[j].g.middleCols(reaches[j].starts[k], size).transpose();
+        part.noalias() +=
+            to_kept.middleCols(row[b], size) * reaches[j].g.middleCols(reaches[j].starts[k], size).transpose();
       }
       if (i != j) result.block(to, at, part.cols(), part.rows()) = part.transpose();
     }
@@ -223,7 +222,7 @@ std::vector<Eigen::MatrixXd> Cofactors::all_own() const {
   std::vector<Eigen::MatrixXd> result(static_cast<size_t>(layout_.block_count()));
   for (int b = 0; b < layout_.block_count(); ++b) {
     stop_point();
-    if (layout_.size(b) > 0) result[static_cast<size_t>(b)] = own(b);
+    if (layout_.size(b) > 0) result[b] = own(b);
   }
   return result;
 }
@@ -237,8 +236,7 @@ struct Cofactors::Touched {
   void set(const Rows::Part& a, const Rows::Part& b, const Source& source) {
     for (int c = 0; c < b.size; ++c)
       for (int r = 0; r < a.size; ++r)
-        k[static_cast<size_t>((a.column + r) * stride + b.column + c)] =
-            k[static_cast<size_t>((b.column + c) * stride + a.column + r)] = source(r, c);
+        k[(a.column + r) * stride + b.column + c] = k[(b.column + c) * stride + a.column + r] = source(r, c);
   }
 };
 
@@ -249,13 +247,13 @@ Cofactors::Square Cofactors::of_rows(const Rows& rows, int own_block, const Loca
   std::array<int, Rows::max_parts> column{};  // of the kept parts among the local ones
   int next = 0;
   for (int k = 0; k < rows.parts && near; ++k)
-    if (rows.part[static_cast<size_t>(k)].block != own_block) column[static_cast<size_t>(k)] = local[next++];
+    if (rows.part[k].block != own_block) column[k] = local[next++];
   for (int l = 0; l < rows.parts; ++l) {
-    const auto& b = rows.part[static_cast<size_t>(l)];
+    const auto& b = rows.part[l];
     const bool to_own = near && b.block == own_block;
-    const int to = column[static_cast<size_t>(l)];
+    const int to = column[l];
     for (int k = 0; k < rows.parts; ++k) {
-      const auto& a = rows.part[static_cast<size_t>(k)];
+      const auto& a = rows.part[k];
       const bool from_own = near && a.block == own_block;
       if (to_own && from_own)
         touched.set(a, b, near->own);
@@ -268,7 +266,7 @@ Cofactors::Square Cofactors::of_rows(const Rows& rows, int own_block, const Loca
             a, b,
             kept_.dense().block(elimination_.kept_offset(a.block), elimination_.kept_offset(b.block), a.size, b.size));
       else if (near)
-        touched.set(a, b, near->kept.block(column[static_cast<size_t>(k)], to, a.size, b.size));
+        touched.set(a, b, near->kept.block(column[k], to, a.size, b.size));
       else
         touched.set(a, b, kept_.block(elimination_.kept_index(a.block), elimination_.kept_index(b.block)));
     }

@@ -60,8 +60,8 @@ void move(const Problem& problem, const Eigen::Vector3d& centre, const Eigen::Ma
     if (camera.lens == Lens::fisheye) continue;
     const int first = camera.lens == Lens::brown ? 4 : 3, distance = value_count(camera.lens) - 2;
     for (int k = 0; k < 2; ++k) {
-      double& term = state.interiors[c][static_cast<size_t>(distance + k)];
-      state.interiors[c][static_cast<size_t>(first + k)] += camera.inverse_reference * (scale - 1) * term;
+      double& term = state.interiors[c][distance + k];
+      state.interiors[c][first + k] += camera.inverse_reference * (scale - 1) * term;
       term *= scale;
     }
   }
@@ -71,9 +71,9 @@ void move(const Problem& problem, const Eigen::Vector3d& centre, const Eigen::Ma
 double change_with_scale(const Camera& camera, const Interior& values, int value) {
   if (camera.lens == Lens::fisheye) return 0;  // has none
   const int count = value_count(camera.lens), first_coefficient = camera.lens == Lens::brown ? 4 : 3;
-  if (value >= count - 2) return values[static_cast<size_t>(value)];
+  if (value >= count - 2) return values[value];
   const int order = value - first_coefficient;
-  return order == 0 || order == 1 ? camera.inverse_reference * values[static_cast<size_t>(count - 2 + order)] : 0.0;
+  return order == 0 || order == 1 ? camera.inverse_reference * values[count - 2 + order] : 0.0;
 }
 
 Eigen::Vector3d centre_of_bodies(const Problem& problem, const State& state) {
@@ -119,7 +119,7 @@ Eigen::MatrixXd motions_of(const Problem& problem, const Layout& layout, const S
       const auto& free = layout.free_values(ref.index);
       const Camera& camera = problem.cameras[i];
       for (int k = 0; k < static_cast<int>(free.size()); ++k)
-        g(row + k, 6) = change_with_scale(camera, state.interiors[i], free[static_cast<size_t>(k)]);
+        g(row + k, 6) = change_with_scale(camera, state.interiors[i], free[k]);
     }
   }
   return g;
@@ -168,7 +168,7 @@ int free_motions(const Problem& problem) {
       if (ref.kind == Kind::scale) has_scale = true;
     }
   for (const auto& plate : problem.plates)
-    if (!problem.batches[static_cast<size_t>(plate.batch)].scale_free) has_scale = true;
+    if (!problem.batches[plate.batch].scale_free) has_scale = true;
   return has_scale ? least_squares::motion_count - 1 : least_squares::motion_count;
 }
 

@@ -19,9 +19,9 @@ double apply_loss(const Loss& loss, bool robust, bool jacobians, Rows& rows) {
   if (jacobians) {
     const double factor = std::sqrt(loss.slope(s));
     if (factor == 1) return loss.value(s);
-    for (int i = 0; i < rows.rows; ++i) rows.residual[static_cast<size_t>(i)] *= factor;
+    for (int i = 0; i < rows.rows; ++i) rows.residual[i] *= factor;
     for (int i = 0; i < rows.rows; ++i)
-      for (int c = 0; c < rows.columns; ++c) rows.storage[static_cast<size_t>(i * Rows::stride + c)] *= factor;
+      for (int c = 0; c < rows.columns; ++c) rows.storage[i * Rows::stride + c] *= factor;
   }
   return loss.value(s);
 }
@@ -78,12 +78,12 @@ bool Elimination::linearise(const State& state, const Loss& loss, int first, int
   Rows rows;
   for (int e = first; e < last; ++e) {
     stop_point();
-    Block& block = blocks_[static_cast<size_t>(e)];
+    Block& block = blocks_[e];
     double* w = y_.data() + block.y;
     std::fill_n(w, static_cast<size_t>(block.size) * (static_cast<size_t>(block.columns) + 1), 0.0);
     Eigen::Matrix<double, 6, 6> v = Eigen::Matrix<double, 6, 6>::Zero();
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
-    for (const TermRef& term : terms_[static_cast<size_t>(e)]) {
+    for (const TermRef& term : terms_[e]) {
       const size_t i = static_cast<size_t>(term.index);
       if (term.kind == TermRef::Kind::known) {  // of this block alone: others are tied and kept
         const Linear& known = known_[i];
@@ -117,28 +117,27 @@ void Elimination::add_products(const Block& block, const TermRef& term, const Ro
   std::array<Outer, 48> jobs;
   int count = 0;
   const auto add = [&](double* target, std::ptrdiff_t stride, const Rows::Part& a, const Rows::Part& b) {
-    jobs[static_cast<size_t>(count++)] = {
+    jobs[count++] = {
         target,       stride,      rows.storage.data() + a.column, rows.storage.data() + b.column, a.size, b.size,
         Rows::stride, Rows::stride};
   };
   const auto add_gradient = [&](double* target, const Rows::Part& b) {
-    jobs[static_cast<size_t>(count++)] = {target, 0, rows.residual.data(), rows.storage.data() + b.column, 1,
-                                          b.size, 1, Rows::stride};
+    jobs[count++] = {target, 0, rows.residual.data(), rows.storage.data() + b.column, 1, b.size, 1, Rows::stride};
   };
   int own = 0;
-  while (rows.part[static_cast<size_t>(own)].block != block.block) ++own;
-  const Rows::Part& mine = rows.part[static_cast<size_t>(own)];
+  while (rows.part[own].block != block.block) ++own;
+  const Rows::Part& mine = rows.part[own];
   add(v, 6, mine, mine);
   add_gradient(g, mine);
   int next = 0;
   for (int k = 0; k < rows.parts; ++k) {
     if (k == own) continue;
-    const Rows::Part& a = rows.part[static_cast<size_t>(k)];
-    add(w + term.local[static_cast<size_t>(next++)], block.columns, mine, a);
+    const Rows::Part& a = rows.part[k];
+    add(w + term.local[next++], block.columns, mine, a);
     add_gradient(sums.gradient.data() + kept_offset(a.block), a);
     const int index = kept_index(a.block);
     for (int l = 0; l < rows.parts; ++l) {
-      const Rows::Part& b = rows.part[static_cast<size_t>(l)];
+      const Rows::Part& b = rows.part[l];
       if (l == own || kept_index(b.block) > index) continue;
       auto target = sums.direct.at(index, kept_index(b.block));
       add(target.data(), target.outerStride(), b, a);
@@ -192,8 +191,7 @@ void Elimination::add_known(const Linear& known) {
   for (const auto& a : known.parts)
     for (const auto& b : known.parts) {
       if (a.kept < b.kept || (known.diagonal && &a != &b)) continue;
-      normal_.at(a.kept, b.kept)
-          .block(known.at[static_cast<size_t>(a.first)], known.at[static_cast<size_t>(b.first)], a.count, b.count) +=
+      normal_.at(a.kept, b.kept).block(known.at[a.first], known.at[b.first], a.count, b.count) +=
           known.normal.block(a.first, b.first, a.count, b.count);
     }
 }
@@ -226,10 +224,10 @@ bool Elimination::add_loose(const State& state, const Loss& loss) {
     }
     cost_ += cost;
     for (int k = 0; k < rows.parts; ++k) {
-      const Rows::Part& a = rows.part[static_cast<size_t>(k)];
+      const Rows::Part& a = rows.part[k];
       right_.segment(layout_.offset(a.block), a.size) -= rows.jacobian(k).transpose() * rows.values();
       for (int l = 0; l < rows.parts; ++l) {
-        const Rows::Part& b = rows.part[static_cast<size_t>(l)];
+        const Rows::Part& b = rows.part[l];
         if (kept_index(a.block) < kept_index(b.block)) continue;
         normal_.at(kept_index(a.block), kept_index(b.block)) += rows.jacobian(k).transpose() * rows.jacobian(l);
       }
@@ -250,13 +248,12 @@ void Elimination::subtract(size_t first, size_t step) {
     const double* limit = y_.data() + std::min(end, y_.size());
     for (size_t k = first; k < kept_blocks_.size(); k += step) {
       const int block = kept_blocks_[k], at = kept_offset(block);
-      const auto& coupled = coupled_[static_cast<size_t>(block)];
+      const auto& coupled = coupled_[block];
       const size_t begin = next[k];
       while (next[k] < coupled.size() && coupled[next[k]].y < limit) ++next[k];
       if (next[k] == begin) continue;
       const auto& column = normal_.column(static_cast<int>(k));
-      for (size_t r = 0; r < column.rows.size(); ++r)
-        rows[static_cast<size_t>(normal_.offset(column.rows[r]))] = column.starts[r];
+      for (size_t r = 0; r < column.rows.size(); ++r) rows[normal_.offset(column.rows[r])] = column.starts[r];
       subtract_strip(normal_.values() + column.begin, column.height(), layout_.size(block), rows.data(),
                      coupled.data() + begin, next[k] - begin, reduced_right_.data() + at);
     }
@@ -273,7 +270,7 @@ bool Elimination::build(const State& state, double damping, const Loss& loss) {
   diagonal_.setZero(layout_.unknown_count());
   for_each_index(chunks, threads_, [&](int c) {
     const auto bound = [&](int k) { return static_cast<int>(static_cast<int64_t>(count) * k / chunks); };
-    linearise(state, loss, bound(c), bound(c + 1), damping, sums[static_cast<size_t>(c)]);
+    linearise(state, loss, bound(c), bound(c + 1), damping, sums[c]);
   });
   undefined_.clear();
   for (const Sums& s : sums)
@@ -286,7 +283,7 @@ bool Elimination::build(const State& state, double damping, const Loss& loss) {
   for (const Sums& s : sums) {
     cost_ += s.cost;
     for (int k = 0; k < direct_.block_count(); ++k) {
-      const int b = kept_blocks_[static_cast<size_t>(k)];
+      const int b = kept_blocks_[k];
       right_.segment(layout_.offset(b), layout_.size(b)) -= s.gradient.segment(kept_offset(b), layout_.size(b));
       for (int row : direct_.column(k).rows) normal_.at(row, k) += s.direct.at(row, k);
     }

@@ -97,9 +97,9 @@ class Elimination {
     return Eigen::Map<const Eigen::MatrixXd>(y_.data() + b.y, b.columns, b.size).transpose();
   }
   /// Index into blocks(), or −1.
-  int eliminated(int block) const { return eliminated_[static_cast<size_t>(block)]; }
+  int eliminated(int block) const { return eliminated_[block]; }
   /// First row of a kept block in the reduced system, or −1.
-  int kept_offset(int block) const { return kept_offset_[static_cast<size_t>(block)]; }
+  int kept_offset(int block) const { return kept_offset_[block]; }
   /// Scale of each kept unknown in the factorised matrix: 1/√diagonal.
   const Eigen::VectorXd& scale() const { return scale_; }
   /// S before its scaling, by kept blocks in their order.
@@ -108,14 +108,14 @@ class Elimination {
   const least_squares::SparseCholesky& factor() const { return factor_; }
   const std::vector<int>& kept_blocks() const { return kept_blocks_; }
   /// Number of a kept block among the kept ones, or −1.
-  int kept_index(int block) const { return kept_index_[static_cast<size_t>(block)]; }
+  int kept_index(int block) const { return kept_index_[block]; }
 
   struct TermRef {
     enum class Kind : int { point, tag, distance, known } kind;
     int index;
     std::array<int, 6> local;  ///< columns in Y of its kept parts, in the order of its parts
   };
-  const std::vector<TermRef>& terms(int eliminated) const { return terms_[static_cast<size_t>(eliminated)]; }
+  const std::vector<TermRef>& terms(int eliminated) const { return terms_[eliminated]; }
   const std::vector<TermRef>& loose_terms() const { return loose_; }
 
  private:

@@ -22,10 +22,10 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
     if (!evaluate(problem_, layout_, state, term, true, rows)) return false;
     const double weight = weigh(robust, rows.values().squaredNorm());
     for (int k = 0; k < rows.parts; ++k) {
-      const Rows::Part& part = rows.part[static_cast<size_t>(k)];
+      const Rows::Part& part = rows.part[k];
       double* to = right.data() + layout_.offset(part.block);
       for (int r = 0; r < rows.rows; ++r) {
-        const double residual = weight * rows.residual[static_cast<size_t>(r)];
+        const double residual = weight * rows.residual[r];
         const double* from = rows.storage.data() + r * Rows::stride + part.column;
         for (int c = 0; c < part.size; ++c) to[c] -= residual * from[c];
       }
@@ -56,7 +56,7 @@ bool Elimination::gradient(const State& state, Eigen::VectorXd& right, double& c
 /// right −= weight · Jᵀ r of a tag, in the unknowns that are free.
 void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_tag, double weight,
                                     Eigen::VectorXd& right) const {
-  const int camera = problem_.images[static_cast<size_t>(term.image)].camera;
+  const int camera = problem_.images[term.image].camera;
   const auto subtract = [&](Ref ref, const auto& values) {
     const int block = layout_.block(ref), size = layout_.size(block);
     right.segment(layout_.offset(block), size) -= weight * values.head(size);
@@ -64,14 +64,14 @@ void Elimination::subtract_gradient(const ImageTag& term, const TagGradient& of_
   subtract({Kind::image, term.image}, of_tag.by_image);
   subtract({Kind::plate, term.plate}, of_tag.by_plate);
   subtract({Kind::shift, term.image}, of_tag.by_shift);
-  const int batch = problem_.plates[static_cast<size_t>(term.plate)].batch;
+  const int batch = problem_.plates[term.plate].batch;
   const int scale = layout_.block({Kind::scale, batch});
   const int inset = layout_.block({Kind::inset, term.inset < 0 ? batch : term.inset});
   if (layout_.size(scale) > 0) right(layout_.offset(scale)) -= weight * of_tag.by_scale;
   if (layout_.size(inset) > 0) right(layout_.offset(inset)) -= weight * of_tag.by_inset;
   const int form = layout_.block({Kind::form, term.plate});
   right.segment(layout_.offset(form), layout_.size(form)) -=
-      weight * of_tag.by_form.segment(problem_.plates[static_cast<size_t>(term.plate)].form_begin, layout_.size(form));
+      weight * of_tag.by_form.segment(problem_.plates[term.plate].form_begin, layout_.size(form));
   int next = layout_.offset(layout_.block({Kind::camera, camera}));
   for (int value : layout_.free_values(camera)) right(next++) -= weight * of_tag.by_interior(value);
 }
@@ -138,7 +138,7 @@ Eigen::VectorXd Elimination::substitute_back(const Eigen::VectorXd& reduced, con
     multiply_runs(y_of(block), block.size, block.columns, runs(block), block.run_count, kept.data(), from_kept.data());
     auto x = result.segment(layout_.offset(block.block), block.size);
     for (int r = block.size - 1; r >= 0; --r) {
-      double sum = halves[e](r) - from_kept[static_cast<size_t>(r)];
+      double sum = halves[e](r) - from_kept[r];
       for (int k = r + 1; k < block.size; ++k) sum -= block.factor(k, r) * x(k);
       x(r) = sum / block.factor(r, r);
     }

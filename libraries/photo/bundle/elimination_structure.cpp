@@ -28,13 +28,13 @@ Elimination::Elimination(const Problem& problem, const Layout& layout, Side side
 void Elimination::choose_side(Side side) {
   tied_.assign(static_cast<size_t>(layout_.block_count()), false);
   for (const auto& d : problem_.distances)
-    for (Ref ref : {d.from, d.to}) tied_[static_cast<size_t>(layout_.block(ref))] = true;
+    for (Ref ref : {d.from, d.to}) tied_[layout_.block(ref)] = true;
   for (const auto& k : problem_.known)
     if (k.refs.size() > 1)
-      for (Ref ref : k.refs) tied_[static_cast<size_t>(layout_.block(ref))] = true;
+      for (Ref ref : k.refs) tied_[layout_.block(ref)] = true;
   bool images_tied = false;
   for (size_t i = 0; i < problem_.images.size(); ++i)
-    images_tied = images_tied || tied_[static_cast<size_t>(layout_.block({Kind::image, static_cast<int>(i)}))];
+    images_tied = images_tied || tied_[layout_.block({Kind::image, static_cast<int>(i)})];
   if (side != Side::automatic) {
     side_ = side;
     return;
@@ -42,22 +42,20 @@ void Elimination::choose_side(Side side) {
   // Multiplications of the elimination and of the factorisation, roughly.
   std::vector<double> seen_by_image(problem_.images.size()), seen_by_point(problem_.points.size()),
       seen_by_plate(problem_.plates.size());
-  for (const auto& o : problem_.image_points)
-    seen_by_image[static_cast<size_t>(o.image)] += 3, seen_by_point[static_cast<size_t>(o.point)] += 6;
-  for (const auto& o : problem_.image_tags)
-    seen_by_image[static_cast<size_t>(o.image)] += 6, seen_by_plate[static_cast<size_t>(o.plate)] += 6;
+  for (const auto& o : problem_.image_points) seen_by_image[o.image] += 3, seen_by_point[o.point] += 6;
+  for (const auto& o : problem_.image_tags) seen_by_image[o.image] += 6, seen_by_plate[o.plate] += 6;
   double body_size = 0, image_size = 6 * static_cast<double>(problem_.images.size()), by_body = 0, by_image = 0;
   for (double s : seen_by_image) by_image += 3 * s * s;
   for (size_t j = 0; j < seen_by_point.size(); ++j) {
     body_size += 3;
-    if (tied_[static_cast<size_t>(layout_.block({Kind::point, static_cast<int>(j)}))])
+    if (tied_[layout_.block({Kind::point, static_cast<int>(j)})])
       image_size += 3;
     else
       by_body += 1.5 * seen_by_point[j] * seen_by_point[j];
   }
   for (size_t j = 0; j < seen_by_plate.size(); ++j) {
     body_size += 6;
-    if (tied_[static_cast<size_t>(layout_.block({Kind::plate, static_cast<int>(j)}))])
+    if (tied_[layout_.block({Kind::plate, static_cast<int>(j)})])
       image_size += 6;
     else
       by_body += 3 * seen_by_plate[j] * seen_by_plate[j];
@@ -78,9 +76,9 @@ void Elimination::sort_unknowns() {
     if (layout_.size(b) == 0) continue;
     const Kind kind = layout_.ref(b).kind;
     const bool body = kind == Kind::point || kind == Kind::plate;
-    const bool goes = side_ == Side::bodies ? body && !tied_[static_cast<size_t>(b)] : kind == Kind::image;
+    const bool goes = side_ == Side::bodies ? body && !tied_[b] : kind == Kind::image;
     if (goes) {
-      eliminated_[static_cast<size_t>(b)] = static_cast<int>(blocks_.size());
+      eliminated_[b] = static_cast<int>(blocks_.size());
       blocks_.emplace_back();
       blocks_.back().block = b;
       blocks_.back().size = layout_.size(b);
@@ -103,8 +101,8 @@ void Elimination::blocks_of(const TermRef& term, std::vector<int>& all) const {
   const size_t i = static_cast<size_t>(term.index);
   if (term.kind == TermRef::Kind::point) {
     const ImagePoint& o = problem_.image_points[i];
-    const Image& image = problem_.images[static_cast<size_t>(o.image)];
-    const int sheet = problem_.points[static_cast<size_t>(o.point)].sheet;
+    const Image& image = problem_.images[o.image];
+    const int sheet = problem_.points[o.point].sheet;
     all = {layout_.block({Kind::image, problem_.pose_of(o.image)}), layout_.block({Kind::camera, image.camera}),
            layout_.block({Kind::shift, o.image})};
     if (image.mount >= 0) all.push_back(layout_.block({Kind::mount, image.mount}));
@@ -112,9 +110,9 @@ void Elimination::blocks_of(const TermRef& term, std::vector<int>& all) const {
     all.push_back(layout_.block({Kind::point, o.point}));
   } else if (term.kind == TermRef::Kind::tag) {
     const ImageTag& o = problem_.image_tags[i];
-    const int batch = problem_.plates[static_cast<size_t>(o.plate)].batch;
+    const int batch = problem_.plates[o.plate].batch;
     all = {layout_.block({Kind::image, o.image}),
-           layout_.block({Kind::camera, problem_.images[static_cast<size_t>(o.image)].camera}),
+           layout_.block({Kind::camera, problem_.images[o.image].camera}),
            layout_.block({Kind::shift, o.image}),
            layout_.block({Kind::scale, batch}),
            layout_.block({Kind::inset, o.inset < 0 ? batch : o.inset}),
@@ -141,8 +139,8 @@ void Elimination::sort_terms() {
         loose_.push_back(term);
         continue;
       }
-      terms_[static_cast<size_t>(eliminated(*goes))].push_back(term);
-      auto& kept = blocks_[static_cast<size_t>(eliminated(*goes))].kept;
+      terms_[eliminated(*goes)].push_back(term);
+      auto& kept = blocks_[eliminated(*goes)].kept;
       for (int b : all)
         if (b != *goes) kept.push_back(b);
     }
@@ -180,7 +178,7 @@ void Elimination::lay_out_y() {
         if (b == block.block) continue;
         const auto at = std::lower_bound(block.kept.begin(), block.kept.end(), b,
                                          [&](int p, int q) { return kept_offset(p) < kept_offset(q); });
-        term.local[next++] = block.local[static_cast<size_t>(at - block.kept.begin())];
+        term.local[next++] = block.local[at - block.kept.begin()];
       }
     }
   }
@@ -191,13 +189,11 @@ std::string Elimination::name(const TermRef& term) const {
   const size_t i = static_cast<size_t>(term.index);
   if (term.kind == TermRef::Kind::point) {
     const auto& o = problem_.image_points[i];
-    return "point " + problem_.points[static_cast<size_t>(o.point)].name + " in image " +
-           problem_.images[static_cast<size_t>(o.image)].name;
+    return "point " + problem_.points[o.point].name + " in image " + problem_.images[o.image].name;
   }
   if (term.kind == TermRef::Kind::tag) {
     const auto& o = problem_.image_tags[i];
-    return "the tag of " + problem_.plates[static_cast<size_t>(o.plate)].name + " in image " +
-           problem_.images[static_cast<size_t>(o.image)].name;
+    return "the tag of " + problem_.plates[o.plate].name + " in image " + problem_.images[o.image].name;
   }
   return "the distance '" + problem_.distances[i].name + "'";
 }
@@ -205,7 +201,7 @@ std::string Elimination::name(const TermRef& term) const {
 void Elimination::prepare_known() {
   for (const Known& term : problem_.known) {
     Linear& known = known_.emplace_back();
-    known.whitening = term.whitening / problem_.groups[static_cast<size_t>(term.group)].sigma_factor;
+    known.whitening = term.whitening / problem_.groups[term.group].sigma_factor;
     std::vector<int> chosen;
     linear_columns(problem_, layout_, term, chosen, known.columns);
     known.jacobian = known.whitening(Eigen::all, chosen);
@@ -276,11 +272,11 @@ void Elimination::allocate() {
     stop_point();
     y_.resize(std::min(y_count_, y_.size() + portion));
   }
-  coupled_.resize(static_cast<size_t>(layout_.block_count()));
+  coupled_.resize(layout_.block_count());
   for (const Block& block : blocks_) {
     stop_point();
     for (size_t k = 0; k < block.kept.size(); ++k)
-      coupled_[static_cast<size_t>(block.kept[k])].push_back(
+      coupled_[block.kept[k]].push_back(
           {y_of(block), runs(block), block.run_count, block.size, block.columns, block.local[k]});
   }
 }

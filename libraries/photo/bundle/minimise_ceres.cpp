@@ -63,10 +63,10 @@ class Values : public ceres::EvaluationCallback {
     for (int b = 0; b < layout.block_count(); ++b) size += static_cast<size_t>(ambient(b));
     // Ceres orders parameters by their addresses: one array keeps that order, and with it the last bits, ours.
     array_.resize(size);
-    places_.resize(static_cast<size_t>(layout.block_count()));
+    places_.resize(layout.block_count());
     double* next = array_.data();
     for (int b = 0; b < layout.block_count(); ++b) {
-      places_[static_cast<size_t>(b)] = next;
+      places_[b] = next;
       next += ambient(b);
       exchange(b, true);
     }
@@ -76,7 +76,7 @@ class Values : public ceres::EvaluationCallback {
     const int size = layout_.size(block);
     return size == 6 && (kind == Kind::image || kind == Kind::plate || kind == Kind::mount) ? 7 : size;
   }
-  double* place(int block) const { return places_[static_cast<size_t>(block)]; }
+  double* place(int block) const { return places_[block]; }
   void PrepareForEvaluation(bool, bool new_point) override {
     if (new_point) read();
   }
@@ -106,13 +106,13 @@ class Values : public ceres::EvaluationCallback {
     } else if (ref.kind == Kind::point) {
       for (int c = 0; c < 3; ++c) copy(state.points[i](c), x[c]);
     } else if (ref.kind == Kind::camera) {
-      for (int v : layout_.free_values(ref.index)) copy(state.interiors[i][static_cast<size_t>(v)], *x++);
+      for (int v : layout_.free_values(ref.index)) copy(state.interiors[i][v], *x++);
     } else if (ref.kind == Kind::shift || ref.kind == Kind::bend) {
       Eigen::Vector2d& pair = ref.kind == Kind::shift ? state.shifts[i] : state.bends[i];
       for (int c = 0; c < 2; ++c) copy(pair(c), x[c]);
     } else if (ref.kind == Kind::form) {
       const int first = problem_.plates[i].form_begin;
-      for (int c = 0; c < layout_.size(block); ++c) copy(state.forms[i][static_cast<size_t>(first + c)], x[c]);
+      for (int c = 0; c < layout_.size(block); ++c) copy(state.forms[i][first + c], x[c]);
     } else {
       copy(ref.kind == Kind::scale ? state.scales[i] : state.insets[i], *x);
     }
@@ -209,7 +209,7 @@ void add_terms(const std::vector<Term>& terms, const Values& values, ceres::Loss
     std::vector<int> blocks;
     std::vector<double*> places;
     for (int k = 0; k < rows.parts; ++k) {
-      blocks.push_back(rows.part[static_cast<size_t>(k)].block);
+      blocks.push_back(rows.part[k].block);
       places.push_back(values.place(blocks.back()));
     }
     bool robust = false;

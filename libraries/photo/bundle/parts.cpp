@@ -53,7 +53,7 @@ std::string words_of_parts(const Problem& problem) {
   constexpr std::size_t most = 4;
   std::vector<std::string> words;
   for (std::size_t k = 0; k < std::min(parts.size(), most); ++k) {
-    const auto name = [&](int i) { return problem.images[static_cast<std::size_t>(i)].name; };
+    const auto name = [&](int i) { return problem.images[i].name; };
     const auto& part = parts[k];
     words.push_back(part.size() == 1 ? name(part[0])
                                      : name(part.front()) + " … " + name(part.back()) + " (" +

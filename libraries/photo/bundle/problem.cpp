@@ -37,7 +37,7 @@ size_t count_of(const Problem& p, Kind kind) {
 }
 
 Eigen::Index coordinates_of(const Problem& p, Ref ref) {
-  if (ref.kind == Kind::camera) return value_count(p.cameras[static_cast<size_t>(ref.index)].lens);
+  if (ref.kind == Kind::camera) return value_count(p.cameras[ref.index].lens);
   if (ref.kind == Kind::shift || ref.kind == Kind::bend) return 2;
   if (ref.kind == Kind::form) return form_count;
   return ref.kind == Kind::scale || ref.kind == Kind::inset ? 1 : 3;
@@ -89,7 +89,7 @@ void Problem::require_consistent() const {
     if (i.mount >= 0) check({Kind::mount, i.mount});
     if (i.exposure < 0) continue;
     check({Kind::image, i.exposure});
-    require(images[static_cast<size_t>(i.exposure)].exposure < 0, "an exposure's image has no pose of its own");
+    require(images[i.exposure].exposure < 0, "an exposure's image has no pose of its own");
   }
   for (const auto& p : points) {
     if (p.sheet < 0) continue;
@@ -100,7 +100,7 @@ void Problem::require_consistent() const {
   for (const auto& o : image_points) check({Kind::image, o.image}), check({Kind::point, o.point});
   for (const auto& o : image_tags) {
     check({Kind::image, o.image}), check({Kind::plate, o.plate});
-    const Image& image = images[static_cast<size_t>(o.image)];
+    const Image& image = images[o.image];
     require(image.mount < 0 && image.exposure < 0, "tags in photographs of a rig are not computed");
     if (o.inset >= 0) check({Kind::inset, o.inset});
   }
@@ -123,7 +123,7 @@ Layout::Layout(const Problem& problem) {
   offsets_.push_back(0);
   for (int k = 0; k < kind_count; ++k) {
     const Kind kind = static_cast<Kind>(k);
-    first_[static_cast<size_t>(k)] = static_cast<int>(sizes_.size());
+    first_[k] = static_cast<int>(sizes_.size());
     for (int i = 0; i < static_cast<int>(count_of(problem, kind)); ++i) {
       sizes_.push_back(size_of(problem, {kind, i}));
       offsets_.push_back(offsets_.back() + sizes_.back());
@@ -140,7 +140,7 @@ Layout::Layout(const Problem& problem) {
 Ref Layout::ref(int block) const {
   int kind = 0;
   while (block >= first_[static_cast<size_t>(kind) + 1]) ++kind;
-  return {static_cast<Kind>(kind), block - first_[static_cast<size_t>(kind)]};
+  return {static_cast<Kind>(kind), block - first_[kind]};
 }
 
 Eigen::Vector3d turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
@@ -167,14 +167,13 @@ void apply_step(const Problem& problem, const Layout& layout, const Eigen::Vecto
   for (size_t i = 0; i < problem.plates.size(); ++i) place(state.plates[i], at(Kind::plate, i));
   for (size_t i = 0; i < problem.cameras.size(); ++i) {
     int offset = at(Kind::camera, i);
-    for (int value : layout.free_values(static_cast<int>(i)))
-      state.interiors[i][static_cast<size_t>(value)] += step(offset++);
+    for (int value : layout.free_values(static_cast<int>(i))) state.interiors[i][value] += step(offset++);
   }
   for (size_t i = 0; i < problem.images.size(); ++i)
     if (problem.images[i].shift_free) state.shifts[i] += step.segment<2>(at(Kind::shift, i));
   for (size_t i = 0; i < problem.plates.size(); ++i)
     for (int k = problem.plates[i].form_begin, offset = at(Kind::form, i); k < problem.plates[i].form_end; ++k)
-      state.forms[i][static_cast<size_t>(k)] += step(offset++);
+      state.forms[i][k] += step(offset++);
   for (size_t i = 0; i < problem.batches.size(); ++i) {
     if (problem.batches[i].scale_free) state.scales[i] += step(at(Kind::scale, i));
     if (problem.batches[i].inset_free) state.insets[i] += step(at(Kind::inset, i));
@@ -198,9 +197,7 @@ std::string name_of_unknown(const Problem& problem, const Layout& layout, int un
       return c < 3 ? problem.plates[i].name + " " + axes[c]
                    : problem.plates[i].name + " plate rotation " + std::string(axes[c - 3]);
     case Kind::camera:
-      return "interior orientation " +
-             value_names(
-                 problem.cameras[i].lens)[static_cast<size_t>(layout.free_values(ref.index)[static_cast<size_t>(c)])] +
+      return "interior orientation " + value_names(problem.cameras[i].lens)[layout.free_values(ref.index)[c]] +
              (problem.cameras.size() > 1 ? " of camera " + problem.cameras[i].name : "");
     case Kind::scale:
       return "tag scale of batch '" + problem.batches[i].name + "'";

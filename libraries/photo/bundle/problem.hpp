@@ -145,7 +145,7 @@ struct Problem {
   int row_count() const;
   /// The image whose pose is this one's, or this one's rig's.
   int pose_of(int image) const {
-    const int exposure = images[static_cast<size_t>(image)].exposure;
+    const int exposure = images[image].exposure;
     return exposure < 0 ? image : exposure;
   }
   /// Throws std::runtime_error for an index out of its range or a whitening of the wrong size.
@@ -175,9 +175,7 @@ struct State {
   std::vector<double> scales, insets;  ///< one a batch: size over nominal, inset [px]
   /// One an image, or none at all: principal point minus that of its camera, in the image's unit.
   std::vector<Eigen::Vector2d> shifts = {};
-  Eigen::Vector2d shift(int image) const {
-    return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[static_cast<size_t>(image)];
-  }
+  Eigen::Vector2d shift(int image) const { return shifts.empty() ? Eigen::Vector2d(0, 0) : shifts[image]; }
   std::vector<Form> forms = {};  ///< one a plate, or none at all: squares
   std::vector<Placement> mounts = {};
   std::vector<Eigen::Vector2d> bends = {};  ///< one a sheet
@@ -193,12 +191,12 @@ class Layout {
   explicit Layout(const Problem& problem);
   int block_count() const { return static_cast<int>(sizes_.size()); }
   int unknown_count() const { return offsets_.back(); }
-  int block(Ref ref) const { return first_[static_cast<size_t>(ref.kind)] + ref.index; }
+  int block(Ref ref) const { return first_[ref.kind] + ref.index; }
   Ref ref(int block) const;
-  int size(int block) const { return sizes_[static_cast<size_t>(block)]; }
-  int offset(int block) const { return offsets_[static_cast<size_t>(block)]; }
+  int size(int block) const { return sizes_[block]; }
+  int offset(int block) const { return offsets_[block]; }
   /// Values of the camera that are unknowns, in their order.
-  const std::vector<int>& free_values(int camera) const { return free_values_[static_cast<size_t>(camera)]; }
+  const std::vector<int>& free_values(int camera) const { return free_values_[camera]; }
 
  private:
   std::array<int, kind_count + 1> first_{};

@@ -48,13 +48,13 @@ void ScoreTest::add(const std::vector<int>& columns, const RowMajor& jacobian,
   const auto stride = static_cast<int>(jacobian.outerStride());
   products_.assign(static_cast<size_t>(count) + 1, 0.0);
   for (int c = 0; c < count; ++c) {
-    const int further = further_[static_cast<size_t>(columns[static_cast<size_t>(c)])];
+    const int further = further_[columns[c]];
     if (further < 0) continue;
     std::fill(products_.begin(), products_.end(), 0.0);
     const Outer jobs[2] = {{products_.data(), 0, jacobian.data() + c, jacobian.data(), 1, count, stride, stride},
                            {products_.data() + count, 0, jacobian.data() + c, residual.data(), 1, 1, stride, 1}};
     add_outer(rows, jobs, 2);
-    right_(further) -= products_[static_cast<size_t>(count)];
+    right_(further) -= products_[count];
     for (size_t d = 0; d < columns.size(); ++d) {
       const size_t unknown = static_cast<size_t>(columns[d]);
       if (further_[unknown] >= 0)
@@ -81,8 +81,7 @@ void ScoreTest::add_observations(const State& state, int eliminated) {
       continue;  // distances and known coordinates have nothing to do with a camera
     columns.clear();
     for (int k = 0; k < rows.parts; ++k)
-      for (int c = 0; c < rows.part[static_cast<size_t>(k)].size; ++c)
-        columns.push_back(large_.offset(rows.part[static_cast<size_t>(k)].block) + c);
+      for (int c = 0; c < rows.part[k].size; ++c) columns.push_back(large_.offset(rows.part[k].block) + c);
     const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>, 0,
                      Eigen::OuterStride<Rows::stride>>
         jacobian(rows.storage.data(), rows.rows, rows.columns);

@@ -272,19 +272,19 @@ bool sum_gradient(const TagInput& tag, int interior_count, TagGradient& to) {
 }
 
 int batch_of_inset(const Problem& problem, const ImageTag& term) {
-  return term.inset < 0 ? problem.plates[static_cast<size_t>(term.plate)].batch : term.inset;
+  return term.inset < 0 ? problem.plates[term.plate].batch : term.inset;
 }
 
 TagInput input_of(const Problem& problem, const State& state, const ImageTag& term) {
-  const int of_camera = problem.images[static_cast<size_t>(term.image)].camera;
-  const Camera& camera = problem.cameras[static_cast<size_t>(of_camera)];
-  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
-  const Placement& pose = state.images[static_cast<size_t>(term.image)];
-  const Placement& body = state.plates[static_cast<size_t>(term.plate)];
+  const int of_camera = problem.images[term.image].camera;
+  const Camera& camera = problem.cameras[of_camera];
+  const Plate& plate = problem.plates[term.plate];
+  const Placement& pose = state.images[term.image];
+  const Placement& body = state.plates[term.plate];
   const size_t drawn_by = static_cast<size_t>(batch_of_inset(problem, term));
   TagInput tag;
   tag.lens = camera.lens;
-  tag.interior = state.interiors[static_cast<size_t>(of_camera)].data();
+  tag.interior = state.interiors[of_camera].data();
   tag.balance_radius = camera.balance_radius;
   tag.inverse_reference = camera.inverse_reference;
   const auto set = [](std::array<double, 3>& to, const Eigen::Vector3d& from) { to = {from.x(), from.y(), from.z()}; };
@@ -293,14 +293,14 @@ TagInput input_of(const Problem& problem, const State& state, const ImageTag& te
   set(tag.centre, body.matrix * plate.shape.tag_centre_in_plate);
   set(tag.side_x, 0.5 * plate.shape.tag_size * body.matrix.col(0));
   set(tag.side_y, 0.5 * plate.shape.tag_size * body.matrix.col(1));
-  tag.scale = state.scales[static_cast<size_t>(plate.batch)];
-  if (!state.forms.empty()) tag.form = state.forms[static_cast<size_t>(term.plate)];
+  tag.scale = state.scales[plate.batch];
+  if (!state.forms.empty()) tag.form = state.forms[term.plate];
   tag.is_formed = plate.form_begin < plate.form_end || tag.form != Form{};
   if (tag.is_formed) set(tag.normal, 0.5 * plate.shape.tag_size * body.matrix.col(2));
   tag.inset = state.insets[drawn_by];
   tag.is_drawn = tag.inset != 0 || problem.batches[drawn_by].inset_free;
   Eigen::Map<Eigen::Vector2d>(tag.shift) = state.shift(term.image);
-  const double factor = problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const double factor = problem.groups[term.group].sigma_factor;
   for (size_t k = 0; k < 4; ++k) {
     for (size_t c = 0; c < 2; ++c) tag.corners[c][k] = term.corners[k](static_cast<Eigen::Index>(c));
     for (size_t e = 0; e < 4; ++e)
@@ -321,11 +321,11 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   const auto next = [&](Ref ref) {
     const int block = layout.block(ref), size = layout.size(block), at = rows.columns;
     if (size == 0) return -1;
-    rows.part[static_cast<size_t>(rows.parts++)] = {block, size, at};
+    rows.part[rows.parts++] = {block, size, at};
     rows.columns += size;
     return at;
   };
-  const int camera = problem.images[static_cast<size_t>(term.image)].camera;
+  const int camera = problem.images[term.image].camera;
   const auto& free = layout.free_values(camera);
   Columns columns;
   columns.image = next({Kind::image, term.image});
@@ -334,9 +334,9 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   columns.free_count = static_cast<int>(free.size());
   columns.principal_point = principal_point(tag.lens);
   columns.shift = next({Kind::shift, term.image});
-  columns.scale = next({Kind::scale, problem.plates[static_cast<size_t>(term.plate)].batch});
+  columns.scale = next({Kind::scale, problem.plates[term.plate].batch});
   columns.inset = next({Kind::inset, batch_of_inset(problem, term)});
-  const Plate& plate = problem.plates[static_cast<size_t>(term.plate)];
+  const Plate& plate = problem.plates[term.plate];
   columns.form = next({Kind::form, term.plate});
   columns.form_begin = plate.form_begin, columns.form_end = plate.form_end;
   columns.plate = next({Kind::plate, term.plate});

@@ -24,7 +24,7 @@ inline Matrix23 times_skew(const Matrix23& m, const Eigen::Vector3d& v) {
 template <int R, int C>
 auto add_part(Rows& rows, int block, int size = C) {
   using RowMajor = Eigen::Matrix<double, R, C, Eigen::RowMajor>;
-  rows.part[static_cast<size_t>(rows.parts++)] = {block, size, rows.columns};
+  rows.part[rows.parts++] = {block, size, rows.columns};
   double* at = rows.storage.data() + rows.columns;
   rows.columns += size;
   return Eigen::Map<RowMajor, 0, Eigen::OuterStride<Rows::stride>>(at, R, size);
@@ -40,21 +40,21 @@ Eigen::Vector3d position_of(const State& state, Ref ref) {
 
 bool evaluate(const Problem& problem, const Layout& layout, const State& state, const ImagePoint& term, bool jacobians,
               Rows& rows) {
-  const Image& image = problem.images[static_cast<size_t>(term.image)];
-  const Camera& camera = problem.cameras[static_cast<size_t>(image.camera)];
-  const Point& point = problem.points[static_cast<size_t>(term.point)];
+  const Image& image = problem.images[term.image];
+  const Camera& camera = problem.cameras[image.camera];
+  const Point& point = problem.points[term.point];
   const int pose_of = problem.pose_of(term.image);
-  const Placement& pose = state.images[static_cast<size_t>(pose_of)];
-  const Placement* mount = image.mount >= 0 ? &state.mounts[static_cast<size_t>(image.mount)] : nullptr;
-  Eigen::Vector3d from_pose = state.points[static_cast<size_t>(term.point)] - pose.position;
-  if (point.sheet >= 0) from_pose.z() += point.bent_by.dot(state.bends[static_cast<size_t>(point.sheet)]);
+  const Placement& pose = state.images[pose_of];
+  const Placement* mount = image.mount >= 0 ? &state.mounts[image.mount] : nullptr;
+  Eigen::Vector3d from_pose = state.points[term.point] - pose.position;
+  if (point.sheet >= 0) from_pose.z() += point.bent_by.dot(state.bends[point.sheet]);
   const Eigen::Vector3d in_pose = pose.matrix * from_pose;
   const Eigen::Vector3d v = mount ? Eigen::Vector3d(mount->matrix * (in_pose - mount->position)) : in_pose;
   LensRows lens;
-  if (!evaluate_lens(camera.lens, state.interiors[static_cast<size_t>(image.camera)].data(), camera.balance_radius,
-                     camera.inverse_reference, v, term.observed - state.shift(term.image), jacobians, lens))
+  if (!evaluate_lens(camera.lens, state.interiors[image.camera].data(), camera.balance_radius, camera.inverse_reference,
+                     v, term.observed - state.shift(term.image), jacobians, lens))
     return false;
-  const Eigen::Matrix2d w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const Eigen::Matrix2d w = term.whitening / problem.groups[term.group].sigma_factor;
   rows.rows = 2;
   rows.parts = rows.columns = 0;
   Eigen::Map<Eigen::Vector2d>(rows.residual.data()) = w * lens.misclosure;
@@ -76,12 +76,12 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
   if (image.shift_free)
     add_part<2, 2>(rows, layout.block({Kind::shift, term.image})) =
         w * lens.by_interior.middleCols<2>(principal_point(camera.lens));
-  if (mount && !problem.mounts[static_cast<size_t>(image.mount)].fixed) {
+  if (mount && !problem.mounts[image.mount].fixed) {
     auto part = add_part<2, 6>(rows, layout.block({Kind::mount, image.mount}));
     part.leftCols<3>() = -by_pose;
     part.rightCols<3>() = -times_skew(by_direction, v);
   }
-  if (point.sheet >= 0 && problem.sheets[static_cast<size_t>(point.sheet)].bend_free)
+  if (point.sheet >= 0 && problem.sheets[point.sheet].bend_free)
     add_part<2, 2>(rows, layout.block({Kind::bend, point.sheet})) = by_point.col(2) * point.bent_by.transpose();
   if (!point.fixed) add_part<2, 3>(rows, layout.block({Kind::point, term.point})) = by_point;
   return true;
@@ -90,7 +90,7 @@ bool evaluate(const Problem& problem, const Layout& layout, const State& state, 
 bool evaluate(const Problem& problem, const Layout& layout, const State& state, const Distance& term, bool jacobians,
               Rows& rows) {
   const Eigen::Vector3d d = position_of(state, term.to) - position_of(state, term.from);
-  const double length = d.norm(), sigma = term.sigma * problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const double length = d.norm(), sigma = term.sigma * problem.groups[term.group].sigma_factor;
   if (!(length > 0)) return false;
   rows.rows = 1;
   rows.parts = rows.columns = 0;
@@ -114,7 +114,7 @@ Eigen::VectorXd residual_of(const Problem& problem, const State& state, const Kn
     const size_t i = static_cast<size_t>(ref.index);
     if (ref.kind == Kind::camera) {
       const Eigen::Index count = value_count(problem.cameras[i].lens);
-      for (Eigen::Index k = 0; k < count; ++k) value(at + k) = state.interiors[i][static_cast<size_t>(k)];
+      for (Eigen::Index k = 0; k < count; ++k) value(at + k) = state.interiors[i][k];
       at += count;
     } else if (ref.kind == Kind::shift) {
       value.segment<2>(at) = state.shift(ref.index);
@@ -150,10 +150,9 @@ void linear_columns(const Problem& problem, const Layout& layout, const Known& t
     if (ref.kind == Kind::camera) {
       int next = offset;
       for (int k : layout.free_values(ref.index)) add(at + k, next++);
-      at += value_count(problem.cameras[static_cast<size_t>(ref.index)].lens);
+      at += value_count(problem.cameras[ref.index].lens);
     } else if (ref.kind == Kind::form) {
-      for (int k = 0; k < layout.size(block); ++k)
-        add(at + problem.plates[static_cast<size_t>(ref.index)].form_begin + k, offset + k);
+      for (int k = 0; k < layout.size(block); ++k) add(at + problem.plates[ref.index].form_begin + k, offset + k);
       at += form_count;
     } else {
       const int count = term.world_from_plate                                ? 6
@@ -172,7 +171,7 @@ KnownRows evaluate(const Problem& problem, const Layout& layout, const State& st
   linear_columns(problem, layout, term, chosen, result.columns);
   for (Ref ref : term.refs)
     if (layout.size(layout.block(ref)) > 0) result.blocks.push_back(layout.block(ref));
-  const Eigen::MatrixXd w = term.whitening / problem.groups[static_cast<size_t>(term.group)].sigma_factor;
+  const Eigen::MatrixXd w = term.whitening / problem.groups[term.group].sigma_factor;
   result.residual = residual_of(problem, state, term, w);
   result.jacobian = w(Eigen::all, chosen);
   return result;

@@ -25,7 +25,7 @@ struct Rows {
   auto values() const { return Eigen::Map<const Eigen::VectorXd>(residual.data(), rows); }
   auto jacobian(int k) const {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    const Part& p = part[static_cast<size_t>(k)];
+    const Part& p = part[k];
     return Eigen::Map<const RowMajor, 0, Eigen::OuterStride<stride>>(storage.data() + p.column, rows, p.size);
   }
 };

@@ -78,7 +78,7 @@ std::vector<int> image_order(const bundle::State& state) {
   double longest = -1;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) {
-      const auto &one = state.images[static_cast<size_t>(a)], &other = state.images[static_cast<size_t>(b)];
+      const auto &one = state.images[a], &other = state.images[b];
       const double base = std::abs(other.matrix.row(0).dot(other.position - one.position));
       if (a != b && base > longest) longest = base, first = a, second = b;
     }
@@ -109,7 +109,7 @@ markers::ColmapModel model_of(const bundle::Problem& problem, const bundle::Stat
   for (size_t j = 0; j < problem.points.size(); ++j)
     model.points[static_cast<std::int64_t>(j + 1)].position = state.points[j];
   for (const auto& seen : problem.image_points) {
-    markers::ColmapImage& image = model.images[id_of[static_cast<size_t>(seen.image)]];
+    markers::ColmapImage& image = model.images[id_of[seen.image]];
     model.points[seen.point + 1].track.emplace_back(image.id, static_cast<std::uint32_t>(image.features.size()));
     image.features.push_back({seen.observed, seen.point + 1});
   }

@@ -25,14 +25,14 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 TagStart with_two_rays(const TagBlock& block, const TagStart& start, std::vector<std::string>& left_out) {
   std::vector<std::set<int>> seen_by(block.plates.size());
   for (int o : start.observations) {
-    const auto& seen = block.observations[static_cast<size_t>(o)];
-    seen_by[static_cast<size_t>(seen.plate)].insert(seen.image);
+    const auto& seen = block.observations[o];
+    seen_by[seen.plate].insert(seen.image);
   }
   TagStart result;
   std::set<int> used;
   for (int o : start.observations) {
-    const auto& seen = block.observations[static_cast<size_t>(o)];
-    if (seen_by[static_cast<size_t>(seen.plate)].size() < 2) continue;
+    const auto& seen = block.observations[o];
+    if (seen_by[seen.plate].size() < 2) continue;
     result.observations.push_back(o);
     used.insert(seen.image);
   }
@@ -47,8 +47,7 @@ TagStart with_two_rays(const TagBlock& block, const TagStart& start, std::vector
   }
   for (size_t i = 0; i < start.images.size(); ++i) {
     if (!used.count(start.images[i])) {
-      left_out.push_back(block.images[static_cast<size_t>(start.images[i])].name +
-                         ": shares no tag with another image");
+      left_out.push_back(block.images[start.images[i]].name + ": shares no tag with another image");
       continue;
     }
     result.images.push_back(start.images[i]);
@@ -69,7 +68,7 @@ struct Corners {
 double corner_sigma_of(const TagBlock& block, const TagStart& start) {
   double sum = 0;
   for (int o : start.observations)
-    for (const auto& covariance : block.observations[static_cast<size_t>(o)].covariances) sum += covariance.trace();
+    for (const auto& covariance : block.observations[o].covariances) sum += covariance.trace();
   return std::sqrt(sum / (8 * static_cast<double>(start.observations.size())));
 }
 
@@ -109,7 +108,7 @@ Corners corners_of(const TagBlock& block, const TagStart& start, const TagModel&
     for (int k = 0; k < 4; ++k) {
       point.image = tag.image;
       point.point = 4 * tag.plate + k;
-      point.observed = tag.corners[static_cast<size_t>(k)];
+      point.observed = tag.corners[k];
       problem.image_points.push_back(point);
     }
   return corners;
@@ -150,13 +149,13 @@ std::vector<SimilarityMotion> plates_of(const TagModel& model, const bundle::Sta
 registration::Correspondences control_of(const TagBlock& block, const TagStart& start, const TagModel& model) {
   registration::Correspondences c;
   std::vector<int> rows;
-  const auto& known = model.problem.known[static_cast<size_t>(model.control_term)];
+  const auto& known = model.problem.known[model.control_term];
   c.target = Eigen::Map<const Eigen::Matrix3Xd>(known.target.data(), 3, known.target.size() / 3);
   c.source.resize(3, c.target.cols());
   for (int j : model.control_plates) {
-    c.ids.push_back(model.problem.plates[static_cast<size_t>(j)].name);
+    c.ids.push_back(model.problem.plates[j].name);
     const auto& among = block.control.plates;
-    const auto at = std::find(among.begin(), among.end(), start.plates[static_cast<size_t>(j)]) - among.begin();
+    const auto at = std::find(among.begin(), among.end(), start.plates[j]) - among.begin();
     for (int k = 0; k < 3; ++k) rows.push_back(3 * static_cast<int>(at) + k);
   }
   c.target_covariance = block.control.covariance(rows, rows);
@@ -176,8 +175,7 @@ registration::Registration register_on_control(const TagBlock& block, const TagS
   for (int pass = 0; pass < 20; ++pass) {
     const auto plates = plates_of(model, state);
     for (size_t k = 0; k < model.control_plates.size(); ++k)
-      points.source.col(static_cast<Eigen::Index>(k)) =
-          plates[static_cast<size_t>(model.control_plates[k])].translation;
+      points.source.col(static_cast<Eigen::Index>(k)) = plates[model.control_plates[k]].translation;
     found = registration::register_points(points, how);
     move({found.to_from_from.rotation, found.to_from_from.translation, found.scale}, state);
     if (std::abs(found.scale - 1) < 1e-13) break;
@@ -232,17 +230,17 @@ void fill_batches(const TagModel& model, const bundle::State& state, TagBlockRes
 
 void fill_control(const TagStart& start, const TagModel& model, TagBlockResult& result) {
   if (model.control_term < 0) return;
-  const auto& target = model.problem.known[static_cast<size_t>(model.control_term)].target;
+  const auto& target = model.problem.known[model.control_term].target;
   for (size_t k = 0; k < model.control_plates.size(); ++k) {
     const size_t plate = static_cast<size_t>(model.control_plates[k]);
     block::AdjustedControl control;
     control.plate = start.plates[plate];
     for (int c = 0; c < 3; ++c) {
-      auto& row = control.coordinates[static_cast<size_t>(c)];
+      auto& row = control.coordinates[c];
       row = {unknown, unknown, unknown, unknown, unknown, unknown, unknown, unknown, unknown, unknown, -1};
       row.residual = result.anchors(3 * static_cast<Eigen::Index>(plate) + c) -
                      (target(3 * static_cast<Eigen::Index>(k) + c) + model.origin(c));
-      control.effect_on_height[static_cast<size_t>(c)] = unknown;
+      control.effect_on_height[c] = unknown;
     }
     result.control.push_back(control);
   }
@@ -253,8 +251,7 @@ void fill_geometry(const TagBlock& block, const TagStart& start, const TagModel&
   result.cam_from_world.resize(block.images.size());
   for (size_t i = 0; i < start.images.size(); ++i) {
     const bundle::Placement& p = state.images[i];
-    result.cam_from_world[static_cast<size_t>(start.images[i])] =
-        RigidTransform{p.rotation, -(p.rotation * (p.position + model.origin))};
+    result.cam_from_world[start.images[i]] = RigidTransform{p.rotation, -(p.rotation * (p.position + model.origin))};
   }
   result.plates = start.plates;
   result.anchors.resize(3 * static_cast<Eigen::Index>(start.plates.size()));
@@ -266,7 +263,7 @@ void fill_geometry(const TagBlock& block, const TagStart& start, const TagModel&
   }
   result.plate_w.assign(start.plates.size(), unknown);
   result.images_per_plate.assign(start.plates.size(), 0);
-  for (const auto& tag : model.problem.image_tags) ++result.images_per_plate[static_cast<size_t>(tag.plate)];
+  for (const auto& tag : model.problem.image_tags) ++result.images_per_plate[tag.plate];
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     block::AdjustedTagCamera camera;
     camera.interior = block.cameras[c].interior;

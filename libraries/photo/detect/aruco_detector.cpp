@@ -267,7 +267,7 @@ ArucoSearch ArucoDetector::search(const GreyImage& image) const {
   for (size_t k = 0; k < numbers.size(); ++k) {
     DetectedTag tag;
     tag.family = impl_->dictionary.name;
-    tag.id = impl_->dictionary.ids[static_cast<size_t>(numbers[k])];
+    tag.id = impl_->dictionary.ids[numbers[k]];
     tag.decision_margin = std::nan("");
     for (size_t i = 0; i < 4; ++i)
       tag.corners[i] = {static_cast<double>(corners[k][order[i]].x), static_cast<double>(corners[k][order[i]].y)};

@@ -29,9 +29,7 @@ inline TagTurn turn_of(const std::vector<TagCorners>& expected, const std::vecto
       double sum = 0;
       for (size_t i = 0; i < seen.size(); ++i)
         for (int k = 0; k < 4; ++k)
-          sum += (seen[i][static_cast<size_t>(k)] -
-                  expected[i][static_cast<size_t>((quarter + (mirrored ? 4 - k : k)) % 4)])
-                     .squaredNorm();
+          sum += (seen[i][k] - expected[i][(quarter + (mirrored ? 4 - k : k)) % 4]).squaredNorm();
       if (sum < lowest) lowest = sum, best = {quarter, mirrored};
     }
   return best;

@@ -51,7 +51,7 @@ class Lattice {
   }
   /// Also one beyond the rim, where the lattice goes on as its last step.
   cv::Point2f at(int row, int column) const {
-    const auto on = [&](int r, int c) { return lattice_.corners[static_cast<size_t>(r * lattice_.columns + c)]; };
+    const auto on = [&](int r, int c) { return lattice_.corners[r * lattice_.columns + c]; };
     const int r = std::clamp(row, 0, lattice_.rows - 1), c = std::clamp(column, 0, lattice_.columns - 1);
     cv::Point2f p = on(r, c);
     if (row != r) p += on(r, c) - on(r + (row < 0 ? 1 : -1), c);

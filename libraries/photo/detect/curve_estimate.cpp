@@ -26,8 +26,8 @@ CurveFits fit_curves(const std::vector<Quadrilateral>& found, const EdgeFitOptio
     std::array<std::vector<FittedEdge>, 4> edges;
     bool all = true;
     for (int i = 0; i < 4 && all; ++i) {
-      edges[static_cast<std::size_t>(i)] = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
-      all = !edges[static_cast<std::size_t>(i)].empty();
+      edges[i] = fitter.fit_with_curves(*found[k].part, strip_of(found[k], i), curves);
+      all = !edges[i].empty();
     }
     if (!all) continue;
     for (const auto& edge : edges) {

@@ -105,7 +105,7 @@ TagDictionary parse_apriltag(const std::string& text, const std::string& file) {
       refuse_source(file, "the code 0x" + digits + " has more than " + std::to_string(cells.size()) + " bits");
     std::vector<std::uint8_t> code(cells.size());
     for (size_t bit = 0; bit < cells.size(); ++bit)
-      code[static_cast<size_t>(cells[bit].second * dictionary.size + cells[bit].first)] =
+      code[cells[bit].second * dictionary.size + cells[bit].first] =
           static_cast<std::uint8_t>(value >> (cells.size() - 1 - bit) & 1);
     dictionary.ids.push_back(static_cast<int>(dictionary.codes.size()));
     dictionary.codes.push_back(std::move(code));
@@ -126,7 +126,7 @@ bool turns(const std::vector<int>& bytes, size_t per_turn, int size) {
   bool left = true, right = true;
   for (int row = 0; row < size; ++row)
     for (int column = 0; column < size; ++column) {
-      const auto at = [&](const auto& code, int r, int c) { return code[static_cast<size_t>(r * size + c)]; };
+      const auto at = [&](const auto& code, int r, int c) { return code[r * size + c]; };
       left &= at(next, size - 1 - column, row) == at(upright, row, column);
       right &= at(next, column, size - 1 - row) == at(upright, row, column);
     }

@@ -21,7 +21,7 @@ std::optional<std::array<Eigen::Vector2d, 4>> on_edges(const PixelRows& image,
     const auto apart = static_cast<std::size_t>(2 / step);
     std::vector<float> profile(static_cast<std::size_t>(2 * reach / step) + 1 + apart);
     std::vector<Eigen::Vector2d> points;
-    points.reserve(static_cast<std::size_t>(count));
+    points.reserve(count);
     for (int k = 0; k < count; ++k) {
       const Eigen::Vector2d base = a + (b - a) * (0.1 + 0.8 * (k + 0.5) / count);
       const Eigen::Vector2d tip = outwards * (reach + 1);

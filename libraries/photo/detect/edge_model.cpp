@@ -144,7 +144,7 @@ EdgeGradient evaluate(const EdgeSamples& samples, const EdgeParameters& p, doubl
   sum_gradient(samples.t.data(), columns.residual.data(), columns.position.data(), columns.blur.data(),
                columns.low.data(), columns.high.data(), count, sums.data());
   EdgeGradient gradient;
-  for (int k = 0; k < 8; ++k) gradient.right[k] = sums[static_cast<std::size_t>(k)];
+  for (int k = 0; k < 8; ++k) gradient.right[k] = sums[k];
   gradient.sum = sums[8];
   return gradient;
 }

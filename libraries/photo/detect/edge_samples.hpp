@@ -28,8 +28,8 @@ struct SamplingGrid {
   static constexpr int kLargestPeriod = 3;
   int period = 1;
   std::array<double, kLargestPeriod> columns{}, rows{};
-  double column(int x) const { return columns[static_cast<std::size_t>(x % period)]; }
-  double row(int y) const { return rows[static_cast<std::size_t>(y % period)]; }
+  double column(int x) const { return columns[x % period]; }
+  double row(int y) const { return rows[y % period]; }
 };
 
 /// Grey values and light: light = ((grey + a) / (255 + a))^gamma, a growing with gamma from 0 for linear files to

@@ -96,7 +96,7 @@ LevelSearch::LevelSearch(int width, int height, int kept_rows, const LevelSearch
   for (auto* row : {&low_, &high_, &scratch_}) row->resize(stride_ + 64);
   for (auto* ring : {&tile_low_, &tile_high_})
     for (auto& row : *ring) row.resize(static_cast<std::size_t>(tiles_) + 2);
-  limit_.resize(static_cast<std::size_t>(tiles_));
+  limit_.resize(tiles_);
   // A quarter more, so that rows move up rarely.
   const auto held =
       static_cast<std::size_t>(options_.keep_all ? height_ : std::min(height_, kept_rows + kept_rows / 4)) + 64;
@@ -179,10 +179,10 @@ void LevelSearch::follow(int end, Outlines& out) {
     upper_left_corners(row, row - stride_, static_cast<std::size_t>(width_), scratch_.data());
     for (int x = 0; x < width_; x += 8) {
       std::uint64_t eight;
-      std::memcpy(&eight, &scratch_[static_cast<std::size_t>(x)], 8);
+      std::memcpy(&eight, &scratch_[x], 8);
       if (eight == 0) continue;
       for (int i = x; i < std::min(x + 8, width_); ++i) {
-        if (scratch_[static_cast<std::size_t>(i)] == 0 || row[i] != 1) continue;
+        if (scratch_[i] == 0 || row[i] != 1) continue;
         const End end_of = trace(i, next_, true);
         if (end_of == End::unfinished) out.unfinished.push_back({i, next_});
         LevelQuad quad;

@@ -36,11 +36,11 @@ class Drawing {
   }
 
  private:
-  double& cell(int column, int row) { return cells_[static_cast<std::size_t>((row + 1) * side_ + column + 1)]; }
+  double& cell(int column, int row) { return cells_[(row + 1) * side_ + column + 1]; }
   double sharp(double u, double v) const {
     const int column = std::clamp(static_cast<int>(std::floor(u)) + 1, 0, side_ - 1);
     const int row = std::clamp(static_cast<int>(std::floor(v)) + 1, 0, side_ - 1);
-    return cells_[static_cast<std::size_t>(row * side_ + column)];
+    return cells_[row * side_ + column];
   }
   int side_;
   double blur_;

@@ -30,8 +30,7 @@ std::vector<Pattern> nearest_pixel_patterns(int period, int m) {
   std::vector<Pattern> patterns;
   for (int start = 0; start < period; ++start) {
     Pattern& offsets = patterns.emplace_back();
-    for (int k = 0; k < period; ++k)
-      offsets[static_cast<std::size_t>(k)] = (0.5 * (period - 1) - (m * k + start) % period) / m;
+    for (int k = 0; k < period; ++k) offsets[k] = (0.5 * (period - 1) - (m * k + start) % period) / m;
   }
   return patterns;
 }
@@ -65,7 +64,7 @@ void SamplingGridEstimate::add(const EdgeSamples& samples, const EdgeColumns& co
   for (int period = kSmallestPeriod; period <= SamplingGrid::kLargestPeriod; ++period) {
     Eigen::MatrixXd mixed(2 * period, 8);
     mixed << folded(by_column.leftCols<8>(), period), folded(by_row.leftCols<8>(), period);
-    Eigen::MatrixXd& taken = taken_[static_cast<std::size_t>(period)];
+    Eigen::MatrixXd& taken = taken_[period];
     if (taken.size() == 0) taken = Eigen::MatrixXd::Zero(2 * period, 2 * period);
     taken += mixed * own.solve(mixed.transpose());
   }
@@ -76,7 +75,7 @@ void SamplingGridEstimate::add(const EdgeSamples& samples, const EdgeColumns& co
 
 SamplingGridEstimate::Equations SamplingGridEstimate::equations(int period) const {
   const Eigen::Index n = period;
-  Equations e{-taken_[static_cast<std::size_t>(period)], Eigen::VectorXd(2 * n)};
+  Equations e{-taken_[period], Eigen::VectorXd(2 * n)};
   e.normal.topLeftCorner(n, n).diagonal() += folded(column_squares_, period);
   e.normal.bottomRightCorner(n, n).diagonal() += folded(row_squares_, period);
   const Eigen::MatrixXd rows = folded(products_, period);

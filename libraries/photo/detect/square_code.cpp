@@ -211,7 +211,7 @@ CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::
     const auto found = find(in_order(turned_[turn]));
     if (!found || (result.code && result.code->hamming <= (*found)[1])) continue;
     ReadCode code;
-    code.id = family_.ids[static_cast<std::size_t>((*found)[0])];
+    code.id = family_.ids[(*found)[0]];
     code.hamming = (*found)[1];
     code.decision_margin = std::min(count[0] > 0 ? margin[0] / count[0] : 0, count[1] > 0 ? margin[1] / count[1] : 0);
     // Clockwise from the upper left of the upright tag, as `turn` has it, to counter-clockwise from the lower left.

@@ -75,7 +75,7 @@ Cells turned(const std::vector<std::uint8_t>& code, int size, int turn) {
     for (int column = 0; column < size; ++column) {
       int r = row, c = column;
       for (int k = 0; k < turn; ++k) std::tie(r, c) = std::pair(c, size - 1 - r);
-      result[static_cast<size_t>(r * size + c)] = code[static_cast<size_t>(row * size + column)] != 0;
+      result[r * size + c] = code[row * size + column] != 0;
     }
   return result;
 }
@@ -328,7 +328,7 @@ std::string weakness_of(const TagDictionary& dictionary) {
   bool bordered = n > 4;
   for (const auto& code : dictionary.codes)
     for (int k = 0; k < n && bordered; ++k)
-      for (const int at : {k, (n - 1) * n + k, k * n, k * n + n - 1}) bordered &= code[static_cast<size_t>(at)] == 0;
+      for (const int at : {k, (n - 1) * n + k, k * n, k * n + n - 1}) bordered &= code[at] == 0;
   if (bordered)
     words += (words.empty() ? "" : ". ") +
              std::string(

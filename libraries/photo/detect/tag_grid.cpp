@@ -123,7 +123,7 @@ struct Grid {
   TagTurn seen_turn() const {
     std::vector<TagCorners> expected(tags.size());
     for (size_t i = 0; i < tags.size(); ++i)
-      for (int c = 0; c < 4; ++c) expected[i][static_cast<size_t>(c)] = corner(i, c);
+      for (int c = 0; c < 4; ++c) expected[i][c] = corner(i, c);
     return turn_of(expected, on_board());
   }
 
@@ -169,9 +169,8 @@ class Saddles {
  private:
   bool is_one(const DetectedTag& tag, int k) const {
     const auto at = [&](double along, double across) {
-      const Eigen::Vector2d o = tag.corners[static_cast<size_t>(k)],
-                            next = tag.corners[static_cast<size_t>((k + 1) % 4)] - o,
-                            previous = tag.corners[static_cast<size_t>((k + 3) % 4)] - o;
+      const Eigen::Vector2d o = tag.corners[k], next = tag.corners[(k + 1) % 4] - o,
+                            previous = tag.corners[(k + 3) % 4] - o;
       return grey(o + along * next + across * previous);
     };
     const double square = at(-0.5 * gap_, -0.5 * gap_), inside = at(0.5 * border_, 0.5 * border_),

@@ -45,7 +45,7 @@ class Window {
   }
   std::uint8_t* next() {
     std::uint8_t* row = &pixels_[static_cast<std::size_t>(end_ % held_) * static_cast<std::size_t>(width_)];
-    rows_[static_cast<std::size_t>(end_++)] = row;
+    rows_[end_++] = row;
     return row;
   }
   int end() const { return end_; }
@@ -103,8 +103,7 @@ class Reducer {
 std::vector<const std::uint8_t*> rows_of(const GreyImage& image, int first, int end) {
   std::vector<const std::uint8_t*> rows(static_cast<std::size_t>(end));
   for (int y = first; y < end; ++y)
-    rows[static_cast<std::size_t>(y)] =
-        &image.pixels[static_cast<std::size_t>(y - first) * static_cast<std::size_t>(image.width)];
+    rows[y] = &image.pixels[static_cast<std::size_t>(y - first) * static_cast<std::size_t>(image.width)];
   return rows;
 }
 
@@ -244,7 +243,7 @@ void read_tall(Reader& reader, const LevelQuad& quad, int factor, bool bright_in
   const GreyImage held = part(left, top, static_cast<int>(high.x() * factor) + border - left,
                               static_cast<int>(high.y() * factor) + border - top);
   std::vector<const std::uint8_t*> rows = rows_of(held, top, top + held.height);
-  rows.resize(static_cast<std::size_t>(height));
+  rows.resize(height);
   reader.read(quad, factor, bright_inside, {left, left + held.width, top, top + held.height, rows.data()});
 }
 
@@ -355,8 +354,8 @@ PyramidResult TagPyramid::detect(GreyRows& rows, const ReadPart& part) const {
   }
   for (const auto& [l, s, x, y] : tall) {
     Outlines found;
-    const Level& level = levels[static_cast<std::size_t>(l)];
-    const auto& search = level.searches[static_cast<std::size_t>(s)];
+    const Level& level = levels[l];
+    const auto& search = level.searches[s];
     search.second->follow_again({x, y}, found);
     for (const LevelQuad& quad : found.quads) read_tall(reader, quad, level.factor, search.first, height, part);
   }

@@ -41,7 +41,7 @@ Lags autocovariance(const TargetFit& fit) {
   const Eigen::Vector2d fraction = twice.array() - twice.array().floor();
   Eigen::VectorXd difference = Eigen::VectorXd::Constant(fit.residuals.size(), std::nan(""));
   for (Eigen::Index i = 0; i < difference.size(); ++i) {
-    const auto& at = fit.pixels.at[static_cast<std::size_t>(i)];
+    const auto& at = fit.pixels.at[i];
     const int x = static_cast<int>(std::floor(twice.x())) - at.x(),
               y = static_cast<int>(std::floor(twice.y())) - at.y();
     const double u = fraction.x(), v = fraction.y();
@@ -90,7 +90,7 @@ Eigen::Matrix2d centre_covariance(const TargetFit& fit) {
   const Grid by_x(fit.pixels, influence.col(0)), by_y(fit.pixels, influence.col(1));
   Eigen::Matrix2d white = c(kLags, kLags) * influence.transpose() * influence, correlated = Eigen::Matrix2d::Zero();
   for (Eigen::Index i = 0; i < influence.rows(); ++i) {
-    const auto& at = fit.pixels.at[static_cast<std::size_t>(i)];
+    const auto& at = fit.pixels.at[i];
     for (int h = -kLags; h <= kLags; ++h)
       for (int k = -kLags; k <= kLags; ++k) {
         const Eigen::RowVector2d other(by_x(at.x() + h, at.y() + k), by_y(at.x() + h, at.y() + k));

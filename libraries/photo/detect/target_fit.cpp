@@ -70,8 +70,7 @@ bool continues(const GreyImage& image, const TargetFit& fit, double radius) {
   const Eigen::VectorXd r = pixels.grey - model_at(fit.kind, fit.p, fit.radius, pixels);
   double sum = 0, count = 0;
   for (Eigen::Index i = 0; i < r.size(); ++i)
-    if ((pixels.at[static_cast<std::size_t>(i)].cast<double>() - fit.p.head<2>()).norm() > fit.radius)
-      sum += r[i] * r[i], ++count;
+    if ((pixels.at[i].cast<double>() - fit.p.head<2>()).norm() > fit.radius) sum += r[i] * r[i], ++count;
   return count > 0 && std::sqrt(sum / count) < std::max(0.09 * fit.contrast(), 2 * fit.rms());
 }
 

@@ -106,7 +106,7 @@ Eigen::VectorXd evaluate(TargetKind kind, const TargetParameters& p, double radi
   Eigen::VectorXd grey(pixels.grey.size());
   TargetParameters slopes;
   for (Eigen::Index i = 0; i < grey.size(); ++i) {
-    const auto& at = pixels.at[static_cast<std::size_t>(i)];
+    const auto& at = pixels.at[i];
     grey[i] = model(at.x(), at.y(), slopes.data());
     slopes[kGamma] = (other(at.x(), at.y()) - grey[i]) / step;
     jacobian.row(i) = slopes.transpose();
@@ -143,7 +143,7 @@ Eigen::VectorXd model_at(TargetKind kind, const TargetParameters& p, double radi
   const Model model(kind, p, radius);
   Eigen::VectorXd grey(pixels.grey.size());
   for (Eigen::Index i = 0; i < grey.size(); ++i) {
-    const auto& at = pixels.at[static_cast<std::size_t>(i)];
+    const auto& at = pixels.at[i];
     grey[i] = model(at.x(), at.y());
   }
   return grey;

@@ -45,7 +45,7 @@ Template drawn(TargetKind kind, double first, double second, double half_width) 
       const double a = rho * std::sin(angle_of(k) - first), b = rho * std::sin(angle_of(k) - second);
       constexpr double soft = 0.1;  // of an edge, as a share of the radius
       const auto bar = [&](double d) { return std::clamp(0.5 + (half_width - std::abs(d)) / (2 * soft), 0.0, 1.0); };
-      t.profile[static_cast<std::size_t>(r * kAngles + k)] = static_cast<float>(
+      t.profile[r * kAngles + k] = static_cast<float>(
           kind == TargetKind::quadrants ? std::clamp(a / soft, -1.0, 1.0) * std::clamp(b / soft, -1.0, 1.0)
                                         : 1 - (1 - bar(a)) * (1 - bar(b)));
     }
@@ -83,9 +83,8 @@ Profile profile_at(const GreyImage& image, const Eigen::Vector2d& centre, double
   Profile p;
   for (int r = 0; r < kRings; ++r)
     for (int k = 0; k < kAngles; ++k)
-      p[static_cast<std::size_t>(r * kAngles + k)] =
-          grey_at(image, centre.x() + ring_of(r, radius) * std::cos(angle_of(k)),
-                  centre.y() + ring_of(r, radius) * std::sin(angle_of(k)));
+      p[r * kAngles + k] = grey_at(image, centre.x() + ring_of(r, radius) * std::cos(angle_of(k)),
+                                   centre.y() + ring_of(r, radius) * std::sin(angle_of(k)));
   return p;
 }
 

@@ -57,7 +57,7 @@ bool decode(png_structp png, png_infop info, PngState& state, GreyImage& image, 
   if (width != static_cast<std::size_t>(image.width)) png_error(png, "cannot be turned into grey values");
   if (width * static_cast<std::size_t>(image.height) > kMostPixels) png_error(png, "it claims too many pixels");
   image.pixels.resize(width * static_cast<std::size_t>(image.height));
-  rows.resize(static_cast<std::size_t>(image.height));
+  rows.resize(image.height);
   for (std::size_t y = 0; y < rows.size(); ++y) rows[y] = image.pixels.data() + y * width;
   png_read_image(png, rows.data());
   png_read_end(png, nullptr);

@@ -18,7 +18,7 @@ int value_exceeded_by(const Histogram& histogram, double share) {
   std::int64_t all = 0, above = 0;
   for (const std::int64_t count : histogram) all += count;
   for (int value = 255; value > 0; --value) {
-    above += histogram[static_cast<std::size_t>(value)];
+    above += histogram[value];
     if (static_cast<double>(above) > share * static_cast<double>(all)) return value;
   }
   return 0;
@@ -52,9 +52,9 @@ Visibility visibility(const GreyImage& image) {
   };
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      ++values[static_cast<std::size_t>(at(x, y))];
-      if (x >= 2) ++slopes[static_cast<std::size_t>(std::abs(at(x, y) - at(x - 2, y)))];
-      if (y >= 2) ++slopes[static_cast<std::size_t>(std::abs(at(x, y) - at(x, y - 2)))];
+      ++values[at(x, y)];
+      if (x >= 2) ++slopes[std::abs(at(x, y) - at(x - 2, y))];
+      if (y >= 2) ++slopes[std::abs(at(x, y) - at(x, y - 2))];
     }
   Visibility result;
   result.darkest = value_exceeded_by(values, 0.995), result.brightest = value_exceeded_by(values, 0.005);

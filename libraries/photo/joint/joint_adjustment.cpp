@@ -40,9 +40,9 @@ FramePoints in_network(const std::vector<Mark>& marks, const KeptNetwork& networ
     Eigen::Vector3d position = network.position(mark.id);
     const auto numbers = network.unknowns(mark.id);
     for (int c = 0; c < 3; ++c) {
-      if (numbers[static_cast<size_t>(c)] < 0) continue;
-      position(c) += said.step(numbers[static_cast<size_t>(c)]);
-      unknown.push_back(numbers[static_cast<size_t>(c)]);
+      if (numbers[c] < 0) continue;
+      position(c) += said.step(numbers[c]);
+      unknown.push_back(numbers[c]);
       row.push_back(static_cast<int>(3 * points.positions.size()) + c);
     }
     points.positions.push_back(position);
@@ -62,7 +62,7 @@ Control control_of(const std::vector<Mark>& marks, const KeptNetwork& network, c
   const auto n = static_cast<Eigen::Index>(marks.size());
   control.position.resize(3 * n);
   for (Eigen::Index k = 0; k < n; ++k) {
-    control.position.segment<3>(3 * k) = moved.positions[static_cast<size_t>(k)];
+    control.position.segment<3>(3 * k) = moved.positions[k];
     control.cross.middleCols<3>(3 * k) = (control.cross.middleCols<3>(3 * k) * link.linear().transpose()).eval();
   }
   control.covariance = block::regular_covariance(moved.covariance);
@@ -111,7 +111,7 @@ Sound without(const TagBlock& block, const std::vector<int>& rejected) {
   for (int o = 0; o < static_cast<int>(block.observations.size()); ++o) {
     if (out.count(o)) continue;
     sound.number.push_back(o);
-    sound.block.observations.push_back(block.observations[static_cast<size_t>(o)]);
+    sound.block.observations.push_back(block.observations[o]);
   }
   return sound;
 }
@@ -146,7 +146,7 @@ class Joint {
     }
     result_.block.rejected = rejected_;
     result_.block.warnings = warnings_;  // later passes only repeat them
-    for (auto& tag : result_.block.tags) tag.observation = sound_.number[static_cast<size_t>(tag.observation)];
+    for (auto& tag : result_.block.tags) tag.observation = sound_.number[tag.observation];
     fill_statistics();
     fill_survey();
     return std::move(result_);
@@ -225,12 +225,11 @@ class Joint {
     result_.survey_covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     std::vector<int> rows, unknowns;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const std::string& id = result_.survey_ids[static_cast<size_t>(k)];
+      const std::string& id = result_.survey_ids[k];
       result_.survey_positions.segment<3>(3 * k) = network_.position(id);
       const auto numbers = network_.unknowns(id);
       for (int c = 0; c < 3; ++c)
-        if (numbers[static_cast<size_t>(c)] >= 0)
-          rows.push_back(static_cast<int>(3 * k) + c), unknowns.push_back(numbers[static_cast<size_t>(c)]);
+        if (numbers[c] >= 0) rows.push_back(static_cast<int>(3 * k) + c), unknowns.push_back(numbers[c]);
     }
     result_.survey_covariance(rows, rows) = covariance_(unknowns, unknowns);
     std::vector<Mark> whole;

@@ -153,7 +153,7 @@ class Calibrator {
     bundle::Rows rows;
     if (!bundle::evaluate(problem_, layout, state_, point, false, rows))
       throw std::runtime_error("point " + problem_.points[label].name + " lies behind the camera of " +
-                               problem_.images[static_cast<size_t>(point.image)].name);
+                               problem_.images[point.image].name);
     return -rows.values() / point.whitening(0, 0);
   }
 
@@ -205,7 +205,7 @@ class Calibrator {
     for (size_t k = 0; k < fits.size(); ++k) {
       if (fits[k] <= options_.reject_above * unit) continue;
       const auto [v, p] = labels_[k];
-      use_[static_cast<size_t>(v)][static_cast<size_t>(p)] = false;
+      use_[v][p] = false;
       rejected_.push_back(labels_[k]);
     }
   }
@@ -274,7 +274,7 @@ class Calibrator {
 
   CameraTruth judged(CameraEvidence evidence, const Calibration& c) const {
     std::vector<RigidTransform> poses;
-    for (const int v : evidence.members) poses.push_back(c.views[static_cast<size_t>(v)].cam_from_board);
+    for (const int v : evidence.members) poses.push_back(c.views[v].cam_from_board);
     evidence.object_is_known = true;
     return judge_camera(std::move(evidence), c.camera, poses);
   }
@@ -285,7 +285,7 @@ class Calibrator {
     std::vector<Eigen::Vector2d> moved;
     bool any = false;
     for (const auto& [v, p] : labels_) {
-      moved.push_back(views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].by_inset);
+      moved.push_back(views_[v].points[p].by_inset);
       any = any || !moved.back().isZero(0);
     }
     const std::vector<int>& free = layout_->free_values(0);
@@ -316,8 +316,8 @@ class Calibrator {
     }
     for (size_t k = 0; k < labels_.size(); ++k) {
       const auto [v, p] = labels_[k];
-      const double sigma = views_[static_cast<size_t>(v)].points[static_cast<size_t>(p)].sigma;
-      CalibratedView& view = c.views[static_cast<size_t>(v)];
+      const double sigma = views_[v].points[p].sigma;
+      CalibratedView& view = c.views[v];
       view.points.push_back(p);
       view.residuals.push_back(residual_of(k));
       view.rms += view.residuals.back().squaredNorm();
@@ -340,7 +340,7 @@ class Calibrator {
       c.bend_x_sigma = std::sqrt(bend(0, 0)), c.bend_y_sigma = std::sqrt(bend(1, 1));
     }
     for (const auto& [v, p] : rejected_)
-      c.rejected.push_back("point " + std::to_string(p) + " in " + views_[static_cast<size_t>(v)].path +
+      c.rejected.push_back("point " + std::to_string(p) + " in " + views_[v].path +
                            ": its residual is more than 5 times that of the median point");
     return c;
   }

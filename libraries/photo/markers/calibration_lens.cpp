@@ -62,7 +62,7 @@ LensComparison compare_lenses(const std::vector<CalibrationView>& views, const C
   constexpr size_t fewest_to_divide = 8;
   LensComparison lenses;
   for (const CalibratedView& view : all.views)
-    for (const CalibrationPoint& point : views[static_cast<size_t>(view.view)].points) {
+    for (const CalibrationPoint& point : views[view.view].points) {
       const Eigen::Vector3d ray = view.cam_from_board * point.board;
       lenses.widest = std::max(lenses.widest, std::atan2(ray.head<2>().norm(), ray.z()));
     }

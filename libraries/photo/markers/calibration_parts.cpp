@@ -90,8 +90,8 @@ std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& 
   std::vector<bool> every_second(views.size()), late(views.size());
   const std::vector<int>& by_name = all.truth.evidence.members;
   for (std::size_t k = 0; k < by_name.size(); ++k) {
-    every_second[static_cast<std::size_t>(by_name[k])] = k % 2 == 1;
-    late[static_cast<std::size_t>(by_name[k])] = k >= by_name.size() / 2;
+    every_second[by_name[k]] = k % 2 == 1;
+    late[by_name[k]] = k >= by_name.size() / 2;
   }
   std::vector<CalibrationParts> result;
   for (const auto& [split, second] : {std::pair("every second photograph and the others", every_second),
@@ -141,8 +141,7 @@ std::string as_two_cameras(const std::vector<CalibrationView>& views, const Cali
   const auto& change = all.truth.change;
   if (!change || !divides(*change)) return "";
   std::vector<bool> second(views.size());
-  for (const int k : change->second)
-    second[static_cast<std::size_t>(all.truth.evidence.members[static_cast<std::size_t>(k)])] = true;
+  for (const int k : change->second) second[all.truth.evidence.members[k]] = true;
   const auto parts = calibrate_parts(views, second, options, all.camera, 3);
   if (!parts) return "";
   const auto& [a, b] = *parts;

@@ -81,7 +81,7 @@ std::vector<double> projection_difference(const BrownCamera& a, const BrownCamer
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
-        const Ray& ray = rays[static_cast<size_t>(row * columns + column)];
+        const Ray& ray = rays[row * columns + column];
         const auto d = difference(ray, column, row);
         if (!d) continue;
         normal += ray.by_rotation.transpose() * ray.by_rotation;
@@ -92,7 +92,7 @@ std::vector<double> projection_difference(const BrownCamera& a, const BrownCamer
   std::vector<double> result;
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column) {
-      const auto d = difference(rays[static_cast<size_t>(row * columns + column)], column, row);
+      const auto d = difference(rays[row * columns + column], column, row);
       result.push_back(d ? d->norm() : std::nan(""));
     }
   return result;

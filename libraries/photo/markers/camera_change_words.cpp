@@ -15,8 +15,7 @@ using What = CameraChange::What;
 std::string list_of(const std::vector<int>& members, const std::vector<std::string>& paths) {
   constexpr std::size_t most = 4;
   std::string list;
-  for (std::size_t k = 0; k < std::min(most, members.size()); ++k)
-    list += (k ? ", " : "") + paths[static_cast<std::size_t>(members[k])];
+  for (std::size_t k = 0; k < std::min(most, members.size()); ++k) list += (k ? ", " : "") + paths[members[k]];
   return list + (members.size() > most ? ", ..." : "");
 }
 
@@ -25,7 +24,7 @@ std::string where(const CameraChange& change, const CameraEvidence& evidence) {
   const std::string list = " (" + list_of(change.second, evidence.paths) + ")";
   switch (change.split) {
     case Split::from_on:
-      return "from " + evidence.paths[static_cast<std::size_t>(change.second.front())] + " on";
+      return "from " + evidence.paths[change.second.front()] + " on";
     case Split::drift:
       return "from " + evidence.paths.front() + " to " + evidence.paths.back() + ", bit by bit,";
     case Split::every:

@@ -107,7 +107,7 @@ std::vector<Contrast> groups(const EffectFit& fit, const Hypothesis& hypothesis)
   for (std::size_t cut = smallest_part; cut + smallest_part <= n; ++cut) {
     std::vector<bool> second(n);
     const bool above = 2 * cut >= n;  // the smaller part is the second
-    for (std::size_t k = above ? cut : 0; k < (above ? n : cut); ++k) second[static_cast<std::size_t>(order[k])] = true;
+    for (std::size_t k = above ? cut : 0; k < (above ? n : cut); ++k) second[order[k]] = true;
     const double all = static_cast<double>(n), part = static_cast<double>(above ? n - cut : cut);
     const double log_ways = std::lgamma(all + 1) - std::lgamma(part + 1) - std::lgamma(all - part + 1);
     if (auto one = of_parts(Split::some, second, std::log(0.1 / all) - log_ways)) contrasts.push_back(*one);

@@ -46,7 +46,7 @@ CameraEvidence evidence_of(const std::vector<PhotographShare>& shares, const Eig
   for (int e = 0; e < effect_count; ++e) wanted.push_back(kept + e);
   const auto n = static_cast<Eigen::Index>(wanted.size());
   for (const std::size_t k : order) {
-    const PhotographShare& share = shares[static_cast<std::size_t>(members[k])];
+    const PhotographShare& share = shares[members[k]];
     evidence.paths.push_back(paths[k]), evidence.members.push_back(members[k]);
     Eigen::VectorXd score = Eigen::VectorXd::Zero(n);
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(n, n);
@@ -57,12 +57,10 @@ CameraEvidence evidence_of(const std::vector<PhotographShare>& shares, const Eig
       at.push_back(there ? found - share.columns.begin() : -1);
     }
     for (Eigen::Index i = 0; i < n; ++i) {
-      if (at[static_cast<std::size_t>(i)] < 0) continue;
-      score(i) = share.score(at[static_cast<std::size_t>(i)]) / factor;
+      if (at[i] < 0) continue;
+      score(i) = share.score(at[i]) / factor;
       for (Eigen::Index j = 0; j < n; ++j)
-        if (at[static_cast<std::size_t>(j)] >= 0)
-          information(i, j) =
-              share.information(at[static_cast<std::size_t>(i)], at[static_cast<std::size_t>(j)]) / factor;
+        if (at[j] >= 0) information(i, j) = share.information(at[i], at[j]) / factor;
     }
     evidence.score.push_back(score), evidence.information.push_back(information);
     const std::vector<int> parameters(wanted.begin(), wanted.end() - effect_count);

@@ -438,12 +438,11 @@ std::string camera_yaml(const CameraFile& file) {
   if (file.covariance.size() == 0) return text;
   text += "sigmas:                  # standard deviations; 0: held\n";
   for (Eigen::Index i = 0; i < count; ++i)
-    text += std::string("  ") + names[static_cast<size_t>(i)] + ": " +
-            number(std::sqrt(std::max(0.0, file.covariance(i, i)))) + "\n";
+    text += std::string("  ") + names[i] + ": " + number(std::sqrt(std::max(0.0, file.covariance(i, i)))) + "\n";
   if (file.covariance.isDiagonal(0)) return text;
   text += "correlations:            # of each with those before it, in the order above\n";
   for (Eigen::Index i = 1; i < count; ++i) {
-    text += std::string("  ") + names[static_cast<size_t>(i)] + ": [";
+    text += std::string("  ") + names[i] + ": [";
     for (Eigen::Index j = 0; j < i; ++j) {
       const double scale = std::sqrt(file.covariance(i, i) * file.covariance(j, j));
       text += (j ? ", " : "") + (scale > 0 ? number(file.covariance(i, j) / scale) : "0");

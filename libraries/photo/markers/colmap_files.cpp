@@ -132,10 +132,10 @@ void read_binary(const fs::path& folder, ColmapModel& model) {
     const auto width = cameras.next<std::uint64_t>(), height = cameras.next<std::uint64_t>();
     if (number < 0 || static_cast<size_t>(number) >= models.size())
       cameras.fail("has camera model " + std::to_string(number) + ", which is not known,");
-    std::vector<double> parameters(models[static_cast<size_t>(number)].parameters);
+    std::vector<double> parameters(models[number].parameters);
     for (double& p : parameters) p = cameras.next<double>();
-    model.cameras[id] = camera_of(id, models[static_cast<size_t>(number)].name, static_cast<int>(width),
-                                  static_cast<int>(height), parameters, cameras.name());
+    model.cameras[id] = camera_of(id, models[number].name, static_cast<int>(width), static_cast<int>(height),
+                                  parameters, cameras.name());
   }
   Binary images(folder / "images.bin");
   for (std::uint64_t n = images.items(64); n > 0; --n) {

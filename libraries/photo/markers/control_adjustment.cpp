@@ -37,8 +37,7 @@ bundle::Known interior_prior(int camera, const bundle::Camera& given, const Brow
   rows(0, 0) = 1 / (1e-3 * extent), rows(0, 1) = -rows(0, 0);
   rows(1, 2) = rows(2, 3) = 1 / (0.01 * extent);
   for (int k = 4; k < interior_count; ++k)
-    if (given.free[static_cast<size_t>(k)])
-      rows(k - 1, k) = 1 / (k < 7 || start.lens == LensModel::fisheye ? 0.2 : 0.01);
+    if (given.free[k]) rows(k - 1, k) = 1 / (k < 7 || start.lens == LensModel::fisheye ? 0.2 : 0.01);
   std::vector<Eigen::Index> used;
   for (Eigen::Index r = 0; r < rows.rows(); ++r)
     if (!rows.row(r).isZero(0)) used.push_back(r);
@@ -228,7 +227,7 @@ class Adjustment {
   }
 
   void add_target(int j) {
-    const Target& t = targets_[static_cast<size_t>(j)];
+    const Target& t = targets_[j];
     problem_.points.push_back({t.name});
     state_.points.push_back(t.position);
     if (holds(t)) {
@@ -309,7 +308,7 @@ class Adjustment {
     std::erase_if(result_.groups, [](const auto& g) { return g.rows == 0; });
     const auto own = adjusted_.cofactors->all_own();
     const auto cofactor = [&](Kind kind, size_t index) -> const Eigen::MatrixXd& {
-      return own[static_cast<size_t>(layout.block({kind, static_cast<int>(index)}))];
+      return own[layout.block({kind, static_cast<int>(index)})];
     };
     for (size_t i = 0; i < images_.size(); ++i) result_.pose_covariance[images_[i]] = cofactor(Kind::image, i);
     for (size_t c = 0; c < cameras_.size(); ++c) {
@@ -332,15 +331,14 @@ class Adjustment {
   void fill_residuals() {
     for (size_t k = 0; k < problem_.known.size(); ++k)
       if (problem_.known[k].group == group_control)
-        for (int c = 0; c < 3; ++c)
-          w_[problem_.known[k].refs[0].index](c) = reliability_.known[k][static_cast<size_t>(c)].w;
+        for (int c = 0; c < 3; ++c) w_[problem_.known[k].refs[0].index](c) = reliability_.known[k][c].w;
     double squares = 0;
     for (size_t k = 0; k < problem_.image_points.size(); ++k) {
       const bundle::ImagePoint& term = problem_.image_points[k];
       const auto& quality = reliability_.points[k];
-      const std::uint32_t image = images_[static_cast<size_t>(term.image)];
-      ControlObservation seen{problem_.images[static_cast<size_t>(term.image)].name,
-                              problem_.points[static_cast<size_t>(term.point)].name,
+      const std::uint32_t image = images_[term.image];
+      ControlObservation seen{problem_.images[term.image].name,
+                              problem_.points[term.point].name,
                               term.observed,
                               {-quality[0].residual, -quality[1].residual},
                               std::max(std::abs(quality[0].w), std::abs(quality[1].w)),

@@ -35,12 +35,12 @@ double bootstrap_ratio(const CameraEvidence& evidence, const Eigen::VectorXd& si
     const Eigen::LDLT<Eigen::MatrixXd> factor(normal);
     if (!factor.isPositive()) continue;
     const Eigen::VectorXd moved = factor.solve(right);
-    for (Eigen::Index k = 0; k < p; ++k) samples[static_cast<std::size_t>(k)].push_back(moved(k));
+    for (Eigen::Index k = 0; k < p; ++k) samples[k].push_back(moved(k));
   }
   // By the quartiles: a sample of few distinct photographs determines hardly anything.
   std::vector<double> ratios;
   for (Eigen::Index k = 0; k < p; ++k) {
-    auto& values = samples[static_cast<std::size_t>(k)];
+    auto& values = samples[k];
     if (values.size() < 50 || !(sigma(k) > 0)) continue;
     std::sort(values.begin(), values.end());
     const double spread = values[3 * values.size() / 4] - values[values.size() / 4];
@@ -54,8 +54,7 @@ double bootstrap_ratio(const CameraEvidence& evidence, const Eigen::VectorXd& si
 Eigen::MatrixXd influences_of(const CameraEvidence& evidence, const Eigen::LLT<Eigen::MatrixXd>& root) {
   const auto n = static_cast<Eigen::Index>(evidence.change_without.size()), p = evidence.formal.rows();
   Eigen::MatrixXd influences(n, p);
-  for (Eigen::Index k = 0; k < n; ++k)
-    influences.row(k) = root.matrixL().solve(evidence.change_without[static_cast<std::size_t>(k)]).transpose();
+  for (Eigen::Index k = 0; k < n; ++k) influences.row(k) = root.matrixL().solve(evidence.change_without[k]).transpose();
   influences.rowwise() -= influences.colwise().mean().eval();
   return std::sqrt(1 - 1 / static_cast<double>(n)) * influences;
 }
@@ -87,7 +86,7 @@ Eigen::MatrixXd neighbours_by_place(const std::vector<RigidTransform>& cam_from_
   const auto n = static_cast<Eigen::Index>(cam_from_object.size());
   Eigen::MatrixXd places(n, 5);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const RigidTransform& pose = cam_from_object[static_cast<std::size_t>(i)];
+    const RigidTransform& pose = cam_from_object[i];
     const Eigen::Vector3d sight = pose.rotation.conjugate() * Eigen::Vector3d::UnitZ(), &t = pose.translation;
     places.row(i) << sight.x(), sight.y(), t.x() / t.z(), t.y() / t.z(), std::log(std::max(1e-9, t.norm()));
   }

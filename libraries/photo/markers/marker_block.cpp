@@ -36,9 +36,8 @@ std::vector<double> misfits(const MarkerModel& model) {
   bundle::Rows rows;
   for (const bundle::ImageTag& tag : model.problem.image_tags) {
     if (!bundle::evaluate(model.problem, layout, model.state, tag, false, rows))
-      throw std::runtime_error(model.problem.plates[static_cast<size_t>(tag.plate)].name +
-                               " lies behind the camera of " +
-                               model.problem.images[static_cast<size_t>(tag.image)].name);
+      throw std::runtime_error(model.problem.plates[tag.plate].name + " lies behind the camera of " +
+                               model.problem.images[tag.image].name);
     rms.push_back(rows.values().norm() / std::sqrt(8.0));
   }
   return rms;
@@ -77,9 +76,9 @@ MarkerStart start_of(const MarkerBlock& block, const MarkerModel& model, const M
   for (size_t c = 0; c < block.cameras.size(); ++c)
     start.cameras[c].set_parameters(camera_of(block, model, c).parameters());
   for (size_t i = 0; i < model.images.size(); ++i)
-    start.cam_from_world[static_cast<size_t>(model.images[i])] = cam_from_world(model.state.images[i]);
+    start.cam_from_world[model.images[i]] = cam_from_world(model.state.images[i]);
   for (size_t j = 0; j < model.markers.size(); ++j)
-    start.world_from_tag[static_cast<size_t>(model.markers[j])] =
+    start.world_from_tag[model.markers[j]] =
         RigidTransform{model.state.plates[j].rotation, model.state.plates[j].position};
   return start;
 }
@@ -88,10 +87,10 @@ MarkerStart start_of(const MarkerBlock& block, const MarkerModel& model, const M
 std::vector<bool> drop_impossible(const MarkerBlock& block, const MarkerStart& start, std::vector<bool> use) {
   for (size_t v = 0; v < block.views.size(); ++v) {
     const MarkerView& view = block.views[v];
-    const auto& image = start.cam_from_world[static_cast<size_t>(view.image)];
-    const auto& tag = start.world_from_tag[static_cast<size_t>(view.marker)];
+    const auto& image = start.cam_from_world[view.image];
+    const auto& tag = start.world_from_tag[view.marker];
     if (!use[v] || !image || !tag) continue;
-    const double size = block.markers[static_cast<size_t>(view.marker)].size;
+    const double size = block.markers[view.marker].size;
     if ((*image * tag->translation).z() < size) use[v] = false;
   }
   return use;
@@ -106,7 +105,7 @@ struct Trial {
 };
 
 double root_mean_square(const MarkerBlock& block, const MarkerModel& model, size_t k, double misfit) {
-  const MarkerView& view = block.views[static_cast<size_t>(model.views[k])];
+  const MarkerView& view = block.views[model.views[k]];
   double variance = 0;
   for (const auto& c : view.covariances) variance += 0.125 * c.trace();
   return misfit * std::sqrt(variance);
@@ -202,7 +201,7 @@ void find_blunders(const MarkerBlock& block, const MarkerOptions& options, Trial
     if (!trial.use[v]) result.rejected.push_back(static_cast<int>(v));
   for (size_t k = 0; k < fits.size(); ++k)
     if (options.reject_above > 0 && fits[k] > options.reject_above * unit) {
-      trial.use[static_cast<size_t>(model.views[k])] = false;
+      trial.use[model.views[k]] = false;
       result.rejected.push_back(model.views[k]);
     }
   std::sort(result.rejected.begin(), result.rejected.end());
@@ -300,10 +299,9 @@ void drop_insignificant_insets(const MarkerBlock& block, const MarkerOptions& op
   constexpr double always_significant = 0.1;  // [px]
   for (size_t c = 0; c < block.cameras.size(); ++c) {
     const bundle::Ref ref{bundle::Kind::inset, run.model.inset_batch(c)};
-    if (!run.model.problem.batches[static_cast<size_t>(ref.index)].inset_free) continue;
+    if (!run.model.problem.batches[ref.index].inset_free) continue;
     const double sigma = std::sqrt(run.cofactor(ref)(0, 0));
-    if (std::abs(run.model.state.insets[static_cast<size_t>(ref.index)]) > std::min(3 * sigma, always_significant))
-      return;
+    if (std::abs(run.model.state.insets[ref.index]) > std::min(3 * sigma, always_significant)) return;
   }
   if (!(options.inset_sigma > 0)) return;
   MarkerOptions without = options;
@@ -326,8 +324,8 @@ void fill_cameras(const MarkerBlock& block, const Run& run, MarkerResult& result
     const auto& free = run.layout->free_values(static_cast<int>(c));
     if (!free.empty()) camera.covariance(free, free) = run.cofactor({bundle::Kind::camera, static_cast<int>(c)});
     const int batch = run.model.inset_batch(c);
-    camera.inset = run.model.state.insets[static_cast<size_t>(batch)];
-    if (run.model.problem.batches[static_cast<size_t>(batch)].inset_free)
+    camera.inset = run.model.state.insets[batch];
+    if (run.model.problem.batches[batch].inset_free)
       camera.inset_sigma = std::sqrt(run.cofactor({bundle::Kind::inset, batch})(0, 0));
     for (const bundle::Image& image : run.model.problem.images) camera.images += image.camera == static_cast<int>(c);
     result.cameras.push_back(camera);
@@ -336,7 +334,7 @@ void fill_cameras(const MarkerBlock& block, const Run& run, MarkerResult& result
 
 void fill_markers(const MarkerBlock& block, const Run& run, MarkerResult& result) {
   std::vector<int> plates, centres, images(run.model.markers.size(), 0);
-  for (const bundle::ImageTag& tag : run.model.problem.image_tags) ++images[static_cast<size_t>(tag.plate)];
+  for (const bundle::ImageTag& tag : run.model.problem.image_tags) ++images[tag.plate];
   for (int j = 0; j < static_cast<int>(run.model.markers.size()); ++j) {
     plates.push_back(run.layout->block({bundle::Kind::plate, j}));
     for (int c = 0; c < 3; ++c) centres.push_back(6 * j + c);
@@ -351,7 +349,7 @@ void fill_markers(const MarkerBlock& block, const Run& run, MarkerResult& result
     if (run.model.problem.batches[j].scale_free)
       marker.scale_sigma = std::sqrt(run.cofactor({bundle::Kind::scale, static_cast<int>(j)})(0, 0));
     marker.shape = run.model.state.forms[j];
-    const double half = 0.5 * block.markers[static_cast<size_t>(marker.marker)].size * marker.scale;
+    const double half = 0.5 * block.markers[marker.marker].size * marker.scale;
     marker.corners = shaped_corners(half, marker.shape);
     for (Eigen::Vector3d& corner : marker.corners) corner = marker.world_from_tag * corner;
     const Eigen::Index at = 6 * static_cast<Eigen::Index>(j);
@@ -366,7 +364,7 @@ void fill_images(const MarkerBlock& block, const Run& run, MarkerResult& result)
   result.images.resize(block.images.size());
   for (size_t i = 0; i < result.images.size(); ++i) result.images[i].image = static_cast<int>(i);
   for (size_t i = 0; i < run.model.images.size(); ++i) {
-    AdjustedMarkerImage& image = result.images[static_cast<size_t>(run.model.images[i])];
+    AdjustedMarkerImage& image = result.images[run.model.images[i]];
     image.oriented = true;
     image.centre = run.model.state.images[i].position;
     image.cam_from_world = cam_from_world(run.model.state.images[i]);
@@ -380,7 +378,7 @@ void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) 
   for (size_t k = 0; k < run.model.views.size(); ++k) {
     AdjustedMarkerView seen;
     seen.view = run.model.views[k];
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+    const MarkerView& view = block.views[seen.view];
     const auto& quality = run.reliability.tags[k];
     double sum = 0;
     for (size_t r = 0; r < 8; ++r) {
@@ -391,9 +389,9 @@ void fill_views(const MarkerBlock& block, const Run& run, MarkerResult& result) 
     }
     seen.rms = std::sqrt(sum / 8);
     squares += sum;
-    AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
+    AdjustedMarkerImage& image = result.images[view.image];
     ++image.tags, image.rms += sum / 8;
-    const size_t c = static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera);
+    const size_t c = static_cast<size_t>(block.images[view.image].camera);
     ++result.cameras[c].views, camera_squares[c] += sum / 8;
     result.views.push_back(seen);
   }

@@ -18,7 +18,7 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
   const auto find = [&](int marker) {
     for (size_t j = 0; j < result.markers.size(); ++j)
       if (result.markers[j].marker == marker) return j;
-    throw std::runtime_error("tag " + block.markers[static_cast<size_t>(marker)].name() +
+    throw std::runtime_error("tag " + block.markers[marker].name() +
                              " of the given distance could not be placed; measure between two tags that several "
                              "photographs show");
   };
@@ -27,8 +27,7 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const auto& m : result.markers) middle += m.world_from_tag.translation / static_cast<double>(n);
   Eigen::VectorXd x(3 * n), slope = Eigen::VectorXd::Zero(3 * n);
-  for (Eigen::Index j = 0; j < n; ++j)
-    x.segment<3>(3 * j) = result.markers[static_cast<size_t>(j)].world_from_tag.translation - middle;
+  for (Eigen::Index j = 0; j < n; ++j) x.segment<3>(3 * j) = result.markers[j].world_from_tag.translation - middle;
   const Eigen::Vector3d between =
       result.markers[b].world_from_tag.translation - result.markers[a].world_from_tag.translation;
   const double length = between.norm(), factor = distance.length / length;
@@ -56,7 +55,7 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
 
 void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& result) {
   const auto first = std::min_element(result.markers.begin(), result.markers.end(), [&](const auto& a, const auto& b) {
-    const Marker &ma = block.markers[static_cast<size_t>(a.marker)], &mb = block.markers[static_cast<size_t>(b.marker)];
+    const Marker &ma = block.markers[a.marker], &mb = block.markers[b.marker];
     return std::tie(ma.family, ma.id) < std::tie(mb.family, mb.id);
   });
   const RigidTransform frame_from_world = first->world_from_tag.inverse();
@@ -78,7 +77,7 @@ void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& resu
     image.covariance.leftCols<3>() = image.covariance.leftCols<3>() * r.transpose();
   }
   result.datum = "free network: inner constraints over the centres" + std::string(in_one_line ? " and rotations" : "") +
-                 " of all tags, shown in the frame of tag " + block.markers[static_cast<size_t>(first->marker)].name() +
+                 " of all tags, shown in the frame of tag " + block.markers[first->marker].name() +
                  " (x right, y up, z out of it)";
 }
 
@@ -91,8 +90,8 @@ namespace {
 std::vector<double> sides_in_pixels(const MarkerBlock& block, const MarkerResult& result) {
   std::vector<std::vector<double>> of_camera(block.cameras.size());
   for (const auto& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
-    of_camera[static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera)].push_back(
+    const MarkerView& view = block.views[seen.view];
+    of_camera[block.images[view.image].camera].push_back(
         0.5 * ((view.corners[0] - view.corners[1]).norm() + (view.corners[1] - view.corners[2]).norm()));
   }
   std::vector<double> sides;
@@ -123,7 +122,7 @@ double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>
   constexpr double uneven = 0.5;
   double squares = 0, images = 0;
   for (const MarkerImage& image : block.images) {
-    const double side = sides[static_cast<size_t>(image.camera)];
+    const double side = sides[image.camera];
     const double sigma = image.inset_sigma > 0 ? image.inset_sigma : unstated;
     if (side > 0) squares += std::pow(2 * uneven * sigma / side, 2), images += 1;
   }
@@ -135,9 +134,8 @@ double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>
 void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
   if (options.distance) {
     result.scale_sigma = options.distance->sigma / options.distance->length;
-    result.datum += "; lengths by the distance of tags " +
-                    block.markers[static_cast<size_t>(options.distance->from)].name() + " and " +
-                    block.markers[static_cast<size_t>(options.distance->to)].name() + ", good to " +
+    result.datum += "; lengths by the distance of tags " + block.markers[options.distance->from].name() + " and " +
+                    block.markers[options.distance->to].name() + ", good to " +
                     text::format_fixed(100 * result.scale_sigma, 2) + " %";
     return;
   }
@@ -146,7 +144,7 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
   const double by_insets = options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides, options.inset_sigma) : 0;
   double size = 0;
   for (const auto& marker : result.markers)
-    size += block.markers[static_cast<size_t>(marker.marker)].size / static_cast<double>(result.markers.size());
+    size += block.markers[marker.marker].size / static_cast<double>(result.markers.size());
   result.scale_sigma = std::hypot(options.print_sigma / size, options.size_sigma, by_insets);
   result.datum +=
       "; lengths by the printed size of the tags, good to " + text::format_fixed(100 * result.scale_sigma, 2) + " % (" +

@@ -26,13 +26,12 @@ constexpr double kFreeMotion = 1e6;  // variance of a motion between the halves,
 std::map<int, bool> second_half(const MarkerBlock& block, const MarkerResult& result, HalvesBy by) {
   std::map<int, std::vector<const AdjustedMarkerImage*>> of_camera;
   for (const AdjustedMarkerImage& image : result.images)
-    if (image.oriented) of_camera[block.images[static_cast<std::size_t>(image.image)].camera].push_back(&image);
+    if (image.oriented) of_camera[block.images[image.image].camera].push_back(&image);
   std::map<int, bool> second;
   for (auto& [camera, images] : of_camera) {
     if (static_cast<int>(images.size()) < kFewestPhotographs) return {};
     std::stable_sort(images.begin(), images.end(), [&](const auto* a, const auto* b) {
-      return before_by_name(block.images[static_cast<std::size_t>(a->image)].path,
-                            block.images[static_cast<std::size_t>(b->image)].path);
+      return before_by_name(block.images[a->image].path, block.images[b->image].path);
     });
     std::vector<double> along;
     if (by == HalvesBy::place) {
@@ -61,10 +60,10 @@ MarkerBlock part_of(const MarkerBlock& block, const MarkerResult& result, const 
   std::map<int, int> index;
   for (const int i : photographs) {
     index[i] = static_cast<int>(part.images.size());
-    part.images.push_back(block.images[static_cast<std::size_t>(i)]);
+    part.images.push_back(block.images[i]);
   }
   for (const AdjustedMarkerView& view : result.views) {
-    MarkerView copy = block.views[static_cast<std::size_t>(view.view)];
+    MarkerView copy = block.views[view.view];
     const auto found = index.find(copy.image);
     if (found == index.end()) continue;
     copy.image = found->second;
@@ -87,8 +86,7 @@ struct Centres {
     }
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j)
-        covariance.block<3, 3>(3 * i, 3 * j) = result.centre_covariance.block<3, 3>(
-            3 * rows[static_cast<std::size_t>(i)], 3 * rows[static_cast<std::size_t>(j)]);
+        covariance.block<3, 3>(3 * i, 3 * j) = result.centre_covariance.block<3, 3>(3 * rows[i], 3 * rows[j]);
   }
   std::vector<Eigen::Vector3d> places;
   Eigen::MatrixXd covariance;
@@ -113,9 +111,9 @@ MarkerHalves compare(const Centres& one, const Centres& two) {
   Eigen::VectorXd difference(3 * n);
   Eigen::MatrixXd sum = one.covariance, motions(3 * n, 7);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d& place = one.places[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d& place = one.places[i];
     const Eigen::Vector3d arm = place - centre;
-    difference.segment<3>(3 * i) = motion * two.places[static_cast<std::size_t>(i)] - place;
+    difference.segment<3>(3 * i) = motion * two.places[i] - place;
     motions.middleRows<3>(3 * i) << Eigen::Matrix3d::Identity(), skew(arm), arm;
     for (Eigen::Index j = 0; j < n; ++j)
       sum.block<3, 3>(3 * i, 3 * j) += turn * two.covariance.block<3, 3>(3 * i, 3 * j) * turn.transpose();
@@ -144,9 +142,7 @@ void compare_cameras(const MarkerBlock& block, const MarkerResult& one, const Ma
     if (both.empty()) continue;
     const auto first = one.cameras[c].camera.parameters(), second = two.cameras[c].camera.parameters();
     Eigen::VectorXd d(static_cast<Eigen::Index>(both.size()));
-    for (std::size_t i = 0; i < both.size(); ++i)
-      d(static_cast<Eigen::Index>(i)) =
-          second[static_cast<std::size_t>(both[i])] - first[static_cast<std::size_t>(both[i])];
+    for (std::size_t i = 0; i < both.size(); ++i) d(static_cast<Eigen::Index>(i)) = second[both[i]] - first[both[i]];
     const Eigen::MatrixXd sum = a(both, both) + b(both, both);
     square += d.dot(sum.ldlt().solve(d)), halves.camera_freedom += static_cast<int>(both.size());
   }

@@ -28,9 +28,9 @@ MarkerBlock with_fisheyes(const MarkerBlock& block) {
 double widest_angle(const MarkerBlock& block, const MarkerResult& result) {
   double widest = 0;
   for (const AdjustedMarkerView& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
-    const AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
-    const size_t camera = static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera);
+    const MarkerView& view = block.views[seen.view];
+    const AdjustedMarkerImage& image = result.images[view.image];
+    const size_t camera = static_cast<size_t>(block.images[view.image].camera);
     if (!calibrates_itself(block.cameras[camera])) continue;
     for (const AdjustedMarker& marker : result.markers) {
       if (marker.marker != view.marker) continue;

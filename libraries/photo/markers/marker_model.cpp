@@ -26,7 +26,7 @@ void add_interior(const MarkerCamera& camera, bool is_used, int c, MarkerModel& 
   const bool has_prior = camera.covariance.size() > 0;
   std::vector<int> chosen;
   for (int k = 0; k < interior_count && is_used && !camera.held; ++k)
-    if (!has_prior || camera.covariance(k, k) > 0) chosen.push_back(k), entry.free[static_cast<size_t>(k)] = true;
+    if (!has_prior || camera.covariance(k, k) > 0) chosen.push_back(k), entry.free[k] = true;
   model.problem.cameras.push_back(std::move(entry));
   if (chosen.empty()) return;
   Eigen::VectorXd target = Eigen::VectorXd::Zero(all);
@@ -122,7 +122,7 @@ MarkerModel build_model(const MarkerBlock& block, const MarkerOptions& options, 
     if (image_index[i] == none) continue;
     const MarkerImage& image = block.images[i];
     image_index[i] = static_cast<int>(model.images.size());
-    camera_used[static_cast<size_t>(image.camera)] = true;
+    camera_used[image.camera] = true;
     model.images.push_back(static_cast<int>(i));
     model.problem.images.push_back({image.path, image.camera});
     const RigidTransform& pose = *start.cam_from_world[i];
@@ -146,10 +146,9 @@ MarkerModel build_model(const MarkerBlock& block, const MarkerOptions& options, 
                 Eigen::MatrixXd::Constant(1, 1, 1 / inset_prior(block, options, c)), group_inset, model);
   }
   for (const int v : model.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(v)];
+    const MarkerView& view = block.views[v];
     bundle::ImageTag tag;
-    tag.image = image_index[static_cast<size_t>(view.image)],
-    tag.plate = marker_index[static_cast<size_t>(view.marker)];
+    tag.image = image_index[view.image], tag.plate = marker_index[view.marker];
     tag.corners = view.corners;
     for (size_t q = 0; q < 4; ++q) {
       const Eigen::Matrix2d lower = view.covariances[q].llt().matrixL();
@@ -157,7 +156,7 @@ MarkerModel build_model(const MarkerBlock& block, const MarkerOptions& options, 
     }
     tag.group = view.refined ? group_refined : group_unrefined;
     tag.robust = true;
-    tag.inset = model.inset_batch(static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera));
+    tag.inset = model.inset_batch(static_cast<size_t>(block.images[view.image].camera));
     model.problem.image_tags.push_back(tag);
   }
   return model;
@@ -168,8 +167,8 @@ bool in_one_line(const MarkerBlock& block, const MarkerModel& model) {
   Eigen::MatrixXd centres(3, count);
   double size = 0;
   for (Eigen::Index j = 0; j < count; ++j) {
-    centres.col(j) = model.state.plates[static_cast<size_t>(j)].position;
-    size = std::max(size, block.markers[static_cast<size_t>(model.markers[static_cast<size_t>(j)])].size);
+    centres.col(j) = model.state.plates[j].position;
+    size = std::max(size, block.markers[model.markers[j]].size);
   }
   const Eigen::MatrixXd offsets = centres.colwise() - centres.rowwise().mean();
   const Eigen::Matrix3d scatter = offsets * offsets.transpose() / static_cast<double>(count);

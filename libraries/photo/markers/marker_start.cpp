@@ -24,10 +24,10 @@ class Placement {
     for (size_t v = 0; v < block.views.size(); ++v) {
       if (!use[v] || !normalise(v)) continue;
       const MarkerView& view = block.views[v];
-      poses_[v] = poses_of_square(corners_[v], block.markers[static_cast<size_t>(view.marker)].size);
+      poses_[v] = poses_of_square(corners_[v], block.markers[view.marker].size);
       if (poses_[v].empty()) continue;
-      views_of_image_[static_cast<size_t>(view.image)].push_back(v);
-      views_of_marker_[static_cast<size_t>(view.marker)].push_back(v);
+      views_of_image_[view.image].push_back(v);
+      views_of_marker_[view.marker].push_back(v);
     }
   }
 
@@ -56,9 +56,7 @@ class Placement {
   MarkerStart result;
 
  private:
-  const BrownCamera& camera_of(size_t image) const {
-    return result.cameras[static_cast<size_t>(block_.images[image].camera)];
-  }
+  const BrownCamera& camera_of(size_t image) const { return result.cameras[block_.images[image].camera]; }
   size_t image_of(size_t view) const { return static_cast<size_t>(block_.views[view].image); }
   size_t marker_of(size_t view) const { return static_cast<size_t>(block_.views[view].marker); }
 
@@ -222,7 +220,7 @@ class Placement {
     const std::vector<int> component = components();
     std::vector<size_t> size(component.size() + 1, 0);
     for (size_t i = 0; i < component.size(); ++i)
-      if (component[i] >= 0) size[static_cast<size_t>(component[i])] += views_of_image_[i].size();
+      if (component[i] >= 0) size[component[i]] += views_of_image_[i].size();
     const int largest = static_cast<int>(std::max_element(size.begin(), size.end()) - size.begin());
     size_t root = block_.images.size(), best_links = 0;
     for (size_t i = 0; i < component.size(); ++i) {
@@ -284,16 +282,16 @@ std::vector<FittedPose> poses_of_view(const MarkerBlock& block, const MarkerView
     if (!q) return {};
     corners[i] = *q;
   }
-  return poses_of_square(corners, block.markers[static_cast<size_t>(view.marker)].size);
+  return poses_of_square(corners, block.markers[view.marker].size);
 }
 
 double focal_length_from_tags(const MarkerBlock& block, int camera) {
   // With ω = diag(w, w, 1), w = 1/f²: h1ᵀωh2 = 0 and h1ᵀωh1 = h2ᵀωh2 give a w + b = 0 for every view.
   double ab = 0, aa = 0;
   for (const MarkerView& view : block.views) {
-    const int c = block.images[static_cast<size_t>(view.image)].camera;
+    const int c = block.images[view.image].camera;
     if (c != camera) continue;
-    const BrownCamera& brown = block.cameras[static_cast<size_t>(c)].camera;
+    const BrownCamera& brown = block.cameras[c].camera;
     const double unit = std::max(brown.width, brown.height);
     std::vector<Eigen::Vector2d> image;
     for (const auto& corner : view.corners)
@@ -308,7 +306,7 @@ double focal_length_from_tags(const MarkerBlock& block, int camera) {
     ab += a1 * b1 + a2 * b2, aa += a1 * a1 + a2 * a2;
   }
   const double w = -ab / aa;
-  const BrownCamera& brown = block.cameras[static_cast<size_t>(camera)].camera;
+  const BrownCamera& brown = block.cameras[camera].camera;
   return w > 0 && std::isfinite(w) ? std::max(brown.width, brown.height) / std::sqrt(w) : std::nan("");
 }
 

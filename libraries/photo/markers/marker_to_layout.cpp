@@ -29,7 +29,7 @@ MarkerResult adjust_without_worst(const MarkerBlock& block, const MarkerOptions&
     for (const int marker : seen) {
       if (seen.size() < 3) break;
       MarkerBlock without = block;
-      without.markers[static_cast<size_t>(marker)].world_from_tag.reset();
+      without.markers[marker].world_from_tag.reset();
       try {
         MarkerResult result = adjust_as_given(without, options);
         const auto fits_better = [&] {
@@ -72,7 +72,7 @@ void require_size(const MarkerBlock& used, const MarkerOptions& options) {
   try {
     const MarkerResult result = adjust_as_given(used, free);
     for (const AdjustedMarker& marker : result.markers) {
-      if (!used.markers[static_cast<size_t>(marker.marker)].world_from_tag) continue;
+      if (!used.markers[marker.marker].world_from_tag) continue;
       if (marker.scale_sigma > 0.5 * free_size) continue;  // seen with no other tag
       scales.push_back(marker.scale), sigmas.push_back(marker.scale_sigma);
     }
@@ -112,9 +112,9 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
   MarkerBlock used = block;
   std::set<int> seen, left_out;
   for (const MarkerView& view : block.views)
-    if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
+    if (block.markers[view.marker].world_from_tag) seen.insert(view.marker);
   MarkerResult result = adjust_without_worst(block, options, seen, left_out);
-  for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
+  for (const int marker : left_out) used.markers[marker].world_from_tag.reset();
   for (;;) {
     const auto off = tags_off_layout(used, options, result);
     double furthest = 1;
@@ -128,7 +128,7 @@ MarkerResult adjust_to_layout(const MarkerBlock& block, const MarkerOptions& opt
     }
     if (next == left_out || 2 * next.size() >= seen.size()) break;
     left_out = next;
-    for (const int marker : left_out) used.markers[static_cast<size_t>(marker)].world_from_tag.reset();
+    for (const int marker : left_out) used.markers[marker].world_from_tag.reset();
     result = adjust_as_given(used, options);
   }
   if (has_layout(used)) require_size(used, options);

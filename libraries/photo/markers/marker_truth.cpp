@@ -23,7 +23,7 @@ std::optional<MarkerBlock> with_camera_divided(const MarkerBlock& block, const M
   divided.cameras.back().id += " (second part)";
   for (const int k : truth.change->second)
     for (MarkerImage& image : divided.images)
-      if (image.camera == static_cast<int>(camera) && image.path == truth.evidence.paths[static_cast<std::size_t>(k)])
+      if (image.camera == static_cast<int>(camera) && image.path == truth.evidence.paths[k])
         image.camera = static_cast<int>(divided.cameras.size()) - 1;
   return divided;
 }
@@ -52,7 +52,7 @@ void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bun
         evidence_of(shares, cofactor, 1, interior_columns(model.problem, layout, static_cast<int>(c)), members, paths);
     std::vector<RigidTransform> poses;
     for (const int i : evidence.members) {
-      const bundle::Placement& image = model.state.images[static_cast<size_t>(i)];
+      const bundle::Placement& image = model.state.images[i];
       poses.push_back({image.rotation, image.rotation * (middle - image.position)});
     }
     camera.truth = judge_camera(std::move(evidence), camera.camera, poses);

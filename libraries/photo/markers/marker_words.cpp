@@ -40,16 +40,15 @@ std::map<int, Sighting> sightings_of(const MarkerBlock& block, const MarkerResul
   constexpr double of_one_square = 0.07;  // [rad], a pose from four corners is tilted by some degrees
   std::map<int, Sighting> sightings;
   for (const int v : result.rejected) {
-    const MarkerView& view = block.views[static_cast<size_t>(v)];
-    const AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
+    const MarkerView& view = block.views[v];
+    const AdjustedMarkerImage& image = result.images[view.image];
     if (!image.oriented) continue;
-    const BrownCamera& camera =
-        result.cameras[static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera)].camera;
+    const BrownCamera& camera = result.cameras[block.images[view.image].camera].camera;
     std::vector<Eigen::Quaterniond> turns;
     for (const FittedPose& pose : poses_of_view(block, view, camera)) {
       const RigidTransform world_from_tag = image.cam_from_world.inverse() * pose.cam_from_figure;
       if (turns.empty()) sightings[view.marker].places.push_back(world_from_tag.translation);
-      turns.push_back(turn_of(block.markers[static_cast<size_t>(view.marker)], world_from_tag.rotation));
+      turns.push_back(turn_of(block.markers[view.marker], world_from_tag.rotation));
     }
     if (turns.empty()) continue;
     sightings[view.marker].turns.push_back(*std::min_element(
@@ -60,7 +59,7 @@ std::map<int, Sighting> sightings_of(const MarkerBlock& block, const MarkerResul
     Sighting& seen = sightings[marker.marker];
     if (seen.places.empty()) seen.places.push_back(marker.world_from_tag.translation);
     if (static_cast<int>(seen.turns.size()) > marker.images) continue;
-    seen.turns = {turn_of(block.markers[static_cast<size_t>(marker.marker)], marker.world_from_tag.rotation)};
+    seen.turns = {turn_of(block.markers[marker.marker], marker.world_from_tag.rotation)};
     seen.angle_sigma = std::sqrt(marker.rotation_covariance.diagonal().maxCoeff());
   }
   return sightings;
@@ -101,7 +100,7 @@ std::map<int, TagOffLayout> tags_off_layout(const MarkerBlock& block, const Mark
   constexpr double limit = 5;  // standard deviations
   std::map<int, TagOffLayout> off;
   for (auto& [m, seen] : sightings_of(block, result)) {
-    const Marker& marker = block.markers[static_cast<size_t>(m)];
+    const Marker& marker = block.markers[m];
     if (!marker.world_from_tag || seen.turns.empty()) continue;
     TagOffLayout tag;
     tag.place = median_of(seen.places);
@@ -133,7 +132,7 @@ std::string words_of_turn(const TagOffLayout& tag) {
 void require_common_convention(const MarkerBlock& block, const std::map<int, TagOffLayout>& off) {
   std::set<int> seen;
   for (const MarkerView& view : block.views)
-    if (block.markers[static_cast<size_t>(view.marker)].world_from_tag) seen.insert(view.marker);
+    if (block.markers[view.marker].world_from_tag) seen.insert(view.marker);
   size_t turned = 0;
   for (const auto& [m, tag] : off) turned += tag.turned;
   if (turned < 3 || 2 * turned <= seen.size()) return;
@@ -160,9 +159,9 @@ void warn_about_layout(const MarkerBlock& block, const MarkerOptions& options, c
     }
   }
   for (const auto& [m, tag] : off) {
-    const std::string name = block.markers[static_cast<size_t>(m)].name();
+    const std::string name = block.markers[m].name();
     const auto there = at.find(m);
-    const std::string other = there == at.end() ? "" : block.markers[static_cast<size_t>(there->second)].name();
+    const std::string other = there == at.end() ? "" : block.markers[there->second].name();
     const std::string effect = left_out.count(m) ? ". Its place in the layout takes no part" : "";
     if (there != at.end() && at.count(there->second) && at[there->second] == m) {
       if (m < there->second)
@@ -198,8 +197,8 @@ void warn_about_variance(MarkerResult& result) {
 
 void explain_images(const MarkerBlock& block, MarkerResult& result) {
   std::vector<int> views(block.images.size(), 0), rejected(block.images.size(), 0);
-  for (const auto& view : block.views) ++views[static_cast<size_t>(view.image)];
-  for (const int v : result.rejected) ++rejected[static_cast<size_t>(block.views[static_cast<size_t>(v)].image)];
+  for (const auto& view : block.views) ++views[view.image];
+  for (const int v : result.rejected) ++rejected[block.views[v].image];
   const bool layout = has_layout(block);
   for (auto& image : result.images) {
     const size_t i = static_cast<size_t>(image.image);
@@ -213,7 +212,7 @@ void explain_images(const MarkerBlock& block, MarkerResult& result) {
     result.left_out.push_back(block.images[i].path + ": " + image.reason);
   }
   std::vector<bool> placed(block.markers.size(), false);
-  for (const auto& marker : result.markers) placed[static_cast<size_t>(marker.marker)] = true;
+  for (const auto& marker : result.markers) placed[marker.marker] = true;
   std::string names;
   int missing = 0;
   for (size_t m = 0; m < placed.size(); ++m) {
@@ -229,11 +228,10 @@ void explain_images(const MarkerBlock& block, MarkerResult& result) {
 
 void explain_single_tags(const MarkerBlock& block, MarkerResult& result) {
   for (const auto& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
-    AdjustedMarkerImage& image = result.images[static_cast<size_t>(view.image)];
+    const MarkerView& view = block.views[seen.view];
+    AdjustedMarkerImage& image = result.images[view.image];
     if (image.tags != 1) continue;
-    const BrownCamera& camera =
-        result.cameras[static_cast<size_t>(block.images[static_cast<size_t>(view.image)].camera)].camera;
+    const BrownCamera& camera = result.cameras[block.images[view.image].camera].camera;
     const auto poses = poses_of_view(block, view, camera);
     if (poses.size() < 2) continue;
     const auto marker = std::find_if(result.markers.begin(), result.markers.end(),
@@ -308,8 +306,7 @@ void warn_about_calibrations(const MarkerBlock& block, MarkerResult& result) {
     if (given.held || given.any_lens || given.covariance.size() == 0 || adjusted.size() == 0) continue;
     const auto before = given.camera.parameters(), after = result.cameras[c].camera.parameters();
     Eigen::VectorXd change(BrownCamera::parameter_count);
-    for (Eigen::Index k = 0; k < change.size(); ++k)
-      change(k) = after[static_cast<std::size_t>(k)] - before[static_cast<std::size_t>(k)];
+    for (Eigen::Index k = 0; k < change.size(); ++k) change(k) = after[k] - before[k];
     const CalibrationTest test = test_calibration(change, given.covariance, adjusted);
     if (test.freedom == 0) continue;
     const double limit = chi_squared_quantile(level, test.freedom);
@@ -330,7 +327,7 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
     const double sigma = std::sqrt(image.covariance.topLeftCorner<3, 3>().trace());
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& seen : result.views) {
-      const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+      const MarkerView& view = block.views[seen.view];
       for (const auto& m : result.markers)
         if (view.image == image.image && m.marker == view.marker)
           nearest = std::min(nearest, (m.world_from_tag.translation - image.centre).norm());
@@ -362,7 +359,7 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
                                 "turned by 90 degrees");
   }
   for (const auto& marker : result.markers) {
-    const Marker& m = block.markers[static_cast<size_t>(marker.marker)];
+    const Marker& m = block.markers[marker.marker];
     if (marker.images == 1)
       result.warnings.push_back("tag " + m.name() + " is seen in one photograph only: nothing checks it");
   }

@@ -50,8 +50,7 @@ EffectModel::EffectModel(const CameraEvidence& evidence, const BrownCamera& came
                          const std::vector<RigidTransform>& cam_from_object) {
   parameters_ = static_cast<int>(evidence.parameters.size());
   place_of_.fill(-1);
-  for (int k = 0; k < parameters_; ++k)
-    place_of_[static_cast<std::size_t>(evidence.parameters[static_cast<std::size_t>(k)])] = k;
+  for (int k = 0; k < parameters_; ++k) place_of_[evidence.parameters[k]] = k;
   const Eigen::Index q = parameters_ + effect_count, n = static_cast<Eigen::Index>(evidence.score.size());
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(q);
   for (const Eigen::MatrixXd& j : evidence.information) mean += j.diagonal() / static_cast<double>(n);
@@ -77,7 +76,7 @@ EffectModel::EffectModel(const CameraEvidence& evidence, const BrownCamera& came
       direction({0, 0, 0, 0, 0.03});
   Eigen::MatrixXd sight(n, 3), right(n, 3), distance(n, 1);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const RigidTransform& pose = cam_from_object[static_cast<std::size_t>(i)];
+    const RigidTransform& pose = cam_from_object[i];
     sight.row(i) = (pose.rotation.conjugate() * Eigen::Vector3d::UnitZ()).transpose();
     right.row(i) = (pose.rotation.conjugate() * Eigen::Vector3d::UnitX()).transpose();
     distance(i, 0) = std::log(std::max(1e-9, pose.translation.norm()));
@@ -118,11 +117,11 @@ EffectFit::EffectFit(const EffectModel& model, const Strengths& strengths) : mod
     right.head(p) += scores_.back().head(p);
     const auto row = static_cast<Eigen::Index>(i);
     for (Eigen::Index a = 0; a < z; ++a) {
-      const double at = model.places_[static_cast<std::size_t>(a)](row);
+      const double at = model.places_[a](row);
       normal.block(0, p + a * d, p, d) += at * of_place_.back().topRows(p);
       right.segment(p + a * d, d) += at * place_score;
       for (Eigen::Index b = a; b < z; ++b)
-        normal.block(p + a * d, p + b * d, d, d) += at * model.places_[static_cast<std::size_t>(b)](row) * both;
+        normal.block(p + a * d, p + b * d, d, d) += at * model.places_[b](row) * both;
     }
   }
   normal = Eigen::MatrixXd(normal.selfadjointView<Eigen::Upper>());
@@ -151,8 +150,7 @@ StepFit EffectFit::fit(const Step& step) const {
     right += w * e.transpose() * scores_[i];
     coupling.topRows(p) += w * through.topRows(p);
     const Eigen::MatrixXd with_place = w * of_place_[i].transpose() * e;
-    for (Eigen::Index a = 0; a < z; ++a)
-      coupling.middleRows(p + a * d, d) += model_.places_[static_cast<std::size_t>(a)](row) * with_place;
+    for (Eigen::Index a = 0; a < z; ++a) coupling.middleRows(p + a * d, d) += model_.places_[a](row) * with_place;
   }
   right -= coupling.transpose() * common_;
   const Eigen::MatrixXd left = own - coupling.transpose() * cofactor_ * coupling;

@@ -35,7 +35,7 @@ PhotographRows rows_of(const bundle::Problem& problem, const bundle::Layout& lay
   rows.effects = std::move(effects);
   rows.kept.resize(from.rows, from.columns - 6);
   for (int k = 0; k < from.parts; ++k) {
-    const auto& part = from.part[static_cast<std::size_t>(k)];
+    const auto& part = from.part[k];
     if (part.block == layout.block({bundle::Kind::image, image})) {
       rows.own = from.jacobian(k);
       continue;
@@ -54,7 +54,7 @@ std::vector<PhotographShare> shares_of(int photographs, int kept_count, const st
   Eigen::Index most_effects = 0, size = 0;
   for (const PhotographRows& rows : all) {
     most_effects = std::max(most_effects, rows.effects.cols()), size = rows.own.cols();
-    touched[static_cast<std::size_t>(rows.photograph)].insert(rows.columns.begin(), rows.columns.end());
+    touched[rows.photograph].insert(rows.columns.begin(), rows.columns.end());
   }
   std::vector<PhotographShare> shares(blocks);
   std::vector<Eigen::MatrixXd> own(blocks), coupling(blocks);
@@ -88,9 +88,8 @@ std::vector<PhotographShare> shares_of(const bundle::Problem& problem, const bun
   std::vector<PhotographRows> all;
   bundle::Rows rows;
   const auto effects_of = [&](const auto& term, const Eigen::Vector2d& pixel, const Eigen::Matrix2d& whitening) {
-    const int camera = problem.images[static_cast<std::size_t>(term.image)].camera;
-    return Eigen::Matrix2d(whitening * effects_at(pixel, heights[static_cast<std::size_t>(camera)]) /
-                           problem.groups[static_cast<std::size_t>(term.group)].sigma_factor);
+    const int camera = problem.images[term.image].camera;
+    return Eigen::Matrix2d(whitening * effects_at(pixel, heights[camera]) / problem.groups[term.group].sigma_factor);
   };
   for (const bundle::ImagePoint& point : problem.image_points)
     if (bundle::evaluate(problem, layout, state, point, true, rows))
@@ -108,7 +107,7 @@ std::vector<PhotographShare> shares_of(const bundle::Problem& problem, const bun
 std::vector<int> interior_columns(const bundle::Problem& problem, const bundle::Layout& layout, int camera) {
   std::vector<int> columns(BrownCamera::parameter_count, -1);
   int next = kept_column(problem, layout.offset(layout.block({bundle::Kind::camera, camera})));
-  for (const int value : layout.free_values(camera)) columns[static_cast<std::size_t>(value)] = next++;
+  for (const int value : layout.free_values(camera)) columns[value] = next++;
   return columns;
 }
 

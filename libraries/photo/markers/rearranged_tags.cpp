@@ -33,8 +33,8 @@ std::map<std::pair<int, int>, std::vector<SeenDistance>> distances_of(const Mark
   }
   std::map<int, std::vector<std::pair<int, Eigen::Vector3d>>> places;  // by image: marker, in the camera's frame
   for (const MarkerView& view : block.views) {
-    const int camera = block.images[static_cast<std::size_t>(view.image)].camera;
-    const auto poses = poses_of_view(block, view, cameras[static_cast<std::size_t>(camera)]);
+    const int camera = block.images[view.image].camera;
+    const auto poses = poses_of_view(block, view, cameras[camera]);
     if (!poses.empty()) places[view.image].emplace_back(view.marker, poses.front().cam_from_figure.translation);
   }
   std::map<std::pair<int, int>, std::vector<SeenDistance>> distances;
@@ -60,21 +60,18 @@ std::string rearranged_tags(const MarkerBlock& block) {
         std::minmax_element(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.metres < b.metres; });
     std::vector<double> all;
     for (const SeenDistance& each : seen) all.push_back(each.metres);
-    const Marker &a = block.markers[static_cast<std::size_t>(pair.first)],
-                 &b = block.markers[static_cast<std::size_t>(pair.second)];
+    const Marker &a = block.markers[pair.first], &b = block.markers[pair.second];
     const double allowed = apart * upper_median(all) + std::max(a.size, b.size), off = most->metres - least->metres;
     if (!(off > allowed)) continue;
     ++moved, ++times[pair.first], ++times[pair.second];
     if (!(off / allowed > furthest)) continue;
     furthest = off / allowed;
     example = fmt::format("tags {} and {} are {:.2f} m apart in {} and {:.2f} m in {}", a.name(), b.name(),
-                          least->metres, block.images[static_cast<std::size_t>(least->image)].path, most->metres,
-                          block.images[static_cast<std::size_t>(most->image)].path);
+                          least->metres, block.images[least->image].path, most->metres, block.images[most->image].path);
   }
   if (moved < 2 || 2 * moved < pairs) return "";
   std::string names;
-  for (const auto& [marker, count] : times)
-    names += (names.empty() ? "" : ", ") + block.markers[static_cast<std::size_t>(marker)].name();
+  for (const auto& [marker, count] : times) names += (names.empty() ? "" : ", ") + block.markers[marker].name();
   return "the tags stand elsewhere from photograph to photograph, or several tags have one number: " + example +
          "; so do " + std::to_string(moved) + " of " + std::to_string(pairs) +
          " pairs that are seen together more than once (tags " + names +

@@ -58,8 +58,7 @@ struct RigModel {
     const bundle::ImagePoint& point = problem.image_points[label];
     bundle::Rows rows;
     if (!bundle::evaluate(problem, layout, state, point, false, rows))
-      throw std::runtime_error("the board lies behind the camera of " +
-                               problem.images[static_cast<size_t>(point.image)].name);
+      throw std::runtime_error("the board lies behind the camera of " + problem.images[point.image].name);
     return rows.values() / point.whitening(0, 0);
   }
 };
@@ -110,26 +109,25 @@ class RigAdjuster {
   int shared_exposures(const std::vector<int>& members, int camera) const {
     std::set<std::string> others;
     for (const int c : members)
-      if (c != camera) others.insert(moments_[static_cast<size_t>(c)].begin(), moments_[static_cast<size_t>(c)].end());
-    const auto& own = moments_[static_cast<size_t>(camera)];
+      if (c != camera) others.insert(moments_[c].begin(), moments_[c].end());
+    const auto& own = moments_[camera];
     return static_cast<int>(std::count_if(own.begin(), own.end(), [&](const auto& m) { return others.count(m) > 0; }));
   }
 
  private:
   const CalibratedView& calibrated(const Rig& p, const Shot& s) const {
-    const size_t camera = static_cast<size_t>(p.members[static_cast<size_t>(s.camera)]);
-    return cameras_[camera].calibration->views[static_cast<size_t>(s.view)];
+    const size_t camera = static_cast<size_t>(p.members[s.camera]);
+    return cameras_[camera].calibration->views[s.view];
   }
   const CalibrationView& given(const Rig& p, const Shot& s) const {
-    const size_t camera = static_cast<size_t>(p.members[static_cast<size_t>(s.camera)]);
-    return (*cameras_[camera].views)[static_cast<size_t>(calibrated(p, s).view)];
+    const size_t camera = static_cast<size_t>(p.members[s.camera]);
+    return (*cameras_[camera].views)[calibrated(p, s).view];
   }
 
   void fill(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part, Rig& p) const {
     p.members = members;
     std::set<std::string> names;
-    for (const int c : members)
-      names.insert(moments_[static_cast<size_t>(c)].begin(), moments_[static_cast<size_t>(c)].end());
+    for (const int c : members) names.insert(moments_[c].begin(), moments_[c].end());
     std::map<std::string, int> exposure;
     int number = 0;
     for (const auto& name : names) {
@@ -147,7 +145,7 @@ class RigAdjuster {
       std::copy(interior.begin(), interior.end(), p.interiors.emplace_back().begin());
       const auto& views = cameras_[c].calibration->views;
       for (size_t v = 0; v < views.size(); ++v) {
-        const auto at = exposure.find(moments_[c][static_cast<size_t>(views[v].view)]);
+        const auto at = exposure.find(moments_[c][views[v].view]);
         if (at == exposure.end() || views[v].points.size() < 4) continue;
         const size_t e = static_cast<size_t>(at->second);
         p.shots.push_back({static_cast<int>(m), static_cast<int>(v), at->second});
@@ -156,22 +154,21 @@ class RigAdjuster {
         p.exposures[e] = placed(start[m].inverse() * views[v].cam_from_board);
       }
     }
-    p.bend = {cameras_[static_cast<size_t>(members[0])].calibration->bend_x,
-              cameras_[static_cast<size_t>(members[0])].calibration->bend_y};
+    p.bend = {cameras_[members[0]].calibration->bend_x, cameras_[members[0]].calibration->bend_y};
     if (!(options_.bend_sigma > 0)) p.bend.setZero();
     drop_empty_exposures(p);
   }
 
   static void drop_empty_exposures(Rig& p) {
     std::vector<int> photographs(p.exposures.size(), 0), now(p.exposures.size(), -1);
-    for (const Shot& s : p.shots) ++photographs[static_cast<size_t>(s.exposure)];
+    for (const Shot& s : p.shots) ++photographs[s.exposure];
     Rig kept;
     for (size_t e = 0; e < photographs.size(); ++e) {
       if (photographs[e] == 0) continue;
       now[e] = static_cast<int>(kept.exposures.size());
       kept.exposures.push_back(p.exposures[e]), kept.exposure_names.push_back(p.exposure_names[e]);
     }
-    for (Shot& s : p.shots) s.exposure = now[static_cast<size_t>(s.exposure)];
+    for (Shot& s : p.shots) s.exposure = now[s.exposure];
     p.exposures = std::move(kept.exposures), p.exposure_names = std::move(kept.exposure_names);
   }
 
@@ -183,8 +180,8 @@ class RigAdjuster {
     model.state.images = p.exposures, model.state.mounts = p.cameras, model.state.interiors = p.interiors;
     model.state.bends = {p.bend};
     for (size_t m = 0; m < p.members.size(); ++m) {
-      const std::string& id = cameras_[static_cast<size_t>(p.members[m])].id;
-      const Calibration& own = *cameras_[static_cast<size_t>(p.members[m])].calibration;
+      const std::string& id = cameras_[p.members[m]].id;
+      const Calibration& own = *cameras_[p.members[m]].calibration;
       problem.mounts.push_back({"camera " + id, m == 0});
       bundle::Camera camera{id, bundle::lens_of(own.camera.lens), 0, {}};
       for (Eigen::Index k = 0; k < bundle::value_count(camera.lens); ++k) {
@@ -205,7 +202,7 @@ class RigAdjuster {
       problem.images.push_back({given(p, shot).path, shot.camera, false, false, shot.camera, shot.exposure});
       model.state.images.emplace_back();  // not looked at
       for (const int k : calibrated(p, shot).points) {
-        const CalibrationPoint& point = given(p, shot).points[static_cast<size_t>(k)];
+        const CalibrationPoint& point = given(p, shot).points[k];
         const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
         problem.points.push_back({std::to_string(k), true, 0, Eigen::Vector2d::Ones() - unit.cwiseAbs2()});
         model.state.points.push_back(point.board);
@@ -258,7 +255,7 @@ class RigAdjuster {
   /// this is no rig.
   void leave_out_what_disagrees(Rig& p, AdjustedRig& rig) const {
     double separate = 0;
-    for (const int c : p.members) separate = std::max(separate, cameras_[static_cast<size_t>(c)].calibration->rms);
+    for (const int c : p.members) separate = std::max(separate, cameras_[c].calibration->rms);
     const std::vector<double> rms = fit(p);
     const double limit = kDisagrees * std::max(separate, std::min(upper_median(rms), kWorse * separate));
     std::vector<Shot> kept;
@@ -273,8 +270,7 @@ class RigAdjuster {
     }
     for (size_t c = 0; c < own.size() && rig.refused.empty(); ++c) {
       if (upper_median(rms) <= kWorse * separate && good[c] >= 3 && 2 * good[c] >= own[c]) continue;
-      rig.refused =
-          no_rig(own[c] - good[c], own[c], cameras_[static_cast<size_t>(p.members[c])].id, upper_median(rms), separate);
+      rig.refused = no_rig(own[c] - good[c], own[c], cameras_[p.members[c]].id, upper_median(rms), separate);
     }
     if (!rig.refused.empty()) return;
     p.shots = std::move(kept);
@@ -296,9 +292,9 @@ class RigAdjuster {
       bool any = false;
       std::vector<Eigen::Vector2d> moved(model.labels.size(), Eigen::Vector2d::Zero());
       for (size_t k = 0; k < moved.size(); ++k) {
-        const Shot& shot = p.shots[static_cast<size_t>(model.labels[k].first)];
+        const Shot& shot = p.shots[model.labels[k].first];
         if (shot.camera != static_cast<int>(m)) continue;
-        moved[k] = given(p, shot).points[static_cast<size_t>(model.labels[k].second)].by_inset;
+        moved[k] = given(p, shot).points[model.labels[k].second].by_inset;
         any = any || !moved[k].isZero(0);
       }
       effects.push_back(any ? effect_of(model.problem, layout, model.state, moved)
@@ -312,7 +308,7 @@ class RigAdjuster {
     double variance = 0, squares = 0;
     std::vector<double> own(p.members.size(), 0), points(p.members.size(), 0);
     for (size_t k = 0; k < model.labels.size(); ++k) {
-      const size_t c = static_cast<size_t>(p.shots[static_cast<size_t>(model.labels[k].first)].camera);
+      const size_t c = static_cast<size_t>(p.shots[model.labels[k].first].camera);
       const double square = model.residual_of(layout, k).squaredNorm();
       own[c] += square, points[c] += 1;
       squares += square, variance += std::pow(model.problem.image_points[k].whitening(0, 0), -2);
@@ -332,7 +328,7 @@ class RigAdjuster {
       camera.camera = p.members[m];
       const bundle::Placement& mount = model.state.mounts[m];
       camera.cam_from_reference = {mount.rotation, -(mount.rotation * mount.position)};
-      const Calibration& separate = *cameras_[static_cast<size_t>(p.members[m])].calibration;
+      const Calibration& separate = *cameras_[p.members[m]].calibration;
       camera.interior = separate.camera;
       std::array<double, BrownCamera::parameter_count> values;
       std::copy_n(model.state.interiors[m].begin(), values.size(), values.begin());
@@ -382,11 +378,11 @@ std::vector<Component> components_of(const std::vector<RigCamera>& cameras,
   std::vector<std::vector<RigView>> views(cameras.size());
   for (size_t c = 0; c < cameras.size(); ++c)
     for (const auto& view : cameras[c].calibration->views)
-      views[c].push_back({moments[c][static_cast<size_t>(view.view)], view.cam_from_board});
+      views[c].push_back({moments[c][view.view], view.cam_from_board});
   std::vector<Component> components;
   std::vector<std::pair<size_t, size_t>> place(cameras.size(), {0, 0});  // component and index in it, both from 1
   for (const RigPose& pose : rig_of(views)) {
-    auto& reference = place[static_cast<size_t>(pose.reference)];
+    auto& reference = place[pose.reference];
     if (reference.first == 0) {
       components.push_back({{pose.reference}, {RigidTransform{}}});
       reference = {components.size(), 1};
@@ -394,7 +390,7 @@ std::vector<Component> components_of(const std::vector<RigCamera>& cameras,
     Component& own = components[reference.first - 1];
     own.members.push_back(pose.camera);
     own.from_first.push_back(pose.cam_from_reference * own.from_first[reference.second - 1]);
-    place[static_cast<size_t>(pose.camera)] = {reference.first, own.members.size()};
+    place[pose.camera] = {reference.first, own.members.size()};
   }
   return components;
 }

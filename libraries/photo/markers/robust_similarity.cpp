@@ -56,8 +56,7 @@ RobustSimilarity fit_similarity_robustly(const Points& from, const Points& to, d
       const SimilarityMotion motion = fit_similarity({from[i], from[j], from[k]}, {to[i], to[j], to[k]}, true);
       for (size_t m = 0; m < n; ++m) distances[m] = (motion * from[m] - to[m]).norm();
       std::nth_element(distances.begin(), distances.begin() + third, distances.end());
-      if (distances[static_cast<size_t>(third)] < lowest)
-        lowest = distances[static_cast<size_t>(third)], result.motion = motion;
+      if (distances[third] < lowest) lowest = distances[third], result.motion = motion;
     });
   if (lowest < std::numeric_limits<double>::infinity()) {
     Points good_from, good_to;

@@ -58,7 +58,7 @@ double share(const std::vector<const ImageTagsT*>& images, BrownCamera camera, c
       read.family = tag->family, read.id = hypothesis.id(*tag);
       const Field::Entry* entry = field.find(read);
       if (!entry || tag->corners.size() != 4) continue;
-      for (const int k : hypothesis.corners) read.corners.push_back(tag->corners[static_cast<std::size_t>(k)]);
+      for (const int k : hypothesis.corners) read.corners.push_back(tag->corners[k]);
       auto view = view_of(read, *entry, camera, settings);
       if (!view) continue;
       view->tag_size *= hypothesis.tag_factor;
@@ -145,7 +145,7 @@ void add_corners(std::vector<Hypothesis>& all) {
   for (const bool mirrored : {false, true})
     for (int first = 0; first < 4; ++first) {
       Hypothesis h;
-      for (int k = 0; k < 4; ++k) h.corners[static_cast<std::size_t>(k)] = (first + (mirrored ? -k : k)) & 3;
+      for (int k = 0; k < 4; ++k) h.corners[k] = (first + (mirrored ? -k : k)) & 3;
       if (h.corners == std::array<int, 4>{0, 1, 2, 3}) continue;
       h.words = mirrored
                     ? "the corners of the tags run the other way round: expected are bottom left, bottom right, top "

@@ -73,7 +73,7 @@ class JointPoints {
     Eigen::MatrixXd joint = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j) {
-        const PointT *a = anchors[static_cast<std::size_t>(i)], *b = anchors[static_cast<std::size_t>(j)];
+        const PointT *a = anchors[i], *b = anchors[j];
         const bool is_known = !packed_.empty() && a->sigma.allFinite() && b->sigma.allFinite();
         for (int r = 0; is_known && r < 3; ++r)
           for (int c = 0; c < 3; ++c) {
@@ -81,7 +81,7 @@ class JointPoints {
                               q = place_.at(b) + static_cast<std::size_t>(c);
             joint(3 * i + r, 3 * j + c) = packed_[std::max(p, q) * (std::max(p, q) + 1) / 2 + std::min(p, q)];
           }
-        if (!is_known && a == b) joint.block<3, 3>(3 * i, 3 * j) = views[static_cast<std::size_t>(i)].anchor_covariance;
+        if (!is_known && a == b) joint.block<3, 3>(3 * i, 3 * j) = views[i].anchor_covariance;
       }
     return joint;
   }

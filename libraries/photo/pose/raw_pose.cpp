@@ -28,7 +28,7 @@ double sum_of_squares(const BrownCamera& camera, const std::vector<const TagView
     for (int i = 0; i < 4; ++i) {
       const auto pixel = project(camera, pose * tag->corner_in_world(i));
       if (!pixel) return std::numeric_limits<double>::infinity();
-      sum += (*pixel - tag->pixels[static_cast<std::size_t>(i)]).squaredNorm();
+      sum += (*pixel - tag->pixels[i]).squaredNorm();
     }
   return sum;
 }
@@ -56,8 +56,8 @@ TagPose raw_tag_pose(const BrownCamera& camera, const std::vector<TagView>& view
   best.inliers.assign(views.size(), false);
   std::vector<const TagView*> sample;
   for (int k = 0; k < tags; ++k) {
-    sample.push_back(&local[order[static_cast<std::size_t>(k)]]);
-    best.inliers[order[static_cast<std::size_t>(k)]] = true;
+    sample.push_back(&local[order[k]]);
+    best.inliers[order[k]] = true;
   }
   double least = std::numeric_limits<double>::infinity();
   for (const RigidTransform& pose : solver(sample)) {

@@ -64,7 +64,7 @@ class Estimator {
   /// Fits to the tags of the sample, then to those that agree, as the gate closes.
   RigidTransform polish(RigidTransform pose, const std::vector<int>& sample) const {
     std::vector<bool> chosen(tags_.size(), false);
-    for (const int i : sample) chosen[static_cast<std::size_t>(i)] = true;
+    for (const int i : sample) chosen[i] = true;
     pose = refine(chosen, pose);
     for (int round = 0; round < kRounds; ++round) {
       const std::vector<bool> now = inliers(pose, gate_ * std::max(1.0, kLenience / ((round + 1) * (round + 1))));
@@ -197,7 +197,7 @@ std::vector<Hypothesis> best_hypotheses(const Estimator& estimator, const std::v
   Samples samples(static_cast<int>(tags.size()), options.sample_size, options.max_samples, options.seed);
   for (std::vector<int> sample; samples.next(sample);) {
     std::vector<const RigTag*> chosen;
-    for (const int i : sample) chosen.push_back(&tags[static_cast<std::size_t>(i)]);
+    for (const int i : sample) chosen.push_back(&tags[i]);
     for (const RigidTransform& pose : solver(views, chosen)) {
       if (!pose.translation.allFinite() || !pose.rotation.coeffs().allFinite()) continue;
       const double score = estimator.score(pose);

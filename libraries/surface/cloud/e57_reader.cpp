@@ -54,7 +54,7 @@ class BitStream {
 void take_steps(const E57Scan& scan, double farthest, const Eigen::Vector3d& floats, Eigen::Vector3d& steps) {
   Eigen::Vector3d own;
   for (int i = 0; i < 3; ++i) {
-    const E57Field& field = scan.fields[static_cast<size_t>(scan.coordinates[i])];
+    const E57Field& field = scan.fields[scan.coordinates[i]];
     own(i) = field.kind == E57Field::Kind::integer        ? std::abs(field.scale)
              : field.kind == E57Field::Kind::single_float ? floats(i)
                                                           : 0;
@@ -144,8 +144,8 @@ class ScanPoints {
       if (wanted_[f]) ready = streams_[f].ready(ready);
     for (std::uint64_t i = 0; i < ready; ++i) {
       Eigen::Vector3d own;
-      for (int c = 0; c < 3; ++c) own(c) = streams_[static_cast<size_t>(scan_.coordinates[c])].next();
-      const bool said = scan_.invalid >= 0 && streams_[static_cast<size_t>(scan_.invalid)].next() != 0;
+      for (int c = 0; c < 3; ++c) own(c) = streams_[scan_.coordinates[c]].next();
+      const bool said = scan_.invalid >= 0 && streams_[scan_.invalid].next() != 0;
       if (said || !own.allFinite()) {  // an infinite number would be the largest, and its step none
         ++summary_.without_place;
         continue;

@@ -120,7 +120,7 @@ void read_lines(CloudStream& stream, const PlyElement& vertex, PointBatch& batch
                           std::to_string(vertex.properties.size()));
     Eigen::Vector3d point;
     for (int axis = 0; axis < 3; ++axis) {
-      const std::string_view word = words[coordinates[static_cast<size_t>(axis)]];
+      const std::string_view word = words[coordinates[axis]];
       point(axis) = text_value(stream, word);
       steps.take(axis, point(axis), step_of_text(word));
     }

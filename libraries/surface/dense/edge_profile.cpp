@@ -26,7 +26,7 @@ std::optional<GapEdges> fit_gap(const std::vector<double>& samples, double first
   const int to = std::min(static_cast<int>(samples.size()) - 1, static_cast<int>(std::floor(second + window)));
   const int count = to - from + 1;
   if (count < 12 || !(second > first)) return std::nullopt;
-  const auto at = [&](int i) { return samples[static_cast<size_t>(i)]; };
+  const auto at = [&](int i) { return samples[i]; };
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   // Levels of the left, the middle and the right, both places, blur.

@@ -70,8 +70,7 @@ double agreement_at(std::vector<Share>& all, const std::vector<FacetView>& views
                     int half, int level, int min_views) {
   std::vector<Share> taken;
   for (Share& share : all)
-    if (take(share, views[static_cast<size_t>(share.number)], raise, Eigen::Vector2d::Zero(), spacing, half, level,
-             false))
+    if (take(share, views[share.number], raise, Eigen::Vector2d::Zero(), spacing, half, level, false))
       taken.push_back(share);
   return static_cast<int>(taken.size()) < min_views ? -1 : agreement(taken);
 }
@@ -214,8 +213,7 @@ std::vector<double> search_heights(const FacadePlane& plane, const Eigen::Vector
   const int reach = static_cast<int>(std::ceil(options.search / step));
   std::vector<double> found(static_cast<size_t>(2 * reach + 1));
   for (int s = -reach; s <= reach; ++s)
-    found[static_cast<size_t>(s + reach)] =
-        agreement_at(shares, views, s * step, coarse, options.half, level, options.min_views);
+    found[s + reach] = agreement_at(shares, views, s * step, coarse, options.half, level, options.min_views);
   std::vector<size_t> peaks;
   for (size_t s = 0; s < found.size(); ++s)
     if (found[s] > 0.3 && (s == 0 || found[s] >= found[s - 1]) && (s + 1 == found.size() || found[s] > found[s + 1]))
@@ -240,7 +238,7 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
     const double sampling = spacing * (1 << level);
     std::vector<Share> agreeing;
     for (Share& share : shares)
-      if (take(share, views[static_cast<size_t>(share.number)], raise, slope, sampling, options.half, level, step > 4))
+      if (take(share, views[share.number], raise, slope, sampling, options.half, level, step > 4))
         agreeing.push_back(share);
     if (static_cast<int>(agreeing.size()) < options.min_views) {
       facet.outcome = shares.size() < static_cast<size_t>(options.min_views) ? FacetOutcome::too_few_views

@@ -38,7 +38,7 @@ std::vector<FacetView> best_views(const FacadePlane& plane, const Eigen::Vector2
     (alike ? near : chosen).push_back(candidate);
   }
   chosen.insert(chosen.end(), near.begin(), near.end());
-  if (static_cast<int>(chosen.size()) > most) chosen.resize(static_cast<size_t>(most));
+  if (static_cast<int>(chosen.size()) > most) chosen.resize(most);
   std::vector<FacetView> result;
   *spacing = 0;
   for (const Candidate& candidate : chosen) {
@@ -53,7 +53,7 @@ Eigen::VectorXd by_orientations(const FacadePlane& plane, const Eigen::Vector3d&
                                 const std::vector<FacetView>& views, const OrientationCovariance& orientations) {
   Eigen::VectorXd row = Eigen::VectorXd::Zero(orientations.size());
   for (size_t i = 0; i < facet.views.size(); ++i) {
-    const View& view = *views[static_cast<size_t>(facet.views[i])].view;
+    const View& view = *views[facet.views[i]].view;
     const auto map = map_at(view, plane, place, -1e6);
     if (!map) continue;
     const Eigen::RowVector2d by_pixel = facet.by_shift[i].transpose() * map->by_place.leftCols<2>().inverse();
@@ -114,7 +114,7 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
     if (facet.outcome == FacetOutcome::measured) neighbours += facet.neighbours, count += 1;
   const double larger = std::sqrt(std::max(1.0, neighbours / std::max(count, 1.0)));
   for (const auto& [at, facet] : facets) {
-    ++tile.outcomes[static_cast<size_t>(facet.outcome)];
+    ++tile.outcomes[facet.outcome];
     if (facet.outcome != FacetOutcome::measured) continue;
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
@@ -140,7 +140,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
             rows = std::max(1, static_cast<int>(size.y() / pitch));
   if (static_cast<int>(views.size()) < options.facet.min_views) {
     FacetTile tile = tile_of(plane, area, {}, views, orientations);
-    tile.outcomes[static_cast<size_t>(FacetOutcome::too_few_views)] = columns * rows;
+    tile.outcomes[FacetOutcome::too_few_views] = columns * rows;
     return tile;
   }
   const Eigen::Vector2d step(size.x() / columns, size.y() / rows);

@@ -39,7 +39,7 @@ std::vector<double> profile(const FacetView& view, const LocalMap& map, const Ei
       };
       sum += (at(x, y) * (1 - a) + at(x + 1, y) * a) * (1 - b) + (at(x, y + 1) * (1 - a) + at(x + 1, y + 1) * a) * b;
     }
-    values[static_cast<size_t>(i)] = sum / rows;
+    values[i] = sum / rows;
   }
   return values;
 }
@@ -116,7 +116,7 @@ class Station {
     Eigen::MatrixXd by(n, orientations_.size());
     Eigen::VectorXd parallax(n), noise(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const EdgeSight& s = sights[static_cast<size_t>(i)];
+      const EdgeSight& s = sights[i];
       by.row(i) = s.by_orientation, parallax(i) = s.parallax, noise(i) = s.sigma * s.sigma;
     }
     Eigen::MatrixXd covariance = options_.height_sigma * options_.height_sigma * parallax * parallax.transpose();
@@ -134,7 +134,7 @@ class Station {
       const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
       const Eigen::RowVectorXd weight = ones.transpose() * inverse / ones.dot(inverse * ones);
       Eigen::VectorXd seen(n);
-      for (Eigen::Index i = 0; i < n; ++i) seen(i) = sights[static_cast<size_t>(i)].place;
+      for (Eigen::Index i = 0; i < n; ++i) seen(i) = sights[i].place;
       const double u = weight * seen;
       const Eigen::VectorXd off = inverse * (seen - u * ones);
       const double factor = std::max(1.0, (seen - u * ones).dot(off) / std::max<double>(static_cast<double>(n) - 1, 1));
@@ -149,7 +149,7 @@ class Station {
       place.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
       double noise = 0, height = 0;
       for (Eigen::Index i = 0; i < n; ++i) {
-        const EdgeSight& s = sights[static_cast<size_t>(i)];
+        const EdgeSight& s = sights[i];
         place.by_orientation += weight(i) * s.by_orientation;
         noise += weight(i) * weight(i) * s.sigma * s.sigma;
         height += weight(i) * s.parallax * options_.height_sigma;

@@ -44,7 +44,7 @@ class ScanStations {
 
   /// Both edges at a station.
   Saw edges(int station, EdgePair& found) const {
-    const Profile& profile = profiles_[static_cast<size_t>(station)];
+    const Profile& profile = profiles_[station];
     CutOff cut[2];
     double density = 1e300;  // points of a metre across the joint
     for (int side : {0, 1}) {
@@ -70,13 +70,13 @@ class ScanStations {
     const double reach = 0.5 * joint_.width + options_.search + options_.strip;
     if (!(std::abs(local.x()) <= reach) || !(std::abs(local.y()) <= 0.5 * joint_.length)) return;
     const int station = std::min(count_ - 1, static_cast<int>((local.y() / joint_.length + 0.5) * count_));
-    Profile& profile = profiles_[static_cast<size_t>(station)];
+    Profile& profile = profiles_[station];
     const double limit = options_.off * static_cast<double>(noise);
     double nearest = 1e300;
     for (int side : {0, 1}) {
       // In the joint's own width nobody knows yet whose a point is.
       if (side == 0 ? local.x() > options_.search : local.x() < -options_.search) continue;
-      const double height = height_at(lines_[static_cast<size_t>(side)], joint_.plane, local.x(), local.y()).height;
+      const double height = height_at(lines_[side], joint_.plane, local.x(), local.y()).height;
       nearest = std::min(nearest, std::abs(local.z() - height));
     }
     if (nearest <= limit) return profile.on.push_back(local.x());

@@ -153,7 +153,7 @@ bool hold_given(SurveyObservations& survey, const AdjustOptions& options, const 
   for (Point& p : survey.points)
     if (observed.contains(p.id) && has_plan(p))
       for (int k = 0; k < 3; ++k)
-        if (!std::isnan(p.coordinates[k])) p.roles[static_cast<size_t>(k)] = CoordinateRole::fixed;
+        if (!std::isnan(p.coordinates[k])) p.roles[k] = CoordinateRole::fixed;
   said.push_back({Finding::Severity::warning,
                   "the observations alone do not determine the network: the coordinates that the file gives of " +
                       join(held) + " are held as they are; an error in them goes into the result unseen",
@@ -173,13 +173,13 @@ bool hold_orientations(SurveyObservations& survey, const std::vector<std::string
   for (size_t i = 0; i < survey.observations.size(); ++i) {
     const Observation& o = survey.observations[i];
     if (o.set_up < 0 || o.kind != ObservationKind::direction || o.from == o.to) continue;
-    if (std::isnan(survey.set_ups[static_cast<size_t>(o.set_up)].stated_orientation)) continue;
+    if (std::isnan(survey.set_ups[o.set_up].stated_orientation)) continue;
     first.try_emplace(o.set_up, i);
     if ((is_open(o.from) || is_open(o.to)) && !held.contains(o.set_up)) touching.insert(o.set_up);
   }
   std::vector<std::string> names;
   for (const int s : touching) {
-    const SetUp& set_up = survey.set_ups[static_cast<size_t>(s)];
+    const SetUp& set_up = survey.set_ups[s];
     held.insert(s);
     Observation azimuth = survey.observations[first.at(s)];
     azimuth.kind = ObservationKind::azimuth;

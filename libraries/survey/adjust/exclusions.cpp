@@ -26,7 +26,7 @@ SurveyObservations without(const SurveyObservations& survey, const std::function
     std::vector<int> kept;
     ObservationCovariance part;
     for (int k = 0; k < static_cast<int>(c.indices.size()); ++k) {
-      const int i = number.at(static_cast<size_t>(c.indices[static_cast<size_t>(k)]));
+      const int i = number.at(c.indices[k]);
       if (i < 0) continue;
       kept.push_back(k);
       part.indices.push_back(i);
@@ -43,7 +43,7 @@ CoordinateGroup part_of(const CoordinateGroup& group, const std::set<std::string
   std::vector<int> kept;
   part.components.clear();
   for (int k = 0; k < static_cast<int>(group.components.size()); ++k) {
-    const auto& c = group.components[static_cast<size_t>(k)];
+    const auto& c = group.components[k];
     if (points.contains(c.point)) continue;
     part.components.push_back(c);
     kept.push_back(k);
@@ -58,7 +58,7 @@ VectorGroup part_of(const VectorGroup& group, const std::set<std::string>& point
   std::vector<int> kept;
   part.vectors.clear();
   for (int k = 0; k < static_cast<int>(group.vectors.size()); ++k) {
-    const auto& v = group.vectors[static_cast<size_t>(k)];
+    const auto& v = group.vectors[k];
     if (points.contains(v.from) || points.contains(v.to)) continue;
     part.vectors.push_back(v);
     for (int axis = 0; axis < 3; ++axis) kept.push_back(3 * k + axis);
@@ -79,12 +79,10 @@ bool is_at(const SourcePosition& at, const std::string& what) {
 }
 
 SurveyObservations without_set_up(const SurveyObservations& survey, const std::string& id) {
-  SurveyObservations rest = without(survey, [&](const Observation& o) {
-    return o.set_up >= 0 && survey.set_ups.at(static_cast<size_t>(o.set_up)).id == id;
-  });
-  std::erase_if(rest.local_coordinates, [&](const LocalCoordinate& c) {
-    return c.set_up >= 0 && survey.set_ups.at(static_cast<size_t>(c.set_up)).id == id;
-  });
+  SurveyObservations rest =
+      without(survey, [&](const Observation& o) { return o.set_up >= 0 && survey.set_ups.at(o.set_up).id == id; });
+  std::erase_if(rest.local_coordinates,
+                [&](const LocalCoordinate& c) { return c.set_up >= 0 && survey.set_ups.at(c.set_up).id == id; });
   return rest;
 }
 
@@ -137,8 +135,7 @@ SurveyObservations without_points(const SurveyObservations& survey, const std::v
   for (VectorGroup& g : rest.vectors) g = part_of(g, out);
   std::erase_if(rest.vectors, [](const VectorGroup& g) { return g.vectors.empty(); });
   std::erase_if(rest.local_coordinates, [&](const LocalCoordinate& c) {
-    return out.contains(c.point) ||
-           (c.set_up >= 0 && out.contains(rest.set_ups.at(static_cast<size_t>(c.set_up)).station));
+    return out.contains(c.point) || (c.set_up >= 0 && out.contains(rest.set_ups.at(c.set_up).station));
   });
   return rest;
 }

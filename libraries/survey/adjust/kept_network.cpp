@@ -28,7 +28,7 @@ int KeptNetwork::number(const std::string& id) const {
 
 Eigen::Vector3d KeptNetwork::position(const std::string& id) const {
   const size_t point = static_cast<size_t>(number(id));
-  const auto& value = problem_.problem.parameters[static_cast<size_t>(problem_.point_blocks[point])].value;
+  const auto& value = problem_.problem.parameters[problem_.point_blocks[point]].value;
   Eigen::Vector3d position;
   for (size_t c = 0; c < 3; ++c)
     position(static_cast<Eigen::Index>(c)) = roles_[point][c] == CoordinateRole::unused ? kNotGiven : value[c];
@@ -36,7 +36,7 @@ Eigen::Vector3d KeptNetwork::position(const std::string& id) const {
 }
 
 std::array<int, 3> KeptNetwork::unknowns(const std::string& id) const {
-  const int block = problem_.point_blocks[static_cast<size_t>(number(id))];
+  const int block = problem_.point_blocks[number(id)];
   return {solution_.unknowns(block, 0), solution_.unknowns(block, 1), solution_.unknowns(block, 2)};
 }
 
@@ -57,7 +57,7 @@ std::vector<KeptNetwork::Conspicuous> KeptNetwork::conspicuous(const Eigen::Matr
   for (size_t r = 0; r < problem_.rows.size(); ++r) {
     const double w = reliability.rows[r].w / std::sqrt(variance);
     if (problem_.rows[r] < 0 || !(std::abs(w) > critical)) continue;
-    const ResultRow& row = rows_[static_cast<size_t>(problem_.rows[r])];
+    const ResultRow& row = rows_[problem_.rows[r]];
     found.push_back({row.kind + " " + row.from + " -> " + row.to + " (" + place(row.source) + ")", w});
   }
   std::stable_sort(found.begin(), found.end(),

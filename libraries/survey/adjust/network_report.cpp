@@ -53,8 +53,7 @@ void Adjuster::report_set_ups(const Pass& pass, NetworkResult& result) const {
         block >= 0 && is_told(block, options_.instrument_height_sigma))
       set_up.instrument_height_correction = pass.problem.problem.parameters[block].value[0];
     if (const int block = pass.problem.tilt_blocks[i]; block >= 0 && is_told(block, options_.tilt_sigma))
-      for (Eigen::Index k = 0; k < 2; ++k)
-        set_up.tilt[k] = pass.problem.problem.parameters[block].value[static_cast<size_t>(k)];
+      for (Eigen::Index k = 0; k < 2; ++k) set_up.tilt[k] = pass.problem.problem.parameters[block].value[k];
     result.set_ups.push_back(std::move(set_up));
   }
   for (const auto& [name, block] : pass.problem.common_blocks) {
@@ -128,7 +127,7 @@ NetworkResult Adjuster::report(Pass& pass) {
   // Constrained points of a gama-local file carry the datum only where the observations leave one open.
   if (m_.datum == DatumMode::file && s.datum.defect() == 0)
     std::erase_if(result.datum_points, [&](const std::string& id) {
-      const auto& roles = m_.roles[static_cast<size_t>(m_.index.at(id))];
+      const auto& roles = m_.roles[m_.index.at(id)];
       return std::find(roles.begin(), roles.end(), CoordinateRole::fixed) == roles.end();
     });
   result.observations = s.linearisation.rows;

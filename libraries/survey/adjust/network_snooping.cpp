@@ -55,7 +55,7 @@ void Adjuster::snoop(Pass& pass) {
 void Adjuster::set_aside(Pass& pass) {
   std::vector<int> rows;
   for (const int row : m_.set_aside)
-    if (m_.rows[static_cast<size_t>(row)].removable && !m_.dropped[static_cast<size_t>(row)]) rows.push_back(row);
+    if (m_.rows[row].removable && !m_.dropped[row]) rows.push_back(row);
   if (rows.empty()) return;
   for (const int row : rows) state_.removed[row] = 1;
   try {
@@ -96,7 +96,7 @@ std::vector<int> Adjuster::worst_rows(const Pass& pass, const std::set<int>& kep
   std::vector<std::pair<double, int>> failing;
   for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
     const int row = pass.problem.rows[r];
-    if (row < 0 || !m_.rows[static_cast<size_t>(row)].removable || kept.contains(row)) continue;
+    if (row < 0 || !m_.rows[row].removable || kept.contains(row)) continue;
     const double w = std::abs(pass.reliability.rows[r].w);
     if (w > critical_removal()) failing.emplace_back(-w, row);
   }
@@ -112,7 +112,7 @@ std::vector<int> Adjuster::worst_rows(const Pass& pass, const std::set<int>& kep
   std::set<std::string> touched;
   for (const auto& [w, row] : failing) {
     if (static_cast<int>(rows.size()) >= most || -w < kShadow * -failing.front().first) break;
-    const ResultRow& r = m_.rows[static_cast<size_t>(row)];
+    const ResultRow& r = m_.rows[row];
     const std::set<std::string>& own = seen_from.at(r.from);
     if (std::any_of(own.begin(), own.end(), [&](const std::string& id) { return touched.contains(id); })) continue;
     rows.push_back(row);
@@ -125,14 +125,14 @@ bool Adjuster::remove_together(Pass& pass, const std::vector<int>& rows, std::se
   std::vector<std::pair<double, double>> tests;
   for (const int row : rows) {
     tests.push_back(row_test(pass, row));
-    state_.removed[static_cast<size_t>(row)] = 1;
+    state_.removed[row] = 1;
   }
   try {
     Pass next = adjust();
     if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
     pass = std::move(next);
   } catch (const NetworkError&) {  // one by one it is found which may not go
-    for (const int row : rows) state_.removed[static_cast<size_t>(row)] = 0;
+    for (const int row : rows) state_.removed[row] = 0;
     return false;
   }
   for (size_t k = 0; k < rows.size(); ++k) log_action(rows[k], false, tests[k].first, tests[k].second, pass);
@@ -174,7 +174,7 @@ int Adjuster::worst_row(const Pass& pass, const std::set<int>& kept) const {
 
 std::pair<double, double> Adjuster::row_test(const Pass& pass, int row) const {
   const auto at = std::find(pass.problem.rows.begin(), pass.problem.rows.end(), row) - pass.problem.rows.begin();
-  const auto& s = pass.reliability.rows[static_cast<size_t>(at)];
+  const auto& s = pass.reliability.rows[at];
   return {s.w, s.estimated_blunder};
 }
 

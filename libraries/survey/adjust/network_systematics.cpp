@@ -69,7 +69,7 @@ double largest_plausible(CommonError::Kind kind) {
 }  // namespace
 
 std::string Adjuster::describe(const CommonError& e) const {
-  const std::string owner = e.set_up < 0 ? "" : " of set-up " + m_.survey.set_ups[static_cast<size_t>(e.set_up)].id;
+  const std::string owner = e.set_up < 0 ? "" : " of set-up " + m_.survey.set_ups[e.set_up].id;
   const std::string all = "all " + std::to_string(e.observations) + " ";
   std::string text;
   switch (e.kind) {
@@ -100,10 +100,9 @@ std::string Adjuster::describe(const CommonError& e) const {
              " by " + fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check the length of the pole";
       break;
     case CommonError::Kind::circle: {
-      const std::string at = place(m_.rows[static_cast<size_t>(e.first)].source);
+      const std::string at = place(m_.rows[e.first].source);
       text = "the circle" + owner + " looks turned by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
-             " mgon before " + m_.rows[static_cast<size_t>(e.first)].to + " was sighted" +
-             (at.empty() ? "" : " (" + at + ")");
+             " mgon before " + m_.rows[e.first].to + " was sighted" + (at.empty() ? "" : " (" + at + ")");
       break;
     }
   }
@@ -137,8 +136,7 @@ CommonTest common_test(const Pass& pass, const std::vector<std::pair<int, double
     test.numerator += c.dot(lin.residuals.segment(block.row, block.rows));
     test.own += c.squaredNorm();
     const Eigen::VectorXd part = lin.jacobian_of(block).transpose() * c;
-    for (int k = 0; k < block.column_count; ++k)
-      atc[lin.columns[static_cast<std::size_t>(block.column_begin + k)]] += part[k];
+    for (int k = 0; k < block.column_count; ++k) atc[lin.columns[block.column_begin + k]] += part[k];
   }
   for (int k = 0; k < static_cast<int>(atc.size()); ++k)
     if (atc[k] != 0) test.network.emplace_back(k, atc[k]);
@@ -197,7 +195,7 @@ std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
     if (row < 0) continue;
     const ResultRow& o = m_.rows[row];
     const bool distance = is_distance(o.kind);
-    const int own = set_up_of_row_[static_cast<size_t>(row)];
+    const int own = set_up_of_row_[row];
     if (!o.removable || own < 0 || (!distance && o.kind != "zenith_angle")) continue;
     for (const int set_up : {-1, own}) {
       if (distance) hypotheses[{Kind::constant, set_up}].emplace_back(r, 1.0);
@@ -222,12 +220,12 @@ std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
 std::vector<Adjuster::Hypothesis> Adjuster::target_heights(const Pass& pass) const {
   std::map<int, std::map<double, std::vector<std::pair<int, double>>>> by_height;  // set-up -> height noted -> rows
   for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
-    const int row = pass.problem.rows[static_cast<size_t>(r)];
+    const int row = pass.problem.rows[r];
     if (row < 0 || static_cast<size_t>(row) >= m_.observations.size()) continue;
-    const ResultRow& o = m_.rows[static_cast<size_t>(row)];
-    const int own = set_up_of_row_[static_cast<size_t>(row)];
+    const ResultRow& o = m_.rows[row];
+    const int own = set_up_of_row_[row];
     if (!o.removable || own < 0 || (o.kind != "zenith_angle" && o.kind != "slope_distance")) continue;
-    const double height = m_.observations[static_cast<size_t>(row)].observation.target_height;
+    const double height = m_.observations[row].observation.target_height;
     by_height[own][std::isnan(height) ? 0 : height].emplace_back(r, -effect_of_instrument_height(pass, row));
   }
   std::vector<Hypothesis> all;
@@ -249,9 +247,9 @@ std::vector<Adjuster::Hypothesis> Adjuster::circles(const Pass& pass) const {
   for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r) {
     const int row = pass.problem.rows[r];
     if (row < 0 || m_.rows[row].kind != "direction" || !m_.rows[row].removable) continue;
-    const int set_up = set_up_of_row_[static_cast<size_t>(row)];
-    directions[set_up].emplace_back(m_.observations[static_cast<size_t>(row)].members.front(), r);
-    if (std::abs(pass.reliability.rows[static_cast<size_t>(r)].w) > critical_w()) failing.insert(set_up);
+    const int set_up = set_up_of_row_[row];
+    directions[set_up].emplace_back(m_.observations[row].members.front(), r);
+    if (std::abs(pass.reliability.rows[r].w) > critical_w()) failing.insert(set_up);
   }
   std::vector<Hypothesis> all;
   for (const int set_up : failing) {
@@ -263,7 +261,7 @@ std::vector<Adjuster::Hypothesis> Adjuster::circles(const Pass& pass) const {
       std::sort(rows.begin(), rows.end());
       CommonError error;
       error.kind = CommonError::Kind::circle, error.set_up = set_up;
-      error.first = pass.problem.rows[static_cast<size_t>(list[k].second)];
+      error.first = pass.problem.rows[list[k].second];
       all.push_back({error, std::move(rows)});
     }
   }
@@ -291,7 +289,7 @@ CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonE
 }
 
 void Adjuster::split_set_up(const CommonError& error) {
-  SetUp part = m_.survey.set_ups[static_cast<size_t>(error.set_up)];
+  SetUp part = m_.survey.set_ups[error.set_up];
   const auto taken = [&](const std::string& id) {
     return std::any_of(m_.survey.set_ups.begin(), m_.survey.set_ups.end(), [&](const SetUp& s) { return s.id == id; });
   };
@@ -300,8 +298,8 @@ void Adjuster::split_set_up(const CommonError& error) {
   while (taken(part.id = base + " (part " + std::to_string(number) + ")")) ++number;
   const int index = static_cast<int>(m_.survey.set_ups.size());
   m_.survey.set_ups.push_back(part);
-  m_.orientations.push_back(m_.orientations[static_cast<size_t>(error.set_up)] - error.size);
-  const int from = m_.observations[static_cast<size_t>(error.first)].members.front();
+  m_.orientations.push_back(m_.orientations[error.set_up] - error.size);
+  const int from = m_.observations[error.first].members.front();
   for (size_t i = 0; i < m_.observations.size(); ++i) {
     Observation& o = m_.observations[i].observation;
     if (o.set_up != error.set_up || m_.observations[i].members.front() < from) continue;
@@ -367,11 +365,11 @@ void Adjuster::report_common_estimates(const Pass& pass, const std::vector<Commo
   };
   for (const CommonError& e : common)
     if (e.set_up >= 0 && e.sigma > 0 && e.kind != Kind::height && e.kind != Kind::target)
-      put(result.set_ups[static_cast<size_t>(e.set_up)], e.kind, {e.size, factor * e.sigma});
+      put(result.set_ups[e.set_up], e.kind, {e.size, factor * e.sigma});
   for (size_t k = 0; k < state_.extra.size(); ++k) {
     const auto [kind, set_up, target_height] = state_.extra[k];
     const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
-    const CommonEstimate estimate{pass.problem.problem.parameters[static_cast<size_t>(block)].value[0],
+    const CommonEstimate estimate{pass.problem.problem.parameters[block].value[0],
                                   std::sqrt(result.cofactors(unknown, unknown))};
     static constexpr Kind kinds[] = {Kind::constant, Kind::scale, Kind::index, Kind::height, Kind::target};
     for (size_t s = 0; s < result.set_ups.size(); ++s)

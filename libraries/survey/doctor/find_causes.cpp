@@ -87,7 +87,7 @@ Agreement agreement_of(const SurveyObservations& survey, const SetUpChain& chain
     for (const LocalSight& s : f.sights) ++views[s.point];
   for (size_t f = 0; f < chain.figures().size(); ++f) {
     const SetUpFigure& figure = chain.figures()[f];
-    auto& [compared, agreeing] = all.of_set_up[static_cast<size_t>(figure.set_up)];
+    auto& [compared, agreeing] = all.of_set_up[figure.set_up];
     for (const LocalSight& s : figure.sights) compared += s.order >= 0 && views.at(s.point) > 1;
     if (chain.placed(f))
       for (const FigurePair& p : chain.pairs_of(f)) agreeing += p.sight->order >= 0 && agrees(chain.fit(f), p);
@@ -132,7 +132,7 @@ class Causes {
     }
     if (!best) return false;
     const std::string owner = set_up < 0 ? "all " : "the ";
-    const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[static_cast<size_t>(set_up)].id;
+    const std::string of = set_up < 0 ? "" : " of set-up " + survey_.set_ups[set_up].id;
     found_.push_back(Cause{owner + best->angles + of + best->are + ": so " + percent(most) +
                                " of the sights to common points agree, as they are, " + percent(as_it_is) +
                                sample.in_words(),
@@ -144,7 +144,7 @@ class Causes {
 
   static double share_of(const Agreement& a, int set_up) {
     if (set_up < 0) return a.share();
-    const auto& [compared, agreeing] = a.of_set_up[static_cast<size_t>(set_up)];
+    const auto& [compared, agreeing] = a.of_set_up[set_up];
     return compared > 0 ? static_cast<double>(agreeing) / compared : 1;
   }
   double share_with(const SurveyObservations& mended, int set_up) const {
@@ -160,11 +160,10 @@ class Causes {
     constexpr int kMost = 3;
     std::vector<int> order;
     for (int s = 0; s < static_cast<int>(survey_.set_ups.size()); ++s)
-      if (as_it_is_.of_set_up[static_cast<size_t>(s)].first >= 3 && share_of(as_it_is_, s) < kMisfits)
-        order.push_back(s);
+      if (as_it_is_.of_set_up[s].first >= 3 && share_of(as_it_is_, s) < kMisfits) order.push_back(s);
     std::stable_sort(order.begin(), order.end(),
                      [&](int a, int b) { return share_of(as_it_is_, a) < share_of(as_it_is_, b); });
-    for (int k = 0; k < std::min(kMost, static_cast<int>(order.size())); ++k) of_angles(order[static_cast<size_t>(k)]);
+    for (int k = 0; k < std::min(kMost, static_cast<int>(order.size())); ++k) of_angles(order[k]);
   }
 
   /// A point that some set-ups see at one place and the others at another, both more than once.
@@ -243,7 +242,7 @@ class Causes {
 
   std::string names(const std::set<int>& set_ups) const {
     std::vector<std::string> ids;
-    for (const int s : set_ups) ids.push_back(survey_.set_ups[static_cast<size_t>(s)].id);
+    for (const int s : set_ups) ids.push_back(survey_.set_ups[s].id);
     return join(ids, 4);
   }
 

@@ -45,7 +45,7 @@ SurveySample sample_of(const SurveyObservations& survey, int set_up, std::size_t
     taken[next] = 1, ++sample.taken, count += readings[next];
     for (const std::string& id : points[next])
       if (known.insert(id).second)
-        for (const int s : views.at(id)) ++shared[static_cast<std::size_t>(s)];
+        for (const int s : views.at(id)) ++shared[s];
     std::size_t best = taken.size();
     for (std::size_t s = 0; s < taken.size(); ++s)
       if (!taken[s] && shared[s] > 0 && (best == taken.size() || shared[s] > shared[best])) best = s;
@@ -57,7 +57,7 @@ SurveySample sample_of(const SurveyObservations& survey, int set_up, std::size_t
   sample.survey.set_ups = survey.set_ups;
   sample.survey.instruments = survey.instruments;
   for (const Observation& o : survey.observations)
-    if (o.set_up >= 0 && taken[static_cast<std::size_t>(o.set_up)]) sample.survey.observations.push_back(o);
+    if (o.set_up >= 0 && taken[o.set_up]) sample.survey.observations.push_back(o);
   return sample;
 }
 

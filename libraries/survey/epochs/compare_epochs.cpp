@@ -63,8 +63,7 @@ Pair common_points(const Epoch& first, const Epoch& second, Comparison& result) 
     Components has;
     for (Index c = 0; c < 3; ++c) {
       const double variance = first.covariance(k + c, k + c) + second.covariance(l + c, l + c);
-      has[static_cast<size_t>(c)] =
-          std::isfinite(first.coordinates[k + c]) && std::isfinite(second.coordinates[l + c]) && variance > 0;
+      has[c] = std::isfinite(first.coordinates[k + c]) && std::isfinite(second.coordinates[l + c]) && variance > 0;
     }
     has[0] = has[1] = has[0] && has[1];  // half a position is none
     if (!has[0] && !has[2]) {
@@ -132,7 +131,7 @@ Difference difference_of(const Pair& p, const std::vector<char>& stable, int fre
   for (Index i = 0; i < n; ++i) {
     r.d.segment<3>(3 * i) = turn * (p.second.segment<3>(3 * i) - from) + to - p.first.segment<3>(3 * i);
     for (Index c = 0; c < 3; ++c)
-      if (!p.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) r.d[3 * i + c] = 0;
+      if (!p.has[i][c]) r.d[3 * i + c] = 0;
     for (Index k = 0; k < n; ++k)
       r.covariance.block<3, 3>(3 * i, 3 * k) = p.first_covariance.block<3, 3>(3 * i, 3 * k) +
                                                turn * p.second_covariance.block<3, 3>(3 * i, 3 * k) * turn.transpose();
@@ -149,7 +148,7 @@ MatrixXd motions(const Difference& r, int count) {
   for (Index c = 0; c < 3; ++c) {
     double sum = 0, present = 0;
     for (Index i = 0; i < n; ++i)
-      if (r.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) sum += r.place[3 * i + c], ++present;
+      if (r.has[i][c]) sum += r.place[3 * i + c], ++present;
     if (present > 0) centre[c] = sum / present;
   }
   for (Index i = 0; i < n && count > 0; ++i) {
@@ -161,7 +160,7 @@ MatrixXd motions(const Difference& r, int count) {
     if (count >= 6) g.block<3, 1>(3 * i, column++) = Vector3d(-p.z(), 0, p.x());
     if (count == 5 || count == 7) g.block<3, 1>(3 * i, column) = p;
     for (Index c = 0; c < 3; ++c)
-      if (!r.has[static_cast<size_t>(i)][static_cast<size_t>(c)]) g.row(3 * i + c).setZero();
+      if (!r.has[i][c]) g.row(3 * i + c).setZero();
   }
   std::vector<Index> moving;
   for (Index k = 0; k < g.cols(); ++k)

@@ -96,7 +96,7 @@ void add_movements(const std::vector<SeenPoint>& seen, const SeriesOptions& opti
   for (size_t c = 0; c < 3; ++c) point.reference[c] = first[c] < seen.size() ? seen[first[c]].epoch : point.first;
   for (size_t k = 1; k < seen.size(); ++k) {
     std::vector<Index> axes = seen[k].axes();
-    std::erase_if(axes, [&](Index c) { return first[static_cast<size_t>(c)] == k; });
+    std::erase_if(axes, [&](Index c) { return first[c] == k; });
     if (axes.empty()) continue;
     SeriesPoint::At at;
     at.epoch = seen[k].epoch;
@@ -107,13 +107,13 @@ void add_movements(const std::vector<SeenPoint>& seen, const SeriesOptions& opti
     MatrixXd c = seen[k].covariance(axes, axes);
     double before = largest_before(seen[k], axes);
     for (Index i = 0; i < n; ++i) {
-      const SeenPoint& reference = seen[first[static_cast<size_t>(axes[static_cast<size_t>(i)])]];
-      const Index a = axes[static_cast<size_t>(i)];
+      const SeenPoint& reference = seen[first[axes[i]]];
+      const Index a = axes[i];
       d[i] = seen[k].at[a] - reference.at[a];
       before = std::max(before, reference.before[a]);
       for (Index j = 0; j < n; ++j) {  // epochs are independent of each other
-        const Index b = axes[static_cast<size_t>(j)];
-        if (&seen[first[static_cast<size_t>(b)]] == &reference) c(i, j) += reference.covariance(a, b);
+        const Index b = axes[j];
+        if (&seen[first[b]] == &reference) c(i, j) += reference.covariance(a, b);
       }
       at.movement[a] = d[i], at.sigma[a] = std::sqrt(std::max(0.0, c(i, i)));
     }
@@ -135,7 +135,7 @@ void add_velocity(const std::vector<SeenPoint>& seen, const SeriesOptions& optio
   std::vector<Index> axes;
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   for (Index c = 0; c < 3; ++c)
-    if (const size_t k = first[static_cast<size_t>(c)]; k < seen.size()) axes.push_back(c), origin[c] = seen[k].at[c];
+    if (const size_t k = first[c]; k < seen.size()) axes.push_back(c), origin[c] = seen[k].at[c];
   point.velocity.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (const Index axis : axes) point.velocity[axis] = 0;
   point.velocity_sigma = point.velocity;

@@ -21,7 +21,7 @@ struct SeenPoint {
   std::vector<Eigen::Index> axes() const {
     std::vector<Eigen::Index> result;
     for (Eigen::Index c = 0; c < 3; ++c)
-      if (compared[static_cast<size_t>(c)]) result.push_back(c);
+      if (compared[c]) result.push_back(c);
     return result;
   }
 };

@@ -260,9 +260,9 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
         numbers.push_back(k);
         auto& of = measured.emplace_back();
         for (Index c = 0; c < 3; ++c)
-          of[static_cast<size_t>(c)] = !std::isfinite(seen.back().at[c]) ? Measured::missing
-                                       : seen.back().before[c] > 0       ? Measured::yes
-                                                                         : Measured::held;
+          of[c] = !std::isfinite(seen.back().at[c]) ? Measured::missing
+                  : seen.back().before[c] > 0       ? Measured::yes
+                                                    : Measured::held;
       }
     const std::array<bool, 3> compared = compared_axes(measured);
     not_compared.add(id, measured, numbers, compared);

@@ -212,7 +212,7 @@ bool parse_degrees_minutes_seconds(std::string_view text, double& radians) {
   if (parts.size() != 3) return false;
   double value[3];
   for (int k = 0; k < 3; ++k) {
-    const auto number = text::parse_number(parts[static_cast<size_t>(k)]);
+    const auto number = text::parse_number(parts[k]);
     if (!number || *number < 0 || (k > 0 && *number > 60)) return false;  // rounded programs write 60.00
     value[k] = *number;
   }

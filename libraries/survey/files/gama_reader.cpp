@@ -233,7 +233,7 @@ void GamaReader::read_vectors(pugi::xml_node cluster) {
 void GamaReader::check_fixed_points(const SurveyObservations& survey) const {
   for (const Point& p : survey.points)
     for (int k = 0; k < 3; ++k)
-      if (p.roles[static_cast<size_t>(k)] == CoordinateRole::fixed && std::isnan(p.coordinates[k]))
+      if (p.roles[k] == CoordinateRole::fixed && std::isnan(p.coordinates[k]))
         throw SurveyReadError(p.source, "fixed point '" + p.id + "' without coordinate " + "xyz"[k],
                               "coordinates of every fixed point");
 }

@@ -134,8 +134,8 @@ class GamaWriter {
     std::map<int, Eigen::Index> position;
     Eigen::VectorXd units(n);
     for (Eigen::Index k = 0; k < n; ++k) {
-      const Observation& o = s_.observations[members[static_cast<size_t>(k)]];
-      position[members[static_cast<size_t>(k)]] = k;
+      const Observation& o = s_.observations[members[k]];
+      position[members[k]] = k;
       units[k] = 1 / (is_angular(o.kind) ? kCc : kMillimetre);
       matrix(k, k) = o.sigma * o.sigma;
     }

@@ -139,7 +139,7 @@ void GeodimeterReader::finish_reference() {
 
 void GeodimeterReader::orient_set_ups() {
   for (const Reference& r : references_) {
-    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(r.set_up)];
+    SetUp& set_up = builder_.survey.set_ups[r.set_up];
     if (!builder_.has_point(r.name)) continue;
     const Eigen::Vector3d d = builder_.point(r.name, {}).coordinates - builder_.point(set_up.station, {}).coordinates;
     if (d.head<2>().norm() > 0.1) set_up.stated_orientation = wrap_to_circle(std::atan2(d.x(), d.y()) - r.reading);
@@ -165,8 +165,7 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
     case 3:
       instrument_height_ = length(value, "an instrument height");
       if (builder_.current_set_up() >= 0)
-        builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].instrument_height =
-            instrument_height_;
+        builder_.survey.set_ups[builder_.current_set_up()].instrument_height = instrument_height_;
       return;
     case 5:
     case 62:

@@ -69,7 +69,7 @@ void GsiReader::begin_planned(const GsiBlock& block, std::size_t number) {
     const GsiStart& found = start->second;
     const SourcePosition source = builder_.at(line_, block.words.front().column);
     start_station(found.station.empty() ? std::nullopt : std::optional(found.station), found.instrument_height, source);
-    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+    SetUp& set_up = builder_.survey.set_ups[builder_.current_set_up()];
     set_up.stated_orientation = found.orientation;
     turn_ = found.turn;
     // Where the axis is known and no point below it, the point is the axis.
@@ -86,7 +86,7 @@ void GsiReader::begin_planned(const GsiBlock& block, std::size_t number) {
                   text::format_fixed(instrument_height_, 3) + " m from here on; it is taken");
   }
   if (plan_.oriented.contains(number) && builder_.current_set_up() >= 0) {
-    SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+    SetUp& set_up = builder_.survey.set_ups[builder_.current_set_up()];
     if (std::isnan(set_up.stated_orientation)) set_up.stated_orientation = 0;
   }
 }
@@ -176,7 +176,7 @@ void GsiReader::read_heights(const GsiBlock& block) {
 void GsiReader::continue_station(const GsiBlock& block) {
   turn_ = 0;
   station_coordinates_ = coordinates(block, 84);
-  const SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+  const SetUp& set_up = builder_.survey.set_ups[builder_.current_set_up()];
   give_coordinates(set_up.station, block, 84);
 }
 
@@ -194,7 +194,7 @@ void GsiReader::start_station(const std::optional<std::string>& station, double 
 
 // The first sighting settles the height of its set-up; later changes belong to their observations.
 void GsiReader::settle_instrument_height(Sighting& sighting) {
-  SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+  SetUp& set_up = builder_.survey.set_ups[builder_.current_set_up()];
   if (std::isnan(instrument_height_)) return;
   if (builder_.survey.observations.size() > observations_at_start_) {
     if (instrument_height_ != set_up.instrument_height) sighting.instrument_height = instrument_height_;
@@ -249,8 +249,8 @@ bool GsiReader::starts_station(const GsiBlock& block, bool has_measurement) {
   // A measuring block repeats its station; coordinates of zero are what instruments write before one is set.
   if (has_measurement) {
     const bool named = station_word != nullptr;
-    const bool same_name = named && current >= 0 && !lost_station_ &&
-                           builder_.survey.set_ups[static_cast<std::size_t>(current)].station == station_word->text();
+    const bool same_name =
+        named && current >= 0 && !lost_station_ && builder_.survey.set_ups[current].station == station_word->text();
     const bool same_place = (here.array() == station_coordinates_.array()).all();
     const bool not_set = here[0] == 0 && here[1] == 0;
     if (named ? same_name : (not_set || (same_place && current >= 0 && !lost_station_))) return false;
@@ -269,7 +269,7 @@ bool GsiReader::starts_station(const GsiBlock& block, bool has_measurement) {
     start_station(std::nullopt, height, source);
   }
   station_coordinates_ = here;
-  const std::string station = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].station;
+  const std::string station = builder_.survey.set_ups[builder_.current_set_up()].station;
   if (has_measurement)
     builder_.give_coordinates(station, here, source);
   else

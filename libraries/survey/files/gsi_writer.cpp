@@ -143,7 +143,7 @@ void GsiWriter::write_pointing(const Pointing& pointing) {
   if (pointing.slope_distance || pointing.horizontal_distance) word("51..1.", "00000000+0000000");
   length("87", std::isnan(any.target_height) ? 0.0 : any.target_height, "..1");
   const double own = any.instrument_height;
-  const double height = std::isnan(own) ? survey_.set_ups[static_cast<std::size_t>(any.set_up)].instrument_height : own;
+  const double height = std::isnan(own) ? survey_.set_ups[any.set_up].instrument_height : own;
   const double wanted = std::isnan(height) ? 0.0 : height;
   if (wanted != written_height_) length("88", wanted, "..1");
   written_height_ = wanted;
@@ -156,8 +156,7 @@ std::string GsiWriter::write() {
   const std::vector<Pointing> all = pointings_of(survey_, "GSI writer");
   int started = -1;
   for (const Pointing& pointing : all) {
-    if (pointing.first->set_up != started)
-      write_set_up(survey_.set_ups[static_cast<std::size_t>(pointing.first->set_up)]);
+    if (pointing.first->set_up != started) write_set_up(survey_.set_ups[pointing.first->set_up]);
     started = pointing.first->set_up;
     write_pointing(pointing);
   }

@@ -91,7 +91,7 @@ void JobXmlReader::read_back_bearing(pugi::xml_node record) {
   const double correction = degrees(record, "OrientationCorrection");
   const int set_up = station != stations_.end() ? station->second : builder_.current_set_up();
   if (set_up >= 0 && !std::isnan(correction))
-    builder_.survey.set_ups[static_cast<std::size_t>(set_up)].stated_orientation = wrap_to_circle(correction);
+    builder_.survey.set_ups[set_up].stated_orientation = wrap_to_circle(correction);
 }
 
 void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid, bool known) {

@@ -26,28 +26,27 @@ void KrummReader::finish_dynamic_datum() {
   group.source = dynamic_rows_.front().source;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const DynamicRow& row = dynamic_rows_[static_cast<std::size_t>(i)];
+    const DynamicRow& row = dynamic_rows_[i];
     const auto given = static_cast<Eigen::Index>(row.values.size());
     if (!sigmas && given != i + 1 && given != n)
       return builder_.skip(row.source.line, 1, row.point, "a row of a covariance matrix, or one standard deviation");
     if (row.values[sigmas ? 0 : static_cast<std::size_t>(i)] < 0)
       return builder_.skip(row.source.line, 1, row.point, "a standard deviation or variance that is not negative");
     for (Eigen::Index j = 0; j <= i; ++j) {
-      const double value =
-          sigmas ? (i == j ? row.values[0] * row.values[0] : 0) : row.values[static_cast<std::size_t>(j)];
+      const double value = sigmas ? (i == j ? row.values[0] * row.values[0] : 0) : row.values[j];
       covariance(i, j) = covariance(j, i) = value;
     }
   }
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const DynamicRow& row = dynamic_rows_[static_cast<std::size_t>(i)];
+    const DynamicRow& row = dynamic_rows_[i];
     Point& point = builder_.point(row.point, row.source);
     if (std::isnan(point.coordinates[row.axis])) continue;
     if (covariance(i, i) > 0) {
       kept.push_back(i);
       group.components.push_back({row.point, row.axis});
     } else {
-      point.roles[static_cast<std::size_t>(row.axis)] = CoordinateRole::fixed;
+      point.roles[row.axis] = CoordinateRole::fixed;
     }
   }
   if (kept.empty()) return;
@@ -112,9 +111,7 @@ void KrummReader::finish_correlated() {
   c.indices = correlated_;
   c.covariance.resize(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j <= i; ++j)
-      c.covariance(i, j) = c.covariance(j, i) =
-          correlated_rows_[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+    for (Eigen::Index j = 0; j <= i; ++j) c.covariance(i, j) = c.covariance(j, i) = correlated_rows_[i][j];
   if (Eigen::LLT<Eigen::MatrixXd>(c.covariance).info() != Eigen::Success)
     return builder_.skip(line_, 1, "[CorrelatedDistances]", "a positive definite covariance matrix");
   builder_.survey.covariances.push_back(std::move(c));

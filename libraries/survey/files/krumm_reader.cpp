@@ -59,7 +59,7 @@ void KrummReader::read_datum(const Parts& parts) {
     bool any = false;
     for (int axis = 0; axis < 3; ++axis) {
       if ((what->second >= 0 && axis != what->second) || std::isnan(point.coordinates[axis])) continue;
-      point.roles[static_cast<std::size_t>(axis)] = datum_role_;
+      point.roles[axis] = datum_role_;
       any = true;
     }
     if (!any) reject(part, "an axis for which [Coordinates] has a value");

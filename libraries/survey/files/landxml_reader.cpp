@@ -208,7 +208,7 @@ void LandXmlReader::read_set_ups() {
       // To the backsight: its azimuth and the circle's reading. Programs write 0.0 for "none": only both say something.
       const double azimuth = angle(node, "orientationAzimuth"), reading = angle(node, "circleAzimuth");
       if (!std::isnan(azimuth) && !std::isnan(reading))
-        builder_.survey.set_ups[static_cast<std::size_t>(index)].stated_orientation = wrap_to_circle(azimuth - reading);
+        builder_.survey.set_ups[index].stated_orientation = wrap_to_circle(azimuth - reading);
       const Eigen::Vector3d at = north_east_height(instrument);
       if (!at.array().isNaN().all()) builder_.give_coordinates(station, at, xml_.position(instrument));
     }

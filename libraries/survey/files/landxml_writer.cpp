@@ -69,7 +69,7 @@ void LandXmlWriter::write_set_up(std::size_t index) {
 
 void LandXmlWriter::write_observation(const Pointing& pointing) {
   const Observation& any = *pointing.first;
-  const double height = survey_.set_ups[static_cast<std::size_t>(any.set_up)].instrument_height;
+  const double height = survey_.set_ups[any.set_up].instrument_height;
   if (!std::isnan(any.instrument_height) && any.instrument_height != (std::isnan(height) ? 0.0 : height))
     throw std::runtime_error("LandXML writer: cannot hold the observation " + text::quoted(any.from) + " to " +
                              text::quoted(any.to) + ": its instrument height differs from its set-up's");
@@ -112,7 +112,7 @@ std::string LandXmlWriter::write() {
       group = pointing.first->set_up;
       out_ += "    <ObservationGroup";
       text("id", "group " + std::to_string(group + 1));
-      text("setupID", survey_.set_ups[static_cast<std::size_t>(group)].id);
+      text("setupID", survey_.set_ups[group].id);
       out_ += ">\n";
     }
     write_observation(pointing);

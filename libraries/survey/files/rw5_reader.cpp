@@ -146,7 +146,7 @@ void Rw5Reader::read_heights(const Record& record) {
   instrument_height_ = instrument;
   const int current = builder_.current_set_up();
   if (current >= 0 && builder_.survey.observations.size() == observations_at_start_)
-    builder_.survey.set_ups[static_cast<std::size_t>(current)].instrument_height = instrument;
+    builder_.survey.set_ups[current].instrument_height = instrument;
 }
 
 void Rw5Reader::read_point(const Record& record, const char* name_field) {
@@ -166,8 +166,7 @@ void Rw5Reader::read_backsight(const Record& record) {
   if (station.empty()) return;
   const int current = builder_.current_set_up();
   const bool measured = builder_.survey.observations.size() > observations_at_start_;
-  if (current < 0 || measured || builder_.survey.set_ups[static_cast<std::size_t>(current)].station != station)
-    begin_set_up(station);
+  if (current < 0 || measured || builder_.survey.set_ups[current].station != station) begin_set_up(station);
   const double reading = angle(record, "BC");
   double azimuth = angle(record, "BS");
   if (const std::string backsight = text(record, "BP"); std::isnan(azimuth) && builder_.has_point(backsight)) {
@@ -181,7 +180,7 @@ void Rw5Reader::read_backsight(const Record& record) {
                   " was not read as zero; its azimuth is not used");
     return;
   }
-  builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].stated_orientation = azimuth;
+  builder_.survey.set_ups[builder_.current_set_up()].stated_orientation = azimuth;
 }
 
 double Rw5Reader::direction(const Record& record) {
@@ -237,13 +236,12 @@ void Rw5Reader::read_sighting(const Record& record) {
   // Azimuths and angles from the backsight differ by an orientation: they cannot share a set-up.
   const bool absolute = record.fields.contains("AZ") || record.fields.contains("BR");
   const int current = builder_.current_set_up();
-  const bool same_station =
-      current >= 0 && builder_.survey.set_ups[static_cast<std::size_t>(current)].station == station;
+  const bool same_station = current >= 0 && builder_.survey.set_ups[current].station == station;
   const bool has_sightings = builder_.survey.observations.size() > observations_at_start_;
   if (!same_station || (has_sightings && absolute != absolute_)) begin_set_up(station);
   absolute_ = absolute;
-  if (absolute) builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].stated_orientation = 0;
-  const double height = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].instrument_height;
+  if (absolute) builder_.survey.set_ups[builder_.current_set_up()].stated_orientation = 0;
+  const double height = builder_.survey.set_ups[builder_.current_set_up()].instrument_height;
   if (!std::isnan(instrument_height_) && instrument_height_ != height) sighting.instrument_height = instrument_height_;
   if (!builder_.add(sighting)) return builder_.skip(line_, 1, record.type, "at least one measured value");
   Point& point = builder_.point(sighting.to, sighting.source);

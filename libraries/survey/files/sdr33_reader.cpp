@@ -112,7 +112,7 @@ void Sdr33Reader::read_backsight(const text::CharacterLine& line) {
   const double reading = number(field(line, values + layout_.number, layout_.number), "the circle's reading to it");
   const int current = builder_.current_set_up();
   if (current < 0 || std::isnan(azimuth) || std::isnan(reading)) return;
-  SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(current)];
+  SetUp& set_up = builder_.survey.set_ups[current];
   if (set_up.station == from.text) set_up.stated_orientation = wrap_to_circle((azimuth - reading) * radians_);
 }
 
@@ -130,7 +130,7 @@ void Sdr33Reader::read_coordinates(const text::CharacterLine& line) {
 
 void Sdr33Reader::select_set_up(const std::string& station, const SourcePosition& source) {
   const int current = builder_.current_set_up();
-  if (current >= 0 && builder_.survey.set_ups[static_cast<std::size_t>(current)].station == station) return;
+  if (current >= 0 && builder_.survey.set_ups[current].station == station) return;
   builder_.warn("line " + std::to_string(source.line) + ": observations from " + text::quoted(station) +
                 " without a station record (02) for it; its instrument height is unknown");
   builder_.start_set_up(station, kNotGiven, source);

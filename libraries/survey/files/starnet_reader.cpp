@@ -205,7 +205,7 @@ void StarNetReader::read_coordinates(const Parts& parts) {
   builder_.give_coordinates(id, at, source);
   Point& point = builder_.point(id, source);
   for (const int axis : fixed)  // not where the line contradicts an earlier one, which keeps its coordinates
-    if (!std::isnan(point.coordinates[axis])) point.roles[static_cast<std::size_t>(axis)] = CoordinateRole::fixed;
+    if (!std::isnan(point.coordinates[axis])) point.roles[axis] = CoordinateRole::fixed;
   if (axes.empty()) return;
   Eigen::VectorXd controlled(static_cast<Eigen::Index>(axes.size()));
   for (std::size_t k = 0; k < axes.size(); ++k) controlled[static_cast<Eigen::Index>(k)] = at[axes[k]];

@@ -121,7 +121,7 @@ void StarNetWriter::write_points() {
       if (!g.is_control || others.cwiseAbs().maxCoeff() > 0)
         starnet_cannot("the format has no place for correlated coordinates; write gama XML instead");
       sigmas_.try_emplace(g.components[k].point, std::array{kNotGiven, kNotGiven, kNotGiven})
-          .first->second[static_cast<std::size_t>(g.components[k].axis)] = std::sqrt(g.covariance(at, at));
+          .first->second[g.components[k].axis] = std::sqrt(g.covariance(at, at));
     }
   for (const Point& p : survey_.points) {
     const bool plan = !p.coordinates.head<2>().array().isNaN().any(), height = !std::isnan(p.coordinates.z()) && three_;
@@ -162,8 +162,7 @@ void StarNetWriter::line(const std::string& head, std::initializer_list<const Ob
   if (std::any_of(values.begin(), values.end(), [](const Observation* o) { return !std::isnan(o->sigma); }))
     for (const Observation* o : values) out_ += " " + sigma(*o);
   double instrument = any.instrument_height;
-  if (std::isnan(instrument) && any.set_up >= 0)
-    instrument = survey_.set_ups.at(static_cast<std::size_t>(any.set_up)).instrument_height;
+  if (std::isnan(instrument) && any.set_up >= 0) instrument = survey_.set_ups.at(any.set_up).instrument_height;
   if (heights && three_ && !(std::isnan(instrument) && std::isnan(any.target_height)))
     out_ += " " + text::format_shortest(std::isnan(instrument) ? 0 : instrument) + "/" +
             text::format_shortest(std::isnan(any.target_height) ? 0 : any.target_height);

@@ -128,7 +128,7 @@ void SurveyBuilder::know_coordinates(const std::string& id, const Eigen::Vector3
   Point& known = point(id, source);
   for (int axis = 0; axis < 3; ++axis)
     if (!std::isnan(coordinates[axis]) && std::abs(known.coordinates[axis] - coordinates[axis]) < kCoordinateConflict)
-      known.known[static_cast<std::size_t>(axis)] = true;
+      known.known[axis] = true;
 }
 
 void SurveyBuilder::compute_coordinates(const std::string& id) {
@@ -144,7 +144,7 @@ void SurveyBuilder::add_kind(const Sighting& sighting, ObservationKind kind, dou
   observation.kind = kind;
   observation.set_up = current_;
   observation.pointing = pointings_;
-  observation.from = survey.set_ups[static_cast<std::size_t>(current_)].station;
+  observation.from = survey.set_ups[current_].station;
   observation.to = sighting.to;
   observation.value = value;
   observation.instrument_height = sighting.instrument_height;
@@ -210,9 +210,9 @@ void SurveyBuilder::number_sets() {
 void SurveyBuilder::drop_empty_set_ups() {
   std::vector<int> new_index(survey.set_ups.size(), -1);
   for (const Observation& observation : survey.observations)
-    if (observation.set_up >= 0) new_index[static_cast<std::size_t>(observation.set_up)] = 0;
+    if (observation.set_up >= 0) new_index[observation.set_up] = 0;
   for (const LocalCoordinate& local : survey.local_coordinates)
-    if (local.set_up >= 0) new_index[static_cast<std::size_t>(local.set_up)] = 0;
+    if (local.set_up >= 0) new_index[local.set_up] = 0;
   std::vector<SetUp> kept;
   for (std::size_t i = 0; i < new_index.size(); ++i) {
     if (new_index[i] < 0) continue;
@@ -221,9 +221,9 @@ void SurveyBuilder::drop_empty_set_ups() {
   }
   survey.set_ups = std::move(kept);
   for (Observation& observation : survey.observations)
-    if (observation.set_up >= 0) observation.set_up = new_index[static_cast<std::size_t>(observation.set_up)];
+    if (observation.set_up >= 0) observation.set_up = new_index[observation.set_up];
   for (LocalCoordinate& local : survey.local_coordinates)
-    if (local.set_up >= 0) local.set_up = new_index[static_cast<std::size_t>(local.set_up)];
+    if (local.set_up >= 0) local.set_up = new_index[local.set_up];
 }
 
 // Levels begin a line at 0 where nobody keys in a height: one such bench mark is as good a datum as any, of two at

@@ -137,10 +137,10 @@ void TableReader::add_coordinates(const std::string& id, const Eigen::Vector3d& 
   group.values.resize(n);
   group.covariance.resize(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const int axis = axes[static_cast<std::size_t>(i)];
+    const int axis = axes[i];
     group.components.push_back({id, axis});
     group.values[i] = at[axis];
-    for (Eigen::Index j = 0; j < n; ++j) group.covariance(i, j) = covariance(axis, axes[static_cast<std::size_t>(j)]);
+    for (Eigen::Index j = 0; j < n; ++j) group.covariance(i, j) = covariance(axis, axes[j]);
   }
   group.is_control = is_control;
   group.source = original_position();
@@ -251,7 +251,7 @@ void TableReader::read_sighting() {
     if (columns_.length(column) < 0) columns_.fail(column, "a distance that is not negative");
   if (columns_.failed()) return;
   select_set_up();
-  const SetUp& set_up = builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())];
+  const SetUp& set_up = builder_.survey.set_ups[builder_.current_set_up()];
   if (!std::isnan(instrument_height) && instrument_height != set_up.instrument_height)
     sighting.instrument_height = instrument_height;
   if (!builder_.add(sighting)) columns_.fail("direction", "at least one measured value");

@@ -103,9 +103,7 @@ void CsvWriter::covariance(const Eigen::Matrix3d& matrix) {
     for (int j = i; j < 3; ++j) number(names[i][j], matrix(i, j));
 }
 
-const std::string& CsvWriter::set_up_id(int index) const {
-  return survey_.set_ups.at(static_cast<std::size_t>(index)).id;
-}
+const std::string& CsvWriter::set_up_id(int index) const { return survey_.set_ups.at(index).id; }
 
 void CsvWriter::write_point(const Point& point) {
   set("record", "point");

@@ -107,8 +107,7 @@ void Gts7Reader::read_record(std::string_view key, const Parts& values) {
     place_of_ = name();
     const double azimuth = angle(values, 1, "an azimuth"), reading = angle(values, 2, "a circle reading");
     if (builder_.current_set_up() >= 0 && !std::isnan(azimuth) && !std::isnan(reading))
-      builder_.survey.set_ups[static_cast<std::size_t>(builder_.current_set_up())].stated_orientation =
-          wrap_to_circle(azimuth - reading);
+      builder_.survey.set_ups[builder_.current_set_up()].stated_orientation = wrap_to_circle(azimuth - reading);
   } else if (key == "BS" || key == "FS" || key == "SS") {
     place_of_ = target_ = name();
     target_height_ = length(values, 1, "a target height");

@@ -47,7 +47,7 @@ class ZeissReader {
   double angle(const Record& record, std::string_view type);
   SetUp* current() {
     const int index = builder_.current_set_up();
-    return index < 0 ? nullptr : &builder_.survey.set_ups[static_cast<std::size_t>(index)];
+    return index < 0 ? nullptr : &builder_.survey.set_ups[index];
   }
 
   text::DecodedText decoded_;

@@ -34,11 +34,11 @@ std::vector<Pair> pairs_of(const SurveyObservations& survey, int set_up, const s
   std::map<std::tuple<std::string, int, double>, int> last;
   std::vector<Pair> pairs;
   for (const int i : directions) {
-    const Observation& o = survey.observations[static_cast<size_t>(i)];
+    const Observation& o = survey.observations[i];
     const double height = std::isnan(o.target_height) ? 0 : o.target_height;
     const auto [at, is_new] = last.try_emplace({o.to, o.set_number, height}, i);
     if (is_new) continue;
-    const Observation& before = survey.observations[static_cast<size_t>(at->second)];
+    const Observation& before = survey.observations[at->second];
     const auto turned = [](const Observation& r) { return r.value - (r.face == 2 ? std::numbers::pi : 0); };
     const auto face = [](const Observation& r) { return r.face == 1 ? 1.0 : r.face == 2 ? -1.0 : 0.0; };
     const auto steepness = sin_zenith.find({set_up, o.pointing});
@@ -117,10 +117,10 @@ std::vector<CircleStep> circle_steps(const SurveyObservations& survey) {
 }
 
 std::string in_words(const CircleStep& step, const SurveyObservations& survey) {
-  const Observation& o = survey.observations[static_cast<size_t>(step.first)];
+  const Observation& o = survey.observations[step.first];
   const std::string turn = fmt::format("{:.1f} mgon", step.turn / kMgon);
-  return "the circle of set-up " + survey.set_ups[static_cast<size_t>(step.set_up)].id + " was turned by " + turn +
-         " before " + o.to + " was sighted" + (o.face == 2 ? " in face 2" : "") + " (" + place(o.source) +
+  return "the circle of set-up " + survey.set_ups[step.set_up].id + " was turned by " + turn + " before " + o.to +
+         " was sighted" + (o.face == 2 ? " in face 2" : "") + " (" + place(o.source) +
          "): " + std::to_string(step.with) + " pairs of readings to one target show it, " +
          std::to_string(step.without) +
          " do not have it between them. The directions from there on are turned back; look whether the tripod stood "

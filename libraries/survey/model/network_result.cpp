@@ -82,8 +82,7 @@ Eigen::MatrixXd NetworkResult::full_covariance() const {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd full(3 * n, 3 * n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      full.block<3, 3>(3 * i, 3 * j) = covariance(points[static_cast<size_t>(i)], points[static_cast<size_t>(j)]);
+    for (Eigen::Index j = 0; j < n; ++j) full.block<3, 3>(3 * i, 3 * j) = covariance(points[i], points[j]);
   return full;
 }
 

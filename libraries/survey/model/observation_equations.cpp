@@ -166,7 +166,7 @@ bool CoordinateBlock::evaluate(const double* const* values, double* residuals, d
 
 bool VectorBlock::evaluate(const double* const* values, double* residuals, double* const* jacobians) const {
   for (int v = 0; v < static_cast<int>(vectors.size()); ++v) {
-    const Vector& vector = vectors[static_cast<size_t>(v)];
+    const Vector& vector = vectors[v];
     const Vector3d up = Vector3d::UnitZ(), to = Map<const Vector3d>(values[vector.to]) + vector.to_height * up,
                    from = Map<const Vector3d>(values[vector.from]) + vector.from_height * up;
     Eigen::Matrix3d by_to = Eigen::Matrix3d::Identity(), by_from = by_to;

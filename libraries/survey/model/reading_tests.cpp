@@ -40,7 +40,7 @@ double effect(const ReadingGroup& group) {
 /// The error that the k-th readings in both faces show, for each k.
 std::vector<double> pair_errors(const ReadingGroup& group) {
   std::array<std::vector<double>, 3> by_face;
-  for (const Reading& r : group.readings) by_face[static_cast<size_t>(r.face)].push_back(r.value);
+  for (const Reading& r : group.readings) by_face[r.face].push_back(r.value);
   std::vector<double> errors;
   for (size_t k = 0; k < std::min(by_face[1].size(), by_face[2].size()); ++k)
     errors.push_back(0.5 * (by_face[1][k] - by_face[2][k]) / effect(group));
@@ -74,8 +74,7 @@ double limit_of(const ReadingGroup& group, double sigma) {
 std::vector<double> corrected(const ReadingGroup& group, const std::vector<InstrumentErrors>& errors) {
   std::vector<double> values;
   for (const Reading& r : group.readings)
-    values.push_back(group.set_up < 0 ? r.value
-                                      : without_instrument_error(group, r, errors[static_cast<size_t>(group.set_up)]));
+    values.push_back(group.set_up < 0 ? r.value : without_instrument_error(group, r, errors[group.set_up]));
   return values;
 }
 
@@ -105,7 +104,7 @@ bool faces_untested(const ReadingGroup& group, const std::vector<InstrumentError
   if (!is_two_faced(group.kind) || group.set_up < 0 || group.readings.size() != 2 ||
       group.readings[0].face == group.readings[1].face)
     return false;
-  const InstrumentErrors& e = errors[static_cast<size_t>(group.set_up)];
+  const InstrumentErrors& e = errors[group.set_up];
   return (group.kind == ObservationKind::direction ? e.direction_pairs : e.zenith_pairs) == 0;
 }
 
@@ -148,7 +147,7 @@ std::vector<InstrumentErrors> estimate_instrument_errors(const std::vector<Readi
     if (g.alone || g.set_up < 0 || !is_two_faced(g.kind)) continue;
     const bool direction = g.kind == ObservationKind::direction;
     for (const double e : pair_errors(g)) {
-      (direction ? collimations : indices)[static_cast<size_t>(g.set_up)].push_back(e);
+      (direction ? collimations : indices)[g.set_up].push_back(e);
       (direction ? all_collimations : all_indices).push_back(e);
     }
   }

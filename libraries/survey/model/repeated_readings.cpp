@@ -48,7 +48,7 @@ std::vector<Part> parts_of(const std::vector<SurveyObservations>& surveys) {
     std::vector<Part> own(s.set_ups.size() + 1);
     for (size_t i = 0; i < own.size(); ++i) own[i].file = file, own[i].set_up = static_cast<int>(i) - 1;
     const auto add = [&](int set_up, std::string key, bool not_zero) {
-      Part& part = own.at(static_cast<size_t>(set_up + 1));
+      Part& part = own.at(set_up + 1);
       part.keys.push_back(std::move(key));
       ++part.readings;
       part.not_zero += not_zero;
@@ -93,17 +93,17 @@ void take_out(SurveyObservations& s, const std::set<int>& set_ups) {
     if (set_ups.contains(s.observations[i].set_up)) continue;
     new_row[i] = static_cast<int>(kept.size());
     kept.push_back(s.observations[i]);
-    if (kept.back().set_up >= 0) kept.back().set_up = new_set_up[static_cast<size_t>(kept.back().set_up)];
+    if (kept.back().set_up >= 0) kept.back().set_up = new_set_up[kept.back().set_up];
   }
   s.set_ups = std::move(kept_set_ups);
   s.observations = std::move(kept);
   std::erase_if(s.covariances, [&](ObservationCovariance& c) {
-    for (int& i : c.indices) i = new_row[static_cast<size_t>(i)];
+    for (int& i : c.indices) i = new_row[i];
     return std::find(c.indices.begin(), c.indices.end(), -1) != c.indices.end();
   });
   std::erase_if(s.local_coordinates, [&](LocalCoordinate& c) {
     if (set_ups.contains(c.set_up)) return true;
-    if (c.set_up >= 0) c.set_up = new_set_up[static_cast<size_t>(c.set_up)];
+    if (c.set_up >= 0) c.set_up = new_set_up[c.set_up];
     return false;
   });
   const std::set<std::string> after = named_points(s);
@@ -152,8 +152,7 @@ std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservatio
     for (const size_t i : list) {
       readings += parts[i].readings;
       if (parts[i].set_up >= 0)
-        set_ups += (set_ups.empty() ? ", set-ups " : ", ") +
-                   surveys[files.first].set_ups[static_cast<size_t>(parts[i].set_up)].id;
+        set_ups += (set_ups.empty() ? ", set-ups " : ", ") + surveys[files.first].set_ups[parts[i].set_up].id;
     }
     const std::string mine = name_of(surveys[files.first], files.first);
     const std::string other = name_of(surveys[files.second], files.second);

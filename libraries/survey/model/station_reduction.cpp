@@ -82,7 +82,7 @@ CircleOffsets circle_offsets(const SurveyObservations& survey, const std::vector
   for (const Observation& o : survey.observations)
     if (o.kind == ObservationKind::direction && o.set_number > 0) sets[{o.set_up, o.set_number}].push_back(&o);
   const auto on_one_circle = [&](const Observation* o) {
-    return reduced_to_face_1(*o) - turned[static_cast<size_t>(o - survey.observations.data())];
+    return reduced_to_face_1(*o) - turned[o - survey.observations.data()];
   };
   CircleOffsets offsets;
   std::map<std::pair<int, std::string>, double> reference;
@@ -130,17 +130,17 @@ std::vector<double> turned_circle(const SurveyObservations& survey, const std::v
 std::vector<ReadingGroup> group_readings(const SurveyObservations& survey, const std::vector<double>& turned) {
   std::vector<char> correlated(survey.observations.size(), 0);
   for (const auto& c : survey.covariances)
-    for (int i : c.indices) correlated[static_cast<size_t>(i)] = 1;
+    for (int i : c.indices) correlated[i] = 1;
   const auto sights = sights_of(survey);
   const CircleOffsets offsets = circle_offsets(survey, turned);
   std::map<Key, size_t> index;
   std::vector<ReadingGroup> groups;
   for (int i = 0; i < static_cast<int>(survey.observations.size()); ++i) {
-    const Observation& o = survey.observations[static_cast<size_t>(i)];
-    const bool alone = correlated[static_cast<size_t>(i)] || !std::isnan(o.sigma) || o.set_up < 0;
+    const Observation& o = survey.observations[i];
+    const bool alone = correlated[i] || !std::isnan(o.sigma) || o.set_up < 0;
     double value = reduced_to_face_1(o);
     const auto offset = offsets.find({o.set_up, o.set_number});
-    if (!alone) value -= turned[static_cast<size_t>(i)];
+    if (!alone) value -= turned[i];
     if (!alone && o.kind == ObservationKind::direction && offset != offsets.end()) value -= offset->second;
     size_t at = groups.size();
     if (!alone) at = index.try_emplace(key_of(o), at).first->second;
@@ -183,12 +183,10 @@ class Reducer {
   void tell_separate(const ReadingGroup& group);
   void tell_instrument();
   std::string name(const Reading& reading) const {
-    const Observation& o = survey_.observations[static_cast<size_t>(reading.observation)];
+    const Observation& o = survey_.observations[reading.observation];
     return std::string(kind_word(o.kind)) + " " + o.from + " -> " + o.to;
   }
-  std::string at(const Reading& reading) const {
-    return place(survey_.observations[static_cast<size_t>(reading.observation)].source);
-  }
+  std::string at(const Reading& reading) const { return place(survey_.observations[reading.observation].source); }
 
   const SurveyObservations& survey_;
   MeanResult result_;
@@ -200,7 +198,7 @@ void Reducer::take_out_instrument_error(const ReadingGroup& group, const std::ve
   const bool direction = group.kind == ObservationKind::direction;
   if (group.set_up < 0 || readings.front().face == 0) return;
   if (!direction && group.kind != ObservationKind::zenith_angle) return;
-  const InstrumentErrors& errors = result_.instrument[static_cast<size_t>(group.set_up)];
+  const InstrumentErrors& errors = result_.instrument[group.set_up];
   if (!(direction ? errors.has_collimation() : errors.has_index())) return;
   for (auto& list : values) list.clear();
   for (const Reading& r : readings) values[r.face].push_back(without_instrument_error(group, r, errors));
@@ -211,7 +209,7 @@ void Reducer::take_out_instrument_error(const ReadingGroup& group, const std::ve
 
 MeanObservation Reducer::mean_of(const ReadingGroup& group, const std::vector<Reading>& readings) const {
   MeanObservation mean;
-  mean.observation = survey_.observations[static_cast<size_t>(readings.front().observation)];
+  mean.observation = survey_.observations[readings.front().observation];
   Observation& first = mean.observation;
   std::vector<double> values[3];  // by face
   for (const Reading& r : readings) {
@@ -263,7 +261,7 @@ void Reducer::tell_separate(const ReadingGroup& group) {
   // Where the instrument's error is taken for something that half of the targets do not show, equal faces stand out.
   std::string than = ", far more than noise, and";
   if (faces && group.set_up >= 0 && group.readings.size() == 2) {
-    const InstrumentErrors& e = result_.instrument[static_cast<size_t>(group.set_up)];
+    const InstrumentErrors& e = result_.instrument[group.set_up];
     const auto free = [&](size_t i) { return without_instrument_error(group, group.readings[i], e); };
     if (std::abs(free(1) - free(0)) > 2 * (most - least))
       than = ", those of most others of the set-up by about " +
@@ -297,7 +295,7 @@ void Reducer::tell_instrument() {
     const auto one = [](const char* what, double value, double sigma, int pairs) {
       return fmt::format("{} {:.2f} mgon (sigma {:.2f}, {} pairs)", what, value / kMgon, sigma / kMgon, pairs);
     };
-    std::string text = "instrument in set-up " + survey_.set_ups[static_cast<size_t>(e.set_up)].id + ": ";
+    std::string text = "instrument in set-up " + survey_.set_ups[e.set_up].id + ": ";
     if (e.has_collimation()) text += one("collimation", e.collimation, e.collimation_sigma, e.direction_pairs);
     if (e.has_index())
       text += (e.has_collimation() ? ", " : "") + one("vertical index", e.index, e.index_sigma, e.zenith_pairs);

@@ -30,9 +30,9 @@ Known known_of(const CoordinateGroup& group, const NetworkModel& model, const Ne
   std::vector<int> unknowns;
   std::vector<Index> rows;
   for (Index k = 0; k < n; ++k) {
-    const auto& [point, axis] = group.components[static_cast<size_t>(k)];
-    const int block = problem.point_blocks[static_cast<size_t>(model.index.at(point))];
-    v[k] = problem.problem.parameters[static_cast<size_t>(block)].value[static_cast<size_t>(axis)] - group.values[k];
+    const auto& [point, axis] = group.components[k];
+    const int block = problem.point_blocks[model.index.at(point)];
+    v[k] = problem.problem.parameters[block].value[axis] - group.values[k];
     const int unknown = solution.unknowns(block, axis);
     if (unknown < 0) continue;
     unknowns.push_back(unknown);
@@ -55,7 +55,7 @@ KnownPoint difference_of(const Known& known, const std::string& id, double alpha
   for (size_t k = 0; k < known.group->components.size(); ++k)
     if (known.group->components[k].point == id) rows.push_back(static_cast<Index>(k));
   for (const Index row : rows)
-    result.sigma[known.group->components[static_cast<size_t>(row)].axis] = std::sqrt(known.group->covariance(row, row));
+    result.sigma[known.group->components[row].axis] = std::sqrt(known.group->covariance(row, row));
   const VectorXd u = known.u(rows);
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(known.m(rows, rows)));
   VectorXd d = VectorXd::Zero(u.size());
@@ -68,7 +68,7 @@ KnownPoint difference_of(const Known& known, const std::string& id, double alpha
     ++result.rank;
   }
   for (size_t k = 0; k < rows.size(); ++k)
-    result.difference[known.group->components[static_cast<size_t>(rows[k])].axis] = d[static_cast<Index>(k)];
+    result.difference[known.group->components[rows[k]].axis] = d[static_cast<Index>(k)];
   if (result.rank > 0) result.critical = chi_squared_quantile(1 - alpha, result.rank);
   return result;
 }

@@ -13,8 +13,8 @@ namespace {
 bool is_known(const NetworkModel& m, const Point& p, int axis) {
   const auto at = m.index.find(p.id);
   const auto k = static_cast<size_t>(axis);
-  return at != m.index.end() && p.known[k] && m.roles[static_cast<size_t>(at->second)][k] != CoordinateRole::unused &&
-         std::isfinite(m.initial[static_cast<size_t>(at->second)][axis]) && std::isfinite(p.coordinates[axis]);
+  return at != m.index.end() && p.known[k] && m.roles[at->second][k] != CoordinateRole::unused &&
+         std::isfinite(m.initial[at->second][axis]) && std::isfinite(p.coordinates[axis]);
 }
 
 bool knows_any(const NetworkModel& m) {
@@ -67,7 +67,7 @@ void add_keyed_in(NetworkModel& m, double sigma) {
     std::vector<double> values;
     for (int k = 0; k < 3; ++k) {
       if (!is_known(m, p, k)) continue;
-      m.roles[static_cast<size_t>(m.index.at(p.id))][static_cast<size_t>(k)] = R::free;
+      m.roles[m.index.at(p.id)][k] = R::free;
       group.components.push_back({p.id, k});
       values.push_back(p.coordinates[k]);
     }

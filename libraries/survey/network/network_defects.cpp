@@ -23,7 +23,7 @@ class DefectNamer {
       : m_(model), p_(problem), unknowns_(problem.problem), open_(directions), part_(parts_of(problem)) {
     for (size_t i = 0; i < m_.ids.size(); ++i)
       for (int axis = 0; axis < 3; ++axis)
-        if (m_.roles[i][static_cast<size_t>(axis)] == CoordinateRole::fixed) held_.insert({static_cast<int>(i), axis});
+        if (m_.roles[i][axis] == CoordinateRole::fixed) held_.insert({static_cast<int>(i), axis});
     for (const CoordinateGroup& g : m_.survey.coordinates)
       for (const auto& c : g.components) held_.insert({m_.index.at(c.point), c.axis});
   }
@@ -133,7 +133,7 @@ class DefectNamer {
     if (hinge >= 0)
       for (const MeanObservation& mean : m_.observations)
         if (const Observation& o = mean.observation; o.set_up >= 0 && o.from == m_.ids[hinge] && !ids.contains(o.to))
-          turns[static_cast<size_t>(o.set_up)] = 0;
+          turns[o.set_up] = 0;
     std::vector<int> blocks;
     for (size_t s = 0; s < turns.size(); ++s)
       if (turns[s] && p_.orientation_blocks[s] >= 0) blocks.push_back(p_.orientation_blocks[s]);

@@ -38,7 +38,7 @@ struct Sight {
 };
 
 Sight sight_of(const NetworkModel& m, const Observation& o, const std::string& to, double target_height) {
-  const double own = o.set_up >= 0 ? m.survey.set_ups[static_cast<size_t>(o.set_up)].instrument_height : 0.0;
+  const double own = o.set_up >= 0 ? m.survey.set_ups[o.set_up].instrument_height : 0.0;
   const auto end = [&](const std::string& id, double height) -> Eigen::Vector3d {
     return m.initial[m.index.at(id)] + or_zero(height) * Eigen::Vector3d::UnitZ();
   };

@@ -47,13 +47,12 @@ void hold_stated_orientation(NetworkModel& m) {
   for (const MeanObservation& mean : m.observations) {
     const Observation& o = mean.observation;
     if (o.kind == ObservationKind::azimuth) return;
-    if (!first && o.kind == ObservationKind::direction &&
-        !std::isnan(m.survey.set_ups[static_cast<size_t>(o.set_up)].stated_orientation))
+    if (!first && o.kind == ObservationKind::direction && !std::isnan(m.survey.set_ups[o.set_up].stated_orientation))
       first = &mean;
   }
   if (held.size() != 1 || !first) return;
   Observation azimuth = first->observation;
-  const SetUp& set_up = m.survey.set_ups[static_cast<size_t>(azimuth.set_up)];
+  const SetUp& set_up = m.survey.set_ups[azimuth.set_up];
   azimuth.kind = ObservationKind::azimuth;
   azimuth.value = wrap_angle(azimuth.value + set_up.stated_orientation);
   azimuth.sigma = kHeld;

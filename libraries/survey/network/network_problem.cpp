@@ -40,12 +40,12 @@ class Assembler {
   }
 
   Equation equation(ObservationBlock& block, int observation, const NetworkProblem& p) const {
-    const Observation& o = m_.observations[static_cast<size_t>(observation)].observation;
+    const Observation& o = m_.observations[observation].observation;
     Equation eq;
     eq.kind = o.kind;
     eq.value = o.value;
     if (!m_.corrections.empty()) {
-      const MapCorrection& c = m_.corrections[static_cast<size_t>(observation)];
+      const MapCorrection& c = m_.corrections[observation];
       eq.map_scale = c.scale;
       eq.value += o.kind == ObservationKind::zenith_angle ? c.zenith : c.direction;
       eq.rise = c.rise, eq.second_rise = c.second_rise;
@@ -60,7 +60,7 @@ class Assembler {
     const bool angular = o.kind == ObservationKind::direction || o.kind == ObservationKind::zenith_angle;
     if (o.kind == ObservationKind::direction) eq.orientation = slot(block, p.orientation_blocks[o.set_up]);
     if (o.set_up >= 0 && angular) eq.tilt = slot(block, p.tilt_blocks[o.set_up]);
-    if (has_centring_unknown(o, p)) eq.centring = slot(block, p.centring_blocks[static_cast<size_t>(o.set_up)]);
+    if (has_centring_unknown(o, p)) eq.centring = slot(block, p.centring_blocks[o.set_up]);
     if (o.set_up >= 0) eq.instrument_height_correction = slot(block, p.height_correction_blocks[o.set_up]);
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
     // Said outright it holds for all; else what its file has reduced is not reduced again.
@@ -180,10 +180,9 @@ class Assembler {
     static const char* const names[] = {"additive constant", "scale", "vertical index", "instrument height correction",
                                         "target height correction"};
     for (const auto& [kind, set_up, target_height] : state_.extra)
-      out_.extra_blocks.push_back(
-          add_block(std::string(names[static_cast<int>(kind)]) +
-                        (set_up >= 0 ? " of " + m_.survey.set_ups[static_cast<size_t>(set_up)].id : ""),
-                    {0.0}));
+      out_.extra_blocks.push_back(add_block(
+          std::string(names[static_cast<int>(kind)]) + (set_up >= 0 ? " of " + m_.survey.set_ups[set_up].id : ""),
+          {0.0}));
   }
 
   bool takes_part(int observation) const { return !m_.dropped[observation] && !state_.removed[observation]; }
@@ -222,14 +221,14 @@ class Assembler {
   /// What was read already is read again in another set, of which nobody says that nothing was moved before.
   bool holds(const std::vector<int>& block, const Observation& o) const {
     return std::any_of(block.begin(), block.end(), [&](int i) {
-      const Observation& b = m_.observations[static_cast<size_t>(i)].observation;
+      const Observation& b = m_.observations[i].observation;
       return b.kind == o.kind && b.to == o.to && b.second_to == o.second_to;
     });
   }
 
   /// Angles and single sights that follow each other on one station are of one occupation.
   bool stands_where(int before, const Observation& o) const {
-    const Observation& b = m_.observations[static_cast<size_t>(before)].observation;
+    const Observation& b = m_.observations[before].observation;
     return o.kind != ObservationKind::height_difference && b.from == o.from && b.source.file == o.source.file &&
            b.source.line <= o.source.line && or_zero(b.instrument_height) == or_zero(o.instrument_height);
   }
@@ -346,8 +345,7 @@ class Assembler {
     if (out_.height_correction_blocks[c.set_up] >= 0)
       block->parameters.push_back(out_.height_correction_blocks[c.set_up]);
     if (m_.map)
-      block->map_scale = m_.map->scale(m_.initial[static_cast<size_t>(m_.index.at(set_up.station))],
-                                       m_.initial[static_cast<size_t>(m_.index.at(c.point))]);
+      block->map_scale = m_.map->scale(m_.initial[m_.index.at(set_up.station)], m_.initial[m_.index.at(c.point)]);
     const double factor = state_.sigma_factors[kLocalCoordinates];
     const Eigen::Matrix3d covariance =
         c.covariance.allFinite() ? c.covariance : polar_covariance(c.position, options_.profile);

@@ -26,11 +26,11 @@ const InstrumentProfile& ReadingSigmas::profile_of(const Observation& o,
 }
 
 double ReadingSigmas::factor(int index) const {
-  return state_.sigma_factors[group_of(m_.observations[static_cast<size_t>(index)].observation.kind)];
+  return state_.sigma_factors[group_of(m_.observations[index].observation.kind)];
 }
 
 double ReadingSigmas::operator()(int index) const {
-  const Observation& o = m_.observations[static_cast<size_t>(index)].observation;
+  const Observation& o = m_.observations[index].observation;
   if (!is_centred_by_profile(o)) return factor(index) * o.sigma;
   // Of a set-up it is an unknown, or there is none; of a single angle or distance it is in their standard deviation.
   const bool in_reading = !options_.centring_per_set_up || o.set_up < 0;
@@ -41,21 +41,21 @@ double ReadingSigmas::operator()(int index) const {
 }
 
 double ReadingSigmas::own(int index) const {
-  const Observation& o = m_.observations[static_cast<size_t>(index)].observation;
+  const Observation& o = m_.observations[index].observation;
   return std::isnan(o.sigma) ? sigma_by(profile_of(o, own_), index) : o.sigma;
 }
 
 Eigen::Vector2d ReadingSigmas::lengths_between(const std::string& from, const std::string& to) const {
-  const auto place = [&](const std::string& id) { return m_.initial[static_cast<size_t>(m_.index.at(id))]; };
+  const auto place = [&](const std::string& id) { return m_.initial[m_.index.at(id)]; };
   const Eigen::Vector3d d = place(to) - place(from);
   const double horizontal = std::max(kShortestHorizontal, d.head<2>().norm());
   return {horizontal, std::max(horizontal, d.norm())};
 }
 
 double ReadingSigmas::sigma_by(const InstrumentProfile& p, int index) const {
-  const MeanObservation& mean = m_.observations[static_cast<size_t>(index)];
+  const MeanObservation& mean = m_.observations[index];
   const Observation& o = mean.observation;
-  const Eigen::Vector2d& lengths = m_.lengths[static_cast<size_t>(index)];
+  const Eigen::Vector2d& lengths = m_.lengths[index];
   const double horizontal = lengths[0], slope = lengths[1];
   switch (o.kind) {
     case ObservationKind::direction:
@@ -63,7 +63,7 @@ double ReadingSigmas::sigma_by(const InstrumentProfile& p, int index) const {
     case ObservationKind::azimuth:
       return p.azimuth(horizontal, slope, mean.sets);
     case ObservationKind::angle: {
-      const auto place = [&](const std::string& id) { return m_.initial[static_cast<size_t>(m_.index.at(id))]; };
+      const auto place = [&](const std::string& id) { return m_.initial[m_.index.at(id)]; };
       const Eigen::Vector2d other = lengths_between(o.from, o.second_to);
       return p.angle({horizontal, other[0]}, {slope, other[1]}, (place(o.second_to) - place(o.to)).head<2>().norm(),
                      mean.sets);

@@ -12,7 +12,7 @@ inline bool is_centred_by_profile(const Observation& o) { return std::isnan(o.si
 
 /// The equation of this reading has the centring of its set-up as an unknown.
 inline bool has_centring_unknown(const Observation& o, const NetworkProblem& p) {
-  return o.set_up >= 0 && is_centred_by_profile(o) && p.centring_blocks[static_cast<size_t>(o.set_up)] >= 0;
+  return o.set_up >= 0 && is_centred_by_profile(o) && p.centring_blocks[o.set_up] >= 0;
 }
 
 class ReadingSigmas {

@@ -22,9 +22,9 @@ struct Sight {
 };
 
 Sight sight_to(const NetworkModel& m, const Observation& o, const std::string& to, const Eigen::Vector2d& lengths) {
-  const auto place = [&](const std::string& id) { return m.initial[static_cast<size_t>(m.index.at(id))]; };
+  const auto place = [&](const std::string& id) { return m.initial[m.index.at(id)]; };
   Vector3d d = place(to) - place(o.from);
-  const double own = o.set_up >= 0 ? m.survey.set_ups[static_cast<size_t>(o.set_up)].instrument_height : 0.0;
+  const double own = o.set_up >= 0 ? m.survey.set_ups[o.set_up].instrument_height : 0.0;
   d.z() += or_zero(to == o.to ? o.target_height : o.second_target_height) - or_zero(or_else(o.instrument_height, own));
   Sight s;
   s.horizontal = lengths[0], s.slope = std::max(lengths[0], lengths[1]);
@@ -69,7 +69,7 @@ MatrixXd sight_covariance(const NetworkModel& m, const ReadingSigmas& sigmas, co
     sizes.try_emplace(mark, size);
   };
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto i = static_cast<size_t>(members[static_cast<size_t>(k)]);
+    const auto i = static_cast<size_t>(members[k]);
     const Observation& o = m.observations[i].observation;
     covariance(k, k) = std::pow(sigmas.own(static_cast<int>(i)), 2);
     if (!is_centred_by_profile(o)) continue;  // the file's holds all
@@ -92,7 +92,7 @@ MatrixXd sight_covariance(const NetworkModel& m, const ReadingSigmas& sigmas, co
   for (const auto& [mark, change] : by_mark)
     covariance += change * sizes.at(mark).cwiseAbs2().asDiagonal() * change.transpose();
   VectorXd factors(n);
-  for (Eigen::Index k = 0; k < n; ++k) factors[k] = sigmas.factor(members[static_cast<size_t>(k)]);
+  for (Eigen::Index k = 0; k < n; ++k) factors[k] = sigmas.factor(members[k]);
   return factors.asDiagonal() * covariance * factors.asDiagonal();
 }
 
@@ -101,7 +101,7 @@ MatrixXd covariance_of(const VectorGroup& g, const NetworkModel& m) {
   const Vector3d factors(g.horizontal_factor, g.horizontal_factor, g.vertical_factor);
   MatrixXd all = MatrixXd::Zero(g.covariance.rows(), g.covariance.cols());
   for (size_t k = 0; k < g.vectors.size(); ++k) {
-    const Eigen::Matrix3d axes = m.map->horizon(m.initial[static_cast<size_t>(m.index.at(g.vectors[k].from))]);
+    const Eigen::Matrix3d axes = m.map->horizon(m.initial[m.index.at(g.vectors[k].from)]);
     const auto at = static_cast<Eigen::Index>(3 * k);
     all.block<3, 3>(at, at) = axes.transpose() * factors.asDiagonal() * axes;
   }

@@ -135,7 +135,7 @@ double height_sigma_with(const PlanLayout& layout, const PlanPrediction& predict
   Eigen::MatrixXd markers = Eigen::MatrixXd::Zero(3 * k, 3 * k), set_up = Eigen::MatrixXd::Zero(3 * k, 4);
   std::vector<int> at;
   for (Index i = 0; i < k; ++i) {
-    const PlannedMarker& marker = trial.markers()[seen[static_cast<size_t>(i)]];
+    const PlannedMarker& marker = trial.markers()[seen[i]];
     const Vector3d d = marker.position - trial.set_ups()[s].position;
     const double h = d.head<2>().norm(), length = d.norm();
     Eigen::Matrix3d rows;

@@ -145,7 +145,7 @@ SurveyObservations PlanLayout::readings(int sets) const {
 }
 
 void PlanLayout::add_sighting(SurveyObservations& s, int set_up, const PlannedMarker& m, int sets) const {
-  const std::string& from = s.set_ups[static_cast<size_t>(set_up)].id;
+  const std::string& from = s.set_ups[set_up].id;
   const Eigen::Vector3d d = m.position - s.points.back().coordinates;
   const double h = d.head<2>().norm(), length = d.norm();
   const double values[] = {std::atan2(d.x(), d.y()), std::atan2(h, d.z()), length};

@@ -78,7 +78,7 @@ std::vector<std::vector<int>> sights_of(const SurveyObservations& survey, int se
   std::vector<std::vector<int>> sights;
   int pointing = -1;
   for (int i = 0; i < static_cast<int>(survey.observations.size()); ++i) {
-    const Observation& o = survey.observations[static_cast<size_t>(i)];
+    const Observation& o = survey.observations[i];
     if (o.set_up != set_up) continue;
     if (sights.empty() || o.pointing != pointing) sights.emplace_back();
     pointing = o.pointing;
@@ -94,7 +94,7 @@ bool is_distance(const Observation& o) {
 void rename(const SurveyMistake& m, SurveyObservations& survey, std::vector<int>& wrong) {
   const bool swap = m.kind == SurveyMistake::Kind::swapped_names;
   for (int i = 0; i < static_cast<int>(survey.observations.size()); ++i) {
-    Observation& o = survey.observations[static_cast<size_t>(i)];
+    Observation& o = survey.observations[i];
     if (o.set_up != m.set_up || (o.to != m.first && (!swap || o.to != m.second))) continue;
     o.to = o.to == m.first ? m.second : m.first;
     wrong.push_back(i);
@@ -107,10 +107,10 @@ void rename(const SurveyMistake& m, SurveyObservations& survey, std::vector<int>
 /// Readings as they are from another place, with the noise they have.
 void move_instrument(const SurveyMistake& m, const SurveyLayout& layout, const std::vector<int>& sight,
                      SurveyObservations& survey) {
-  const SimulatedSetUp& set_up = layout.set_ups.at(static_cast<size_t>(m.set_up));
+  const SimulatedSetUp& set_up = layout.set_ups.at(m.set_up);
   const Eigen::Vector3d axis = axis_of(layout, set_up);
   for (int i : sight) {
-    Observation& o = survey.observations[static_cast<size_t>(i)];
+    Observation& o = survey.observations[i];
     const Eigen::Vector3d target = point_of(layout, o.to).position;
     const SightTaken before = exact_sight(axis, set_up.orientation, target);
     const SightTaken after = exact_sight(axis + Eigen::Vector3d(m.size, 0, 0), set_up.orientation, target);
@@ -171,7 +171,7 @@ std::vector<int> plant(const SurveyMistake& m, const SurveyLayout& layout, Surve
     throw std::invalid_argument("there is no set-up " + std::to_string(m.set_up));
   std::vector<int> wrong;
   const auto change = [&](int i, double by) {
-    survey.observations[static_cast<size_t>(i)].value += by;
+    survey.observations[i].value += by;
     wrong.push_back(i);
   };
   if (m.kind == Kind::reading) {
@@ -181,7 +181,7 @@ std::vector<int> plant(const SurveyMistake& m, const SurveyLayout& layout, Surve
   } else if (m.kind == Kind::swapped_names || m.kind == Kind::wrong_name) {
     rename(m, survey, wrong);
   } else if (m.kind == Kind::instrument_height) {
-    survey.set_ups[static_cast<size_t>(m.set_up)].instrument_height += m.size;
+    survey.set_ups[m.set_up].instrument_height += m.size;
   } else {
     const auto sights = sights_of(survey, m.set_up);
     for (size_t s = 0; s < sights.size(); ++s) {
@@ -191,7 +191,7 @@ std::vector<int> plant(const SurveyMistake& m, const SurveyLayout& layout, Surve
         wrong.insert(wrong.end(), sights[s].begin(), sights[s].end());
       }
       for (int i : sights[s]) {
-        const Observation& o = survey.observations[static_cast<size_t>(i)];
+        const Observation& o = survey.observations[i];
         if (m.kind == Kind::turned_circle && after && o.kind == ObservationKind::direction) change(i, m.size);
         if (!is_distance(o)) continue;
         if (m.kind == Kind::prism) change(i, m.size);

@@ -42,8 +42,7 @@ void chain_figures(const SurveyObservations& survey, const Figures& figures, Cho
   std::vector<char> tried(figures.figures.size(), 0);
   for (int f = best_seed(figures, frame, tried); f >= 0; f = best_seed(figures, frame, tried)) {
     tried[f] = 1;
-    Frame local(survey, figures, choices,
-                figures.figures[static_cast<size_t>(f)].station + "/" + std::to_string(f) + ":");
+    Frame local(survey, figures, choices, figures.figures[f].station + "/" + std::to_string(f) + ":");
     local.seed(static_cast<size_t>(f));
     local.grow(guess);
     local.settle_north();

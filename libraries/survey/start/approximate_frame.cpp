@@ -326,7 +326,7 @@ double Frame::stated_turn() const {
   for (size_t f = 0; f < figures_.figures.size(); ++f) {
     const int set_up = figures_.figures[f].set_up;
     if (set_up < 0 || std::isnan(orientation_[f])) continue;
-    const double stated = survey_.set_ups[static_cast<size_t>(set_up)].stated_orientation;
+    const double stated = survey_.set_ups[set_up].stated_orientation;
     if (!std::isnan(stated)) return turn_to(f, stated);
   }
   for (size_t f = 0; f < figures_.figures.size(); ++f)

@@ -26,7 +26,7 @@ bool Frame::grow_by_intersection(bool accept_ambiguous) {
     const std::vector<Vector2d> places = best_intersections(lines);
     if (places.empty() || (places.size() > 1 && !accept_ambiguous)) continue;
     const int count = static_cast<int>(places.size());
-    set_plan(id, places[static_cast<size_t>(count > 1 ? choices_.choose(name_ + id, count) : 0)]);
+    set_plan(id, places[count > 1 ? choices_.choose(name_ + id, count) : 0]);
     return true;
   }
   for (size_t f = 0; f < figures_.figures.size(); ++f)

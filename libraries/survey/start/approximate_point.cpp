@@ -24,7 +24,7 @@ std::optional<Vector3d> improve(const std::vector<PointCondition>& conditions, V
   const auto n = static_cast<Eigen::Index>(conditions.size());
   const auto misclosures = [&](const Vector3d& at) {
     Eigen::VectorXd v(n);
-    for (Eigen::Index i = 0; i < n; ++i) v[i] = conditions[static_cast<size_t>(i)].misclosure(at);
+    for (Eigen::Index i = 0; i < n; ++i) v[i] = conditions[i].misclosure(at);
     return v;
   };
   const double size = std::max(1.0, (conditions.front().known - p).norm()), step = 1e-6 * size;
@@ -208,7 +208,7 @@ bool Frame::place_by_conditions() {
     const std::vector<std::pair<double, Vector3d>>& places = found->second;
     if (places.empty()) continue;
     const int count = static_cast<int>(std::min<size_t>(places.size(), 4));
-    const Vector3d p = places[static_cast<size_t>(count > 1 ? choices_.choose(name_ + id + " all", count) : 0)].second;
+    const Vector3d p = places[count > 1 ? choices_.choose(name_ + id + " all", count) : 0].second;
     set_plan(id, p.head<2>());
     set_height(id, p.z());
     return true;

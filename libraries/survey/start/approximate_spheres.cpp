@@ -78,7 +78,7 @@ bool Frame::place_by_slope_distances(bool accept_ambiguous) {
     };
     places = as_good_as_the_best(places, score, 0.02 * list.front().radius);
     if (places.size() > 1 && !accept_ambiguous) continue;
-    const Vector3d p = places[static_cast<size_t>(places.size() > 1 ? choices_.choose(name_ + id, 2) : 0)];
+    const Vector3d p = places[places.size() > 1 ? choices_.choose(name_ + id, 2) : 0];
     set_plan(id, p.head<2>());
     set_height(id, p.z());
     return true;
@@ -109,7 +109,7 @@ bool Frame::place_height_by_slope_distances() {
     };
     std::vector<double> places = {height + rise, height - rise};
     places = as_good_as_the_best(places, score, 0.02 * list.front().radius);
-    set_height(id, places[static_cast<size_t>(places.size() > 1 ? choices_.choose(name_ + id + " H", 2) : 0)]);
+    set_height(id, places[places.size() > 1 ? choices_.choose(name_ + id + " H", 2) : 0]);
     return true;
   }
   return false;

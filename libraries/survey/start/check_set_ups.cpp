@@ -44,7 +44,7 @@ class SetUpCheck {
   }
 
  private:
-  const std::string& name() const { return survey_.set_ups[static_cast<size_t>(set_up_)].id; }
+  const std::string& name() const { return survey_.set_ups[set_up_].id; }
 
   void check(size_t figure) {
     figure_ = figure;
@@ -237,7 +237,7 @@ class SetUpCheck {
              " mm in height)";
     finish_group(group, p);
     // Which of the two parts stood on the mark, where others see it?
-    const std::string& station = survey_.set_ups[static_cast<size_t>(set_up_)].station;
+    const std::string& station = survey_.set_ups[set_up_].station;
     const auto mark = chain_.place_of(station, static_cast<int>(figure_));
     if (!mark || (fit->shift - mark->position).head<2>().norm() > (fit_.shift - mark->position).head<2>().norm())
       return;
@@ -271,8 +271,7 @@ class SetUpCheck {
     std::vector<std::string> ids;
     for (const LocalSight& s : chain_.figures()[figure_].sights)
       if (std::find(orders.begin(), orders.end(), s.order) != orders.end()) ids.push_back(s.point);
-    const Observation& first =
-        survey_.observations[static_cast<size_t>(*std::min_element(orders.begin(), orders.end()))];
+    const Observation& first = survey_.observations[*std::min_element(orders.begin(), orders.end())];
     const std::string at = place(first.source);
     if (without_others(orders) && tail_of(orders))
       return "before " + first.to + " was sighted" + (at.empty() ? "" : " (" + at + ")");
@@ -296,7 +295,7 @@ class SetUpCheck {
       p.points = {s.sight->point};
       double largest = 0;
       for (int i : s.sight->observations) {
-        const ObservationKind kind = observations_[static_cast<size_t>(i)].observation.kind;
+        const ObservationKind kind = observations_[i].observation.kind;
         const double off = kind == ObservationKind::direction      ? across
                            : kind == ObservationKind::zenith_angle ? up
                                                                    : along;
@@ -321,7 +320,7 @@ class SetUpCheck {
     return fixed_digits(off, 3) + " m";
   }
   std::string at(int observation) const {
-    const std::string text = place(observations_[static_cast<size_t>(observation)].observation.source);
+    const std::string text = place(observations_[observation].observation.source);
     return text.empty() ? "" : " (" + text + ")";
   }
 

@@ -25,10 +25,10 @@ void multiply_distances(const SetUpProblem& p, SurveyObservations& survey) {
 void split_off(const SetUpProblem& p, bool moved, SurveyObservations& survey) {
   std::set<std::pair<std::string, int>> sights;  // target and pointing: all readings of a sight go together
   for (int i : p.orders) {
-    const Observation& o = survey.observations[static_cast<size_t>(i)];
+    const Observation& o = survey.observations[i];
     sights.insert({o.to, o.pointing});
   }
-  SetUp part = survey.set_ups[static_cast<size_t>(p.set_up)];
+  SetUp part = survey.set_ups[p.set_up];
   int number = 2;
   const auto taken = [&](const std::string& id) {
     return std::any_of(survey.set_ups.begin(), survey.set_ups.end(), [&](const SetUp& s) { return s.id == id; });

@@ -285,8 +285,7 @@ void Merger::merge_points(size_t file) {
   for (Point p : surveys_[file].points) {
     p.id = name_in(file, p.id);
     for (int k = 0; k < 3; ++k)
-      if ((drop_coordinates_[file] || drop_points_[file].contains(p.id)) &&
-          p.roles[static_cast<size_t>(k)] <= CoordinateRole::free)
+      if ((drop_coordinates_[file] || drop_points_[file].contains(p.id)) && p.roles[k] <= CoordinateRole::free)
         p.coordinates[k] = kNotGiven;
     const auto [at, is_new] = index_.try_emplace(p.id, all.size());
     if (is_new) {
@@ -343,7 +342,7 @@ void Merger::merge_observations(size_t file) {
   for (Observation o : s.observations) {
     if (o.set_up >= 0) o.set_up += set_up_offset;
     if (o.pointing >= 0) o.pointing += pointings_;
-    o.instrument = o.instrument >= 0 ? instruments.at(static_cast<size_t>(o.instrument)) : own_instrument;
+    o.instrument = o.instrument >= 0 ? instruments.at(o.instrument) : own_instrument;
     if (reduced) o.corrections.emplace_back(kReducedBefore);
     next_pointing = std::max(next_pointing, o.pointing + 1);
     for (std::string* id : {&o.from, &o.to, &o.second_to}) *id = name_in(file, *id);

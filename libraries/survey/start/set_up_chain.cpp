@@ -60,12 +60,12 @@ std::vector<SetUpFigure> make_local_figures(const SurveyObservations& survey,
                                             const InstrumentProfile& profile) {
   std::vector<std::map<std::pair<std::string, double>, Readings>> readings(survey.set_ups.size());
   for (int i = 0; i < static_cast<int>(observations.size()); ++i) {
-    const MeanObservation& mean = observations[static_cast<size_t>(i)];
+    const MeanObservation& mean = observations[i];
     const Observation& o = mean.observation;
-    if (o.set_up < 0 || o.from != survey.set_ups[static_cast<size_t>(o.set_up)].station || o.to == o.from) continue;
-    const double own = survey.set_ups[static_cast<size_t>(o.set_up)].instrument_height;
+    if (o.set_up < 0 || o.from != survey.set_ups[o.set_up].station || o.to == o.from) continue;
+    const double own = survey.set_ups[o.set_up].instrument_height;
     const double heights = or_zero(or_else(o.instrument_height, own)) - or_zero(o.target_height);
-    Readings& r = readings[static_cast<size_t>(o.set_up)][{o.to, heights}];
+    Readings& r = readings[o.set_up][{o.to, heights}];
     if (r.observations.empty()) r.order = mean.members.front();
     r.order = std::min(r.order, mean.members.front());
     r.heights = heights;
@@ -123,9 +123,9 @@ std::optional<SetUpChain::Place> SetUpChain::place_of(const std::string& point, 
   const auto at = views_.find(point);
   if (at == views_.end()) return std::nullopt;
   for (const auto& [f, s] : at->second) {
-    if (f == without || !fits_[static_cast<size_t>(f)]) continue;
-    const LocalSight& sight = figures_[static_cast<size_t>(f)].sights[static_cast<size_t>(s)];
-    views.push_back({(*fits_[static_cast<size_t>(f)])(sight), sight.sigma, f});
+    if (f == without || !fits_[f]) continue;
+    const LocalSight& sight = figures_[f].sights[s];
+    views.push_back({(*fits_[f])(sight), sight.sigma, f});
   }
   if (views.empty()) return std::nullopt;
   Place best;
@@ -188,7 +188,7 @@ size_t SetUpChain::choose_root() const {
   std::vector<size_t> shared(figures_.size(), 0), order(figures_.size());
   for (const auto& [point, views] : views_)
     if (views.size() > 1)
-      for (const auto& [f, s] : views) ++shared[static_cast<size_t>(f)];
+      for (const auto& [f, s] : views) ++shared[f];
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return shared[a] > shared[b]; });
   size_t root = order.front();
@@ -198,7 +198,7 @@ size_t SetUpChain::choose_root() const {
     std::map<int, std::vector<FigurePair>> by_figure;  // in the order of this figure's sights
     for (const LocalSight& a : figures_[order[k]].sights)
       for (const auto& [f, s] : views_.at(a.point)) {
-        const LocalSight& b = figures_[static_cast<size_t>(f)].sights[static_cast<size_t>(s)];
+        const LocalSight& b = figures_[f].sights[s];
         if (f != static_cast<int>(order[k])) by_figure[f].push_back({&b, a.place(1), tolerance(a.sigma, b.sigma)});
       }
     for (const auto& [other, pairs] : by_figure) {
@@ -232,8 +232,8 @@ void SetUpChain::grow(size_t root) {
       const bool is_new = !places.contains(sight.point);
       places[sight.point] = place_of(sight.point);
       for (const auto& [other, s] : views_.at(sight.point)) {
-        candidates[static_cast<size_t>(other)].stale = true;
-        candidates[static_cast<size_t>(other)].placed += is_new;
+        candidates[other].stale = true;
+        candidates[other].placed += is_new;
       }
     }
   };
@@ -253,7 +253,7 @@ void SetUpChain::grow(size_t root) {
     // A fit without scale goes before one with, however many agree there.
     const auto before = [&](size_t f, int agree, bool scaled) {
       if (best < 0) return true;
-      const FigureFit& least = *candidates[static_cast<size_t>(best)].fit;
+      const FigureFit& least = *candidates[best].fit;
       if (scaled != (least.scale != 1)) return !scaled;
       return agree > least.agree || (agree == least.agree && static_cast<int>(f) < best);
     };
@@ -269,14 +269,14 @@ void SetUpChain::grow(size_t root) {
     // With many set-ups over the same points each step would fit all that are left, to find which of them fits best:
     // one that is certain is as good.
     for (const size_t f : open) {
-      if (best >= 0 && candidates[static_cast<size_t>(best)].certain()) break;
+      if (best >= 0 && candidates[best].certain()) break;
       if (!before(f, candidates[f].placed, false)) continue;
       evaluate(f);
       if (candidates[f].usable() && before(f, candidates[f].fit->agree, candidates[f].fit->scale != 1))
         best = static_cast<int>(f);
     }
     if (best < 0) return;
-    place(static_cast<size_t>(best), *candidates[static_cast<size_t>(best)].fit);
+    place(static_cast<size_t>(best), *candidates[best].fit);
   }
 }
 
@@ -316,8 +316,7 @@ std::optional<ChainStart> start_from_chain(const SetUpChain& chain, size_t set_u
   start.orientations.assign(set_ups, kNotGiven);
   for (size_t f = 0; f < chain.figures().size(); ++f)
     if (chain.placed(f))
-      start.orientations[static_cast<size_t>(chain.figures()[f].set_up)] =
-          wrap_angle(chain.fit(f).rotation + frame.rotation);
+      start.orientations[chain.figures()[f].set_up] = wrap_angle(chain.fit(f).rotation + frame.rotation);
   return start;
 }
 

@@ -63,7 +63,7 @@ double number(const nlohmann::json& value) {
 Eigen::Vector3d vector(const nlohmann::json& value) {
   Eigen::Vector3d v = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   if (value.is_array() && value.size() == 3)
-    for (int k = 0; k < 3; ++k) v[k] = number(value[static_cast<std::size_t>(k)]);
+    for (int k = 0; k < 3; ++k) v[k] = number(value[k]);
   return v;
 }
 

@@ -27,7 +27,7 @@ Eigen::MatrixXd part_of_covariance(const PointsT& model, const std::vector<std::
   Eigen::MatrixXd part(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) {
-      const std::size_t a = wanted[static_cast<std::size_t>(i)], b = wanted[static_cast<std::size_t>(j)];
+      const std::size_t a = wanted[i], b = wanted[j];
       const std::size_t row = std::max(a, b), column = std::min(a, b);
       part(i, j) = part(j, i) = model.covariance[row * (row + 1) / 2 + column];
     }
@@ -108,7 +108,7 @@ void EvaluateErrors::report(Context& context, const PointsT& off, const Eigen::M
   Eigen::VectorXd dz(n), all(3 * n);
   double farthest = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::Vector3d& error = off.points[static_cast<std::size_t>(i)]->position;
+    const Eigen::Vector3d& error = off.points[i]->position;
     dz(i) = error.z();
     all.segment<3>(3 * i) = error;
     farthest = std::max(farthest, error.norm());
@@ -138,7 +138,7 @@ void EvaluateErrors::report_modes(Context& context, const PointsT& built, const 
   const auto n = static_cast<Eigen::Index>(off.points.size());
   Eigen::VectorXd positions(3 * n), errors(3 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& point = off.points[static_cast<std::size_t>(i)];
+    const auto& point = off.points[i];
     positions.segment<3>(3 * i) = places.at(point->id);
     errors.segment<3>(3 * i) = point->position;
   }

@@ -240,8 +240,8 @@ class Builder {
       const auto edge = [&](const Eigen::Vector3d& corner) -> Eigen::Vector3d {
         return corner + (at - place(corner, along)) * axes.col(along);
       };
-      joint.on_a[static_cast<std::size_t>(which)] = edge(of_a.corners[3]);
-      joint.on_b[static_cast<std::size_t>(which)] = edge(of_b.corners[0]);
+      joint.on_a[which] = edge(of_a.corners[3]);
+      joint.on_b[which] = edge(of_b.corners[0]);
     }
     joint.nominal = width, joint.least = width - tolerance, joint.most = width + tolerance;
     joint.step_most = rules_.step_tolerance > 0 ? rules_.step_tolerance : tolerance;

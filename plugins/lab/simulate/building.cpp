@@ -91,7 +91,7 @@ Building make_building(const BuildingOptions& options, std::uint64_t seed) {
     const Eigen::Quaterniond tilt = quaternion_from_rotation_vector(random.normal3(options.plate_tilt_sigma));
     anchor.building_from_plate = {(facade_from_plate() * tilt).normalized(), anchor.built};
     anchor.true_plate = building.nominal_plate;
-    anchor.true_plate.tag_size *= building.batch_scale[static_cast<std::size_t>(anchor.batch)];
+    anchor.true_plate.tag_size *= building.batch_scale[anchor.batch];
     Random flaws(seed, "flaws of " + anchor.id);
     Eigen::Vector3d offset = flaws.normal3(options.flaws.plate_offset_sigma);
     offset.z() = 0;  // the print lies on the plate

@@ -65,7 +65,7 @@ std::string plates_csv(const Building& c) {
     text += a.id + "," + to_string(a.role) + "," + std::to_string(a.floor) + "," + std::to_string(a.column) + "," +
             std::to_string(a.row) + ",tag36h11," + std::to_string(a.tag_id) + "," + number(1e3 * plate.tag_size);
     for (const double offset : plate.tag_centre_in_plate) text += "," + number(1e3 * offset);
-    const Eigen::Vector3d out = c.wings[static_cast<std::size_t>(a.wing)].rotation * -Eigen::Vector3d::UnitY();
+    const Eigen::Vector3d out = c.wings[a.wing].rotation * -Eigen::Vector3d::UnitY();
     const double azimuth = std::atan2(out.x(), out.y()) * 180 / std::numbers::pi;
     text += "," + number(std::round(1e6 * (azimuth < 0 ? azimuth + 360 : azimuth)) / 1e6) + ",batch-" +
             std::to_string(a.batch + 1) + "\n";

@@ -201,14 +201,12 @@ class DesignWriter {
       if (anchor.floor != floor || anchor.wing != static_cast<int>(wing)) continue;
       contained.push_back(
           write_anchor(anchor, place.inverse() * anchor.design, at, building_.storey_height * (floor - 1)));
-      if (anchor.role == AnchorRole::control)
-        fixings[static_cast<std::size_t>(anchor.column - first - 1)].push_back(contained.back());
+      if (anchor.role == AnchorRole::control) fixings[anchor.column - first - 1].push_back(contained.back());
     }
     // A panel hangs between two columns of anchors and shares them with its neighbours.
     for (int column = 1; column < columns; ++column) {
-      std::vector<Id> corners = fixings[static_cast<std::size_t>(column - 1)];
-      corners.insert(corners.end(), fixings[static_cast<std::size_t>(column)].begin(),
-                     fixings[static_cast<std::size_t>(column)].end());
+      std::vector<Id> corners = fixings[column - 1];
+      corners.insert(corners.end(), fixings[column].begin(), fixings[column].end());
       panels.push_back(write_panel(floor, first, column, wall_placement, slab, corners));
     }
     aggregate(name + " facade", wall, panels);

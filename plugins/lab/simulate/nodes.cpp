@@ -234,8 +234,7 @@ struct SimulateObservations : simulate::SimulatedSite {
       plate->tag_id = anchor.tag_id;
       plate->tag_size = building.nominal_plate.tag_size;
       plate->tag_centre_in_plate = building.nominal_plate.tag_centre_in_plate;
-      plate->nominal_rotation =
-          building.wings[static_cast<std::size_t>(anchor.wing)].rotation * simulate::facade_from_plate();
+      plate->nominal_rotation = building.wings[anchor.wing].rotation * simulate::facade_from_plate();
       plate->batch = "batch-" + std::to_string(anchor.batch + 1);
       plate->role = role_of(anchor);
       plate->floor = anchor.floor;

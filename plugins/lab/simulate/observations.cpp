@@ -36,7 +36,7 @@ std::vector<ObservedPoint> observe_points(const Campaign& campaign, double sigma
   std::vector<ObservedPoint> points;
   for (const Anchor& anchor : campaign.building.anchors) {
     Random random(seed, "survey " + anchor.id);
-    const Eigen::Vector3d common(0, 0, floor_error[static_cast<std::size_t>(anchor.floor - 1)]);
+    const Eigen::Vector3d common(0, 0, floor_error[anchor.floor - 1]);
     points.push_back({&anchor, anchor.target() + random.normal3(sigma) + common});
   }
   return points;
@@ -98,9 +98,7 @@ Eigen::MatrixXd point_covariance(const std::vector<ObservedPoint>& points, doubl
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
       // Two floors share the steps up to the lower of them.
-      const int steps = std::min(points[static_cast<std::size_t>(i)].anchor->floor,
-                                 points[static_cast<std::size_t>(j)].anchor->floor) -
-                        1;
+      const int steps = std::min(points[i].anchor->floor, points[j].anchor->floor) - 1;
       covariance(3 * i + 2, 3 * j + 2) += height_walk * height_walk * steps;
     }
   }

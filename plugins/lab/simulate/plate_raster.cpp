@@ -378,8 +378,8 @@ PlateRaster raster_plate(const Anchor& anchor, const BrownCamera& camera, const 
       const int first_sample = s + lead - k;  // of the pixel for which this line is tap k
       if (first_sample < 0 || first_sample % kSamples != 0 || first_sample / kSamples >= out.height) continue;
       const std::size_t offset = static_cast<std::size_t>(first_sample / kSamples) * width;
-      add_line(row_weighted.data(), kernel[static_cast<std::size_t>(k)], width, out.reflectance.data() + offset);
-      add_line(row_coverage.data(), kernel[static_cast<std::size_t>(k)], width, out.coverage.data() + offset);
+      add_line(row_weighted.data(), kernel[k], width, out.reflectance.data() + offset);
+      add_line(row_coverage.data(), kernel[k], width, out.coverage.data() + offset);
     }
   }
   return out;

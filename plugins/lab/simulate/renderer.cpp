@@ -259,7 +259,7 @@ struct Renderer::Scene {
       const auto p = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i + offset, 0, last));
       const auto q = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(i + offset + 1, 0, last));
       const float upper = a[p] + u * (a[q] - a[p]), lower = b[p] + u * (b[q] - b[p]);
-      out[static_cast<std::size_t>(i)] += weight * (upper + v * (lower - upper));
+      out[i] += weight * (upper + v * (lower - upper));
     }
   }
 

@@ -52,7 +52,7 @@ class Joiner {
     }
     std::vector<int> number(static_cast<std::size_t>(flat.building.options.floors) + 1);
     for (PlannedSetUp set_up : flat.plan.set_ups) {
-      set_up.id = fmt::format("S{:02}-{}", set_up.floor, 2 * wing + ++number[static_cast<std::size_t>(set_up.floor)]);
+      set_up.id = fmt::format("S{:02}-{}", set_up.floor, 2 * wing + ++number[set_up.floor]);
       set_up.axis = place * set_up.axis, set_up.given_mark = place * set_up.given_mark;
       for (std::size_t& anchor : set_up.anchors) anchor += anchors;
       for (std::size_t& point : set_up.ground_points) point += ground;

@@ -221,7 +221,7 @@ struct SimulateFacade : Node {
     PosesT result;
     result.cameras = {"simulated"};
     for (Eigen::Index k = 0; k < n; ++k) {
-      const RigidTransform& right = stations[static_cast<size_t>(k)];
+      const RigidTransform& right = stations[k];
       const Eigen::Matrix3d turn = right.rotation.toRotationMatrix();
       for (Eigen::Index l = 0; l < n; ++l)
         errors.block<3, 3>(6 * k + 3, 6 * l + 3).diagonal().array() += *common_sigma * *common_sigma;
@@ -240,7 +240,7 @@ struct SimulateFacade : Node {
     }
     const Eigen::MatrixXd covariance = by * errors * by.transpose();
     for (Eigen::Index k = 0; k < n; ++k)
-      result.poses[static_cast<size_t>(k)]->covariance = pack_symmetric(covariance.block<6, 6>(8 * k, 8 * k));
+      result.poses[k]->covariance = pack_symmetric(covariance.block<6, 6>(8 * k, 8 * k));
     result.joint_covariance = pack_symmetric(covariance);
     return result;
   }

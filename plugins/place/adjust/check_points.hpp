@@ -21,9 +21,9 @@ inline void tell_check_points(Context& context, const PointBlockResult& result) 
   for (const ControlResult* check : checks) {
     const Eigen::Index at = 3 * static_cast<Eigen::Index>(names.size());
     differences.segment<3>(at) = check->residual;
-    covariance.block<3, 3>(at, at) = result.point_covariances[static_cast<size_t>(check->point)];
+    covariance.block<3, 3>(at, at) = result.point_covariances[check->point];
     if (check->given_sigma.allFinite()) covariance.diagonal().segment<3>(at) += check->given_sigma.cwiseAbs2();
-    names.push_back(result.block.points[static_cast<size_t>(check->point)].name);
+    names.push_back(result.block.points[check->point].name);
   }
   const CheckJudgement found = judge_check_points(names, differences, covariance, false);
   for (const std::string& sentence : found.words) context.warn(sentence);

@@ -72,7 +72,7 @@ EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
   for (size_t j = 0; j < artifact.plates.size(); ++j) floor[artifact.plates[j]->anchor] = artifact.plates[j]->floor;
   std::vector<std::string> names;
   for (int plate : block.control.plates) {
-    names.push_back(block.plates[static_cast<size_t>(plate)].anchor);
+    names.push_back(block.plates[plate].anchor);
     number[names.back()] = plate;
   }
   std::map<std::string, std::vector<int>> groups;
@@ -99,7 +99,7 @@ EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
     }
     for (size_t k = 0; k < group.plates.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(3 * k);
-      const std::string& anchor = block.plates[static_cast<size_t>(group.plates[k])].anchor;
+      const std::string& anchor = block.plates[group.plates[k]].anchor;
       sums.all.push_back({labels[g], anchor, floor[anchor], group.off.segment<3>(at),
                           group.covariance.diagonal().segment<3>(at).cwiseSqrt()});
     }
@@ -150,7 +150,7 @@ EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
       rows[0].push_back(3 * static_cast<int>(j) + c);
       rows[1].push_back(3 * static_cast<int>(other - models[1].plates.begin()) + c);
     }
-    const std::string& anchor = anchors[static_cast<size_t>(models[0].plates[j])];
+    const std::string& anchor = anchors[models[0].plates[j]];
     sums.all.push_back({"halves", anchor, floor[anchor]});
   }
   if (sums.all.empty()) throw std::runtime_error("the two halves of the photographs have no anchor in common");

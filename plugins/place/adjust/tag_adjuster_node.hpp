@@ -73,13 +73,13 @@ struct TagAdjusterNode : Node {
     for (const auto& what : result.warnings) context.warn(what);
     tell_global_tests(context, result);
     for (int o : result.rejected) {
-      const TagObservation& seen = given.observations[static_cast<size_t>(o)];
-      context.warn("left out as a blunder: the tag of " + given.plates[static_cast<size_t>(seen.plate)].anchor +
-                   " in " + given.images[static_cast<size_t>(seen.image)].name);
+      const TagObservation& seen = given.observations[o];
+      context.warn("left out as a blunder: the tag of " + given.plates[seen.plate].anchor + " in " +
+                   given.images[seen.image].name);
     }
     for (size_t j = 0; j < result.plates.size(); ++j)
       if (result.images_per_plate[j] < 2)
-        context.warn(given.plates[static_cast<size_t>(result.plates[j])].anchor +
+        context.warn(given.plates[result.plates[j]].anchor +
                      " is seen in one image only: its depth rests on the tag's size");
     context.metric("sigma0", result.sigma0, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");

@@ -36,7 +36,7 @@ TagBlockBuilder::TagBlockBuilder(CameraT camera, PlatesT plates, PosesT poses)
         plate_of_tag_.emplace(std::make_pair(plate->tag_family, plate->tag_id), static_cast<int>(block_.plates.size()));
     if (!is_new)
       throw std::runtime_error("tag " + plate->tag_family + ":" + std::to_string(plate->tag_id) + " stands for both " +
-                               block_.plates[static_cast<size_t>(at->second)].anchor + " and " + plate->anchor);
+                               block_.plates[at->second].anchor + " and " + plate->anchor);
     block_.plates.push_back(
         {plate->anchor, {plate->tag_size, plate->tag_centre_in_plate}, plate->nominal_rotation, plate->batch});
   }
@@ -72,7 +72,7 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
   entry.inset_sigma = std::isnan(image.corner_inset_sigma) ? 0 : image.corner_inset_sigma;
   if (pose != pose_of_image_.end()) {
     entry.cam_from_world = pose->second->cam_from_world;
-    entry.principal_point = principal_point_of(lenses_[static_cast<size_t>(entry.camera)], *pose->second);
+    entry.principal_point = principal_point_of(lenses_[entry.camera], *pose->second);
   }
   block_.images.push_back(std::move(entry));
   std::map<int, int> times;
@@ -82,9 +82,8 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
   }
   for (const auto& [plate, count] : times)
     if (count > 1)
-      warnings_.push_back("the tag of " + block_.plates[static_cast<size_t>(plate)].anchor + " occurs " +
-                          std::to_string(count) + " times in " + image.path +
-                          ": left out there, because only one can be it");
+      warnings_.push_back("the tag of " + block_.plates[plate].anchor + " occurs " + std::to_string(count) +
+                          " times in " + image.path + ": left out there, because only one can be it");
   for (const auto& tag : image.tags) {
     const auto plate = plate_of_tag_.find({tag->family, tag->id});
     if (plate == plate_of_tag_.end() || times[plate->second] > 1) continue;
@@ -158,7 +157,7 @@ std::unique_ptr<StatisticsT> TagBlockBuilder::statistics(const TagBlockResult& r
 PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
   PointsT points;
   for (size_t j = 0; j < result.plates.size(); ++j) {
-    const PlateT& plate = *plates_.plates[static_cast<size_t>(result.plates[j])];
+    const PlateT& plate = *plates_.plates[result.plates[j]];
     const Eigen::Index at = 3 * static_cast<Eigen::Index>(j);
     auto entry = std::make_unique<PointT>();
     entry->id = plate.anchor;
@@ -209,9 +208,9 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
   }
   std::vector<double> squares(block_.images.size());
   std::vector<int> corners(block_.images.size()), offered(block_.images.size());
-  for (const auto& seen : block_.observations) offered[static_cast<size_t>(seen.image)] += 4;
+  for (const auto& seen : block_.observations) offered[seen.image] += 4;
   for (const auto& tag : result.tags) {
-    const size_t image = static_cast<size_t>(block_.observations[static_cast<size_t>(tag.observation)].image);
+    const size_t image = static_cast<size_t>(block_.observations[tag.observation].image);
     squares[image] += 8 * tag.rms * tag.rms;
     corners[image] += 4;
   }
@@ -238,7 +237,7 @@ PosesT TagBlockBuilder::poses(const TagBlockResult& result) const {
 void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& artifact) const {
   std::map<int, BlockImageT> images;
   for (const auto& tag : result.tags) {
-    BlockImageT& image = images[block_.observations[static_cast<size_t>(tag.observation)].image];
+    BlockImageT& image = images[block_.observations[tag.observation].image];
     if (image.tags == 0)
       image.largest_w = image.rms = image.largest_minimal_detectable_error = 0, image.smallest_redundancy_number = 1;
     ++image.tags;
@@ -249,7 +248,7 @@ void TagBlockBuilder::describe_images(const TagBlockResult& result, BlockT& arti
         larger(image.largest_minimal_detectable_error, tag.largest_detectable_error);
   }
   for (auto& [index, image] : images) {
-    image.path = block_.images[static_cast<size_t>(index)].name;
+    image.path = block_.images[index].name;
     image.rms = std::sqrt(image.rms / image.tags);
     artifact.images.push_back(std::make_unique<BlockImageT>(image));
   }
@@ -268,8 +267,8 @@ void TagBlockBuilder::describe_interior(const TagBlockResult& result, BlockT& ar
     return *artifact.interior_orientation.back();
   };
   for (int c = 0; c < static_cast<int>(result.cameras.size()); ++c) {
-    const AdjustedTagCamera& camera = result.cameras[static_cast<size_t>(c)];
-    const std::string of = result.cameras.size() > 1 ? cameras_[static_cast<size_t>(c)].id : "";
+    const AdjustedTagCamera& camera = result.cameras[c];
+    const std::string of = result.cameras.size() > 1 ? cameras_[c].id : "";
     const auto values = camera.interior.parameters();
     const auto names = camera.interior.names();
     for (int i = 0; i < std::ssize(names); ++i) {
@@ -335,7 +334,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     auto entry = std::make_unique<BlockBatchT>();
     entry->name = batch.name;
     entry->batch = batch.batch;
-    if (batch.camera > 0) entry->camera = block_.cameras[static_cast<size_t>(batch.camera)].name;
+    if (batch.camera > 0) entry->camera = block_.cameras[batch.camera].name;
     entry->tag_scale = batch.scale;
     entry->tag_scale_sigma = batch.scale_sigma;
     entry->corner_inset = batch.inset;
@@ -344,7 +343,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
   }
   for (const auto& control : result.control) {
     auto entry = std::make_unique<BlockControlT>();
-    entry->anchor = block_.plates[static_cast<size_t>(control.plate)].anchor;
+    entry->anchor = block_.plates[control.plate].anchor;
     for (size_t c = 0; c < 3; ++c) {
       auto coordinate = std::make_unique<ControlCoordinateT>();
       coordinate->residual = control.coordinates[c].residual;
@@ -358,7 +357,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
   }
   for (const RejectedControl& rejected : result.rejected_control) {  // no part of the datum: all of its error shows
     auto entry = std::make_unique<BlockControlT>();
-    entry->anchor = block_.plates[static_cast<size_t>(rejected.plate)].anchor;
+    entry->anchor = block_.plates[rejected.plate].anchor;
     for (int c = 0; c < 3; ++c) {
       auto coordinate = std::make_unique<ControlCoordinateT>();
       coordinate->residual = -rejected.off(c);
@@ -372,17 +371,17 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
   describe_images(result, artifact);
   for (size_t j = 0; j < result.plates.size(); ++j) {
     auto entry = std::make_unique<BlockAnchorT>();
-    entry->anchor = block_.plates[static_cast<size_t>(result.plates[j])].anchor;
+    entry->anchor = block_.plates[result.plates[j]].anchor;
     entry->images = result.images_per_plate[j];
     entry->largest_w = result.plate_w[j];
     entry->rotation = result.world_from_plate[j];
     artifact.anchors.push_back(std::move(entry));
   }
   for (int o : result.rejected) {
-    const TagObservation& seen = block_.observations[static_cast<size_t>(o)];
+    const TagObservation& seen = block_.observations[o];
     auto entry = std::make_unique<BlockRejectionT>();
-    entry->path = block_.images[static_cast<size_t>(seen.image)].name;
-    entry->anchor = block_.plates[static_cast<size_t>(seen.plate)].anchor;
+    entry->path = block_.images[seen.image].name;
+    entry->anchor = block_.plates[seen.plate].anchor;
     artifact.rejected.push_back(std::move(entry));
   }
   for (const auto* tests : {&result.tests, &result.models})

@@ -57,12 +57,12 @@ std::unique_ptr<AdjustedSensorCameraT> describe_camera(const PointBlockResult& r
   const auto& free = result.free_parameters[c];
   for (int i = 0; i < static_cast<int>(camera.names().size()); ++i) {
     const auto at = std::find(free.begin(), free.end(), i);
-    const bool by_distance = camera.names()[static_cast<size_t>(i)][0] == 'D';  // where nobody asked: none
-    if (by_distance && at == free.end() && camera.values[static_cast<size_t>(i)] == 0) continue;
+    const bool by_distance = camera.names()[i][0] == 'D';  // where nobody asked: none
+    if (by_distance && at == free.end() && camera.values[i] == 0) continue;
     auto parameter = std::make_unique<InteriorParameterT>();
     const Eigen::Index row = at - free.begin();
-    parameter->name = camera.names()[static_cast<size_t>(i)];
-    parameter->value = camera.values[static_cast<size_t>(i)];
+    parameter->name = camera.names()[i];
+    parameter->value = camera.values[i];
     parameter->estimated = at != free.end();
     parameter->sigma = parameter->estimated ? std::sqrt(covariance(row, row)) : 0;
     entry->interior_orientation.push_back(std::move(parameter));
@@ -86,7 +86,7 @@ void describe_images(const PointBlockResult& result, TargetBlockT& targets) {
     const BlockImage& image = result.block.images[i];
     auto entry = std::make_unique<AdjustedSensorImageT>();
     entry->id = image.id;
-    entry->camera = result.block.cameras[static_cast<size_t>(image.camera)].id;
+    entry->camera = result.block.cameras[image.camera].id;
     entry->centre = image.centre;
     entry->angles = image.angles;
     const Eigen::Matrix<double, 6, 1> sigma = result.orientation_covariance[i].diagonal().cwiseSqrt();
@@ -107,7 +107,7 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
   for (size_t m = 0; m < result.block.measurements.size(); ++m) {
     stop_point();
     const auto& [x, y] = result.measurement_reliability[m];
-    auto& image = *targets.images[static_cast<size_t>(result.block.measurements[m].image)];
+    auto& image = *targets.images[result.block.measurements[m].image];
     ++image.measurements;
     image.rms += x.residual * x.residual + y.residual * y.residual;
     squares += x.residual * x.residual + y.residual * y.residual;
@@ -124,8 +124,8 @@ void describe_measurements(const PointBlockResult& result, TargetBlockT& targets
     const BlockMeasurement& measured = result.block.measurements[m];
     const auto& [x, y] = result.measurement_reliability[m];
     auto finding = std::make_unique<SensorFindingT>();
-    finding->image = result.block.images[static_cast<size_t>(measured.image)].id;
-    finding->point = result.block.points[static_cast<size_t>(measured.point)].name;
+    finding->image = result.block.images[measured.image].id;
+    finding->point = result.block.points[measured.point].name;
     finding->residual = {x.residual, y.residual};
     finding->redundancy_number = {x.redundancy_number, y.redundancy_number};
     finding->w = {x.w, y.w};
@@ -153,12 +153,12 @@ void describe_control(const PointBlockResult& result, TargetBlockT& targets) {
   int count[2] = {0, 0};
   for (const ControlResult& control : result.control) {
     auto entry = std::make_unique<AdjustedControlT>();
-    entry->id = result.block.points[static_cast<size_t>(control.point)].name;
+    entry->id = result.block.points[control.point].name;
     entry->use = control.check ? "check" : control.fixed ? "fixed" : "weighted";
     entry->given = control.given;
     entry->given_sigma = control.given_sigma;
     entry->residual = control.residual;
-    entry->sigma = result.point_covariances[static_cast<size_t>(control.point)].diagonal().cwiseSqrt();
+    entry->sigma = result.point_covariances[control.point].diagonal().cwiseSqrt();
     entry->w = control.w;
     entry->redundancy_number = control.redundancy_number;
     entry->rays = control.rays;
@@ -274,7 +274,7 @@ ImageBlockT target_block_artifact(const ReadBlock& read) {
   for (size_t k = 0; k < control.points.size(); ++k) {
     const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
     auto entry = std::make_unique<PointT>();
-    entry->id = read.block.points[static_cast<size_t>(control.points[k])].name;
+    entry->id = read.block.points[control.points[k]].name;
     entry->position = control.position.segment<3>(at);
     entry->sigma = control.covariance.diagonal().segment<3>(at).cwiseSqrt();
     entry->role = control.is_check[k] ? "check" : "control";
@@ -393,7 +393,7 @@ PosesT target_poses(const PointBlockResult& result) {
   std::vector<double> squares(poses.poses.size());
   for (size_t m = 0; m < result.block.measurements.size(); ++m) {
     const size_t image = static_cast<size_t>(result.block.measurements[m].image);
-    const SensorCamera& camera = result.block.cameras[static_cast<size_t>(result.block.images[image].camera)];
+    const SensorCamera& camera = result.block.cameras[result.block.images[image].camera];
     const double px = camera.width > 0 ? camera.width / camera.sensor_width : std::nan("");
     for (const auto& row : result.measurement_reliability[m]) squares[image] += std::pow(row.residual * px, 2);
     ++poses.poses[image]->correspondences;

@@ -105,7 +105,7 @@ void BlockOfTargets::run(Context& context) {
     if (image == image_index.end()) unknown_images.insert(m.image);
     if (point == point_index.end()) unknown_points.insert(m.point);
     if (image == image_index.end() || point == point_index.end()) continue;
-    const Camera& camera = known[static_cast<size_t>(read.block.images[static_cast<size_t>(image->second)].camera)];
+    const Camera& camera = known[read.block.images[image->second].camera];
     const auto ray = unproject(camera.brown, m.pixel);
     if (!ray)
       throw std::runtime_error(file.name + ": " + m.point + " in " + m.image +

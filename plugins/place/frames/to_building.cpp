@@ -79,16 +79,15 @@ PointsT moved(const PointsT& points, const FrameLink& link) {
   } else if (uncertain) {
     given.covariance = Eigen::MatrixXd::Zero(3 * n, 3 * n);
     for (Eigen::Index i = 0; i < n; ++i)
-      given.covariance.block<3, 3>(3 * i, 3 * i) =
-          points.points[static_cast<std::size_t>(i)]->sigma.cwiseAbs2().asDiagonal();
+      given.covariance.block<3, 3>(3 * i, 3 * i) = points.points[i]->sigma.cwiseAbs2().asDiagonal();
   }
   FrameGraph graph;
   graph.add(link);
   const FramePoints result = graph.express(given, link.to, link.from);
   const Eigen::Matrix3d linear = link.linear();
   for (Eigen::Index i = 0; i < n; ++i) {
-    PointT& point = *out.points[static_cast<std::size_t>(i)];
-    point.position = result.positions[static_cast<std::size_t>(i)];
+    PointT& point = *out.points[i];
+    point.position = result.positions[i];
     point.sigma = result.covariance.size() > 0
                       ? Eigen::Vector3d(result.covariance.diagonal().segment<3>(3 * i).cwiseMax(0).cwiseSqrt())
                       : Eigen::Vector3d((linear.cwiseAbs2() * point.sigma.cwiseAbs2()).cwiseSqrt());

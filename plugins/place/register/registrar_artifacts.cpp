@@ -40,9 +40,7 @@ Eigen::MatrixXd part(const Eigen::MatrixXd& c, const std::vector<int>& chosen) {
   const auto n = static_cast<Eigen::Index>(chosen.size());
   Eigen::MatrixXd out(3 * n, 3 * n);
   for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      out.block<3, 3>(3 * i, 3 * j) =
-          c.block<3, 3>(3 * chosen[static_cast<size_t>(i)], 3 * chosen[static_cast<size_t>(j)]);
+    for (Eigen::Index j = 0; j < n; ++j) out.block<3, 3>(3 * i, 3 * j) = c.block<3, 3>(3 * chosen[i], 3 * chosen[j]);
   return out;
 }
 
@@ -59,9 +57,7 @@ Matched match(const PointsT& from, const PointsT& to) {
   for (size_t k = 0; k < to.points.size(); ++k) {
     const PointT& point = *to.points[k];
     const auto other = index.find(point.id);
-    if (other == index.end() || point.role == "check" ||
-        from.points[static_cast<size_t>(other->second)]->role == "check")
-      continue;
+    if (other == index.end() || point.role == "check" || from.points[other->second]->role == "check") continue;
     matched.points.ids.push_back(point.id);
     matched.from.push_back(other->second);
     matched.to.push_back(static_cast<int>(k));
@@ -110,7 +106,7 @@ TransformT transform_artifact(const Matched& matched, const RobustRegistration& 
 PointsT points_artifact(const PointsT& from, const PointsT& to, const Matched& matched,
                         const RobustRegistration& result) {
   std::vector<int> fitted;
-  for (int i : result.used) fitted.push_back(matched.from[static_cast<size_t>(i)]);
+  for (int i : result.used) fitted.push_back(matched.from[i]);
   const MovedPoints moved = move_points(result.fit, positions_of(from), matched.from_covariance, fitted,
                                         part(matched.points.target_covariance, result.used));
   std::map<std::string, std::string> roles;

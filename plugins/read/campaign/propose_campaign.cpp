@@ -24,7 +24,7 @@ std::string text_of(const fs::path& path, std::size_t bytes = kLargestText) {
   std::ifstream stream(path, std::ios::binary);
   std::string text(bytes, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(bytes));
-  text.resize(static_cast<std::size_t>(stream.gcount()));
+  text.resize(stream.gcount());
   return text;
 }
 

@@ -22,8 +22,7 @@ Json grid_json(const std::vector<double>& values) {
   Json table = Json::array();
   for (int row = 0; row < map_rows; ++row) {
     Json line = Json::array();
-    for (int column = 0; column < map_columns; ++column)
-      line.push_back(values[static_cast<size_t>(row * map_columns + column)]);
+    for (int column = 0; column < map_columns; ++column) line.push_back(values[row * map_columns + column]);
     table.push_back(line);
   }
   return table;
@@ -32,11 +31,11 @@ Json grid_json(const std::vector<double>& values) {
 Json images_json(const Selection& selection, const Calibration& c) {
   Json images = Json::array();
   for (const auto& view : c.views) {
-    const CalibrationView& given = selection.views[static_cast<size_t>(view.view)];
+    const CalibrationView& given = selection.views[view.view];
     double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
     Json points = Json::array();
     for (size_t k = 0; k < view.points.size(); ++k) {
-      const Eigen::Vector2d& p = given.points[static_cast<size_t>(view.points[k])].pixel;
+      const Eigen::Vector2d& p = given.points[view.points[k]].pixel;
       left = std::min(left, p.x()), right = std::max(right, p.x()), top = std::min(top, p.y()),
       bottom = std::max(bottom, p.y());
       points.push_back({p.x(), p.y(), view.residuals[k].x(), view.residuals[k].y()});
@@ -145,10 +144,10 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   std::array<int, 16> cells{};
   for (const auto& view : c.views)
     for (const int k : view.points) {
-      const Eigen::Vector2d& p = selection.views[static_cast<size_t>(view.view)].points[static_cast<size_t>(k)].pixel;
+      const Eigen::Vector2d& p = selection.views[view.view].points[k].pixel;
       const int x = std::clamp(static_cast<int>(4 * p.x() / selection.width), 0, 3),
                 y = std::clamp(static_cast<int>(4 * p.y() / selection.height), 0, 3);
-      ++cells[static_cast<size_t>(4 * y + x)];
+      ++cells[4 * y + x];
     }
   const auto empty = std::count_if(cells.begin(), cells.end(), [](int n) { return n < 5; });
   if (empty > 0) {
@@ -184,7 +183,7 @@ Json scatter_json(const Calibrated& one) {
   const EmpiricalCovariance& empirical = c.truth.empirical;
   Json formal, ratio;
   for (std::size_t i = 0; i < c.truth.evidence.parameters.size(); ++i) {
-    const char* name = c.camera.names()[static_cast<std::size_t>(c.truth.evidence.parameters[i])];
+    const char* name = c.camera.names()[c.truth.evidence.parameters[i]];
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     formal[name] = std::sqrt(c.truth.evidence.formal(k, k));
     ratio[name] = empirical.sigma_ratio(k);
@@ -271,12 +270,12 @@ Json triple(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::vector<Calibrated>& cameras,
                const std::vector<std::vector<std::string>>& moments) {
-  const auto& own = cameras[static_cast<size_t>(c.camera)];
+  const auto& own = cameras[c.camera];
   const auto& views = own.selection.views;
   std::vector<std::string> left_out;
   for (const auto& path : rig.left_out)
     for (size_t i = 0; i < views.size(); ++i)
-      if (views[i].path == path) left_out.push_back(moments[static_cast<size_t>(c.camera)][i]);
+      if (views[i].path == path) left_out.push_back(moments[c.camera][i]);
   Json covariance = Json::array(), parameters, sigmas;
   for (Eigen::Index i = 0; i < 6; ++i)
     for (Eigen::Index j = 0; j <= i; ++j) covariance.push_back(c.covariance(i, j));
@@ -290,7 +289,7 @@ Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::ve
   const RigidTransform& t = c.cam_from_reference;
   const Eigen::Matrix<double, 6, 1> sigma = c.covariance.diagonal().cwiseSqrt();
   return {{"camera", own.selection.camera},
-          {"reference", cameras[static_cast<size_t>(rig.reference)].selection.camera},
+          {"reference", cameras[rig.reference].selection.camera},
           {"rotation", {t.rotation.w(), t.rotation.x(), t.rotation.y(), t.rotation.z()}},
           {"translation", triple(t.translation)},
           {"rotation_sigma", triple(sigma.head<3>())},
@@ -300,7 +299,7 @@ Json pose_json(const AdjustedRig& rig, const AdjustedRigCamera& c, const std::ve
           {"rms_px", c.rms},
           {"separate_rms_px", c.separate_rms},
           {"shared", c.shared},
-          {"moments", moments[static_cast<size_t>(c.camera)]},
+          {"moments", moments[c.camera]},
           {"left_out", left_out},
           {"parameters", parameters},
           {"sigmas", sigmas}};
@@ -332,7 +331,7 @@ void add_rig_warnings(const AdjustedRig& rig, const std::vector<Calibrated>& cam
           fmt::format("Two halves of the moments place camera {} {:.1f} times as far apart as their standard "
                       "deviations make expected: the cameras moved against each other, or lens and board are not as "
                       "the model has them. Take the standard deviations that many times",
-                      cameras[static_cast<size_t>(c.camera)].selection.camera, std::sqrt(c.halves)));
+                      cameras[c.camera].selection.camera, std::sqrt(c.halves)));
     }
 }
 

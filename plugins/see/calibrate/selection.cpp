@@ -47,7 +47,7 @@ void add_insets(const BoardPointsT& photograph, CalibrationView& view) {
     for (int c = 0; c < 4 && whole; ++c) {
       const auto found = places.find(id + c);
       whole = found != places.end();
-      if (whole) at[static_cast<size_t>(c)] = found->second;
+      if (whole) at[c] = found->second;
     }
     if (!whole) continue;
     for (size_t c = 0; c < 4; ++c) corners[c] = view.points[at[c]].pixel;

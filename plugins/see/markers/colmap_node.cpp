@@ -36,9 +36,8 @@ Json cameras_json(const ControlResult& result) {
           {{"name", names[k]}, {"value", values[k]}, {"sigma", std::sqrt(c(i, i))}, {"estimated", c(i, i) > 0}});
       for (Eigen::Index j = 0; j < i; ++j)
         if (c(i, i) * c(j, j) > 0)
-          correlations.push_back({{"of", names[static_cast<size_t>(j)]},
-                                  {"with", names[k]},
-                                  {"correlation", c(i, j) / std::sqrt(c(i, i) * c(j, j))}});
+          correlations.push_back(
+              {{"of", names[j]}, {"with", names[k]}, {"correlation", c(i, j) / std::sqrt(c(i, i) * c(j, j))}});
     }
     double squares = 0;
     int images = 0, points = 0;

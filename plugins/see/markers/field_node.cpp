@@ -43,9 +43,8 @@ void apply_layout(const PlatesT& plates, const PointsT& points, double tag_size,
   for (Marker& marker : input.block.markers)
     if (!marker.world_from_tag && tag_size > 0) marker.size = tag_size;
   // Without a size of its own a tag outside the layout cannot help.
-  std::erase_if(input.block.views, [&](const MarkerView& view) {
-    return !(input.block.markers[static_cast<size_t>(view.marker)].size > 0);
-  });
+  std::erase_if(input.block.views,
+                [&](const MarkerView& view) { return !(input.block.markers[view.marker].size > 0); });
   for (Marker& marker : input.block.markers)
     if (!(marker.size > 0)) marker.size = 1;
 }
@@ -87,7 +86,7 @@ void AdjustMarkerField::run(Context& context) {
 
 bool AdjustMarkerField::has_place(const MarkerBlock& given) {
   for (const auto& view : given.views)
-    if (given.markers[static_cast<size_t>(view.marker)].world_from_tag) return true;
+    if (given.markers[view.marker].world_from_tag) return true;
   return false;
 }
 

@@ -95,7 +95,7 @@ std::vector<bool> usable(const TagObservationsT& observations, std::vector<Camer
       const std::string why = c < 0 ? "is of camera '" + camera_name(image.path, by) +
                                           "', which the file of calibrations has not (it has '" + known.front().id +
                                           "' and others); cameras=by_name or by_folder tells how they are called"
-                                    : contradiction(image, known[static_cast<size_t>(c)]);
+                                    : contradiction(image, known[c]);
       if (!why.empty()) {
         leave_out(why);
         continue;

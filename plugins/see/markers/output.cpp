@@ -26,14 +26,14 @@ std::string text_of(const Json& json) { return json.dump(1, ' ', false, Json::er
 
 Eigen::Vector3d sigma_of(const Eigen::Matrix3d& covariance) { return covariance.diagonal().cwiseMax(0).cwiseSqrt(); }
 
-std::string label(const MarkerBlock& block, int marker) { return block.markers[static_cast<size_t>(marker)].name(); }
+std::string label(const MarkerBlock& block, int marker) { return block.markers[marker].name(); }
 
 /// Markers by family and id.
 std::vector<const AdjustedMarker*> ordered(const MarkerBlock& block, const MarkerResult& result) {
   std::vector<const AdjustedMarker*> list;
   for (const auto& marker : result.markers) list.push_back(&marker);
   std::sort(list.begin(), list.end(), [&](const auto* a, const auto* b) {
-    const Marker &x = block.markers[static_cast<size_t>(a->marker)], &y = block.markers[static_cast<size_t>(b->marker)];
+    const Marker &x = block.markers[a->marker], &y = block.markers[b->marker];
     return std::tie(x.family, x.id) < std::tie(y.family, y.id);
   });
   return list;
@@ -52,9 +52,8 @@ Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) 
     for (Eigen::Index j = 0; j < i; ++j) {
       const double scale = std::sqrt(camera.covariance(i, i) * camera.covariance(j, j));
       if (scale > 0)
-        correlations.push_back({{"of", names[static_cast<size_t>(j)]},
-                                {"with", names[k]},
-                                {"correlation", camera.covariance(i, j) / scale}});
+        correlations.push_back(
+            {{"of", names[j]}, {"with", names[k]}, {"correlation", camera.covariance(i, j) / scale}});
     }
   }
   return {{"id", given.id},
@@ -80,12 +79,11 @@ Json camera_json(const MarkerCamera& given, const AdjustedMarkerCamera& camera) 
 std::map<int, double> largest_angles(const MarkerBlock& block, const MarkerResult& result) {
   std::map<int, std::vector<Eigen::Vector3d>> rays;
   for (const auto& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+    const MarkerView& view = block.views[seen.view];
     const auto marker = std::find_if(result.markers.begin(), result.markers.end(),
                                      [&](const auto& m) { return m.marker == view.marker; });
     if (marker == result.markers.end()) continue;
-    rays[view.marker].push_back(
-        (result.images[static_cast<size_t>(view.image)].centre - marker->world_from_tag.translation).normalized());
+    rays[view.marker].push_back((result.images[view.image].centre - marker->world_from_tag.translation).normalized());
   }
   std::map<int, double> angles;
   for (const auto& [marker, list] : rays) {
@@ -101,22 +99,22 @@ std::map<int, double> largest_angles(const MarkerBlock& block, const MarkerResul
 std::vector<double> coverages(const MarkerBlock& block, const MarkerResult& result) {
   std::vector<Eigen::AlignedBox2d> boxes(block.images.size());
   for (const auto& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
-    for (const auto& c : view.corners) boxes[static_cast<size_t>(view.image)].extend(c);
+    const MarkerView& view = block.views[seen.view];
+    for (const auto& c : view.corners) boxes[view.image].extend(c);
   }
   std::vector<double> parts;
   for (size_t i = 0; i < boxes.size(); ++i) {
-    const BrownCamera& camera = result.cameras[static_cast<size_t>(block.images[i].camera)].camera;
+    const BrownCamera& camera = result.cameras[block.images[i].camera].camera;
     parts.push_back(boxes[i].isEmpty() ? 0 : boxes[i].volume() / (static_cast<double>(camera.width) * camera.height));
   }
   return parts;
 }
 
 Json image_json(const MarkerBlock& block, const AdjustedMarkerImage& image) {
-  const MarkerImage& given = block.images[static_cast<size_t>(image.image)];
+  const MarkerImage& given = block.images[image.image];
   Json entry = {{"path", given.path}, {"oriented", image.oriented}, {"reason", image.reason}};
   if (!image.oriented) return entry;
-  entry["camera"] = block.cameras[static_cast<size_t>(given.camera)].id;
+  entry["camera"] = block.cameras[given.camera].id;
   entry["centre"] = triple(image.centre);
   entry["sigma"] = triple(sigma_of(image.covariance.topLeftCorner<3, 3>()));
   entry["rotation"] = quaternion(image.cam_from_world.rotation);
@@ -189,7 +187,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
   Json tags = Json::array();
   for (const AdjustedMarker* marker : ordered(block, result)) {
-    const Marker& m = block.markers[static_cast<size_t>(marker->marker)];
+    const Marker& m = block.markers[marker->marker];
     Json corners = Json::array();
     for (const auto& corner : marker->corners) corners.push_back(triple(corner));
     tags.push_back({{"id", m.id},
@@ -228,7 +226,7 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
   const std::vector<double> covered = coverages(block, result);
   for (const auto& image : result.images) {
     Json entry = image_json(block, image);
-    if (image.oriented) entry["coverage"] = covered[static_cast<size_t>(image.image)];
+    if (image.oriented) entry["coverage"] = covered[image.image];
     images.push_back(entry);
   }
   const auto angles = largest_angles(block, result);
@@ -247,11 +245,11 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
     points.push_back(entry);
   }
   for (const auto& seen : result.views) {
-    const MarkerView& view = block.views[static_cast<size_t>(seen.view)];
+    const MarkerView& view = block.views[seen.view];
     Json corners = Json::array(), residuals = Json::array();
     for (size_t k = 0; k < 4; ++k)
       corners.push_back(pixel(view.corners[k])), residuals.push_back(pixel(seen.residuals[k]));
-    observations.push_back({{"image", block.images[static_cast<size_t>(view.image)].path},
+    observations.push_back({{"image", block.images[view.image].path},
                             {"point", label(block, view.marker)},
                             {"corners", corners},
                             {"residuals", residuals},
@@ -261,10 +259,10 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
                             {"refined", view.refined}});
   }
   for (const int v : result.rejected) {
-    const MarkerView& view = block.views[static_cast<size_t>(v)];
+    const MarkerView& view = block.views[v];
     Json corners = Json::array();
     for (const auto& c : view.corners) corners.push_back(pixel(c));
-    rejected.push_back({{"image", block.images[static_cast<size_t>(view.image)].path},
+    rejected.push_back({{"image", block.images[view.image].path},
                         {"point", label(block, view.marker)},
                         {"corners", corners},
                         {"reason", "its residuals are more than 5 times those of the median tag"}});
@@ -288,7 +286,7 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
 std::string poses_json(const BlockInput& input, const MarkerResult& result) {
   std::map<std::string, Json> by_path;
   for (const auto& image : result.images)
-    by_path[input.block.images[static_cast<size_t>(image.image)].path] = image_json(input.block, image);
+    by_path[input.block.images[image.image].path] = image_json(input.block, image);
   for (const auto& image : input.left_out)
     by_path[image.path] = {{"path", image.path}, {"oriented", false}, {"reason", image.reason}};
   Json images = Json::array();
@@ -304,7 +302,7 @@ std::string points_csv(const MarkerBlock& block, const MarkerResult& result) {
       "id,family,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,images,from_layout_x_m,from_layout_y_m,"
       "from_layout_z_m\n";
   for (const AdjustedMarker* marker : ordered(block, result)) {
-    const Marker& m = block.markers[static_cast<size_t>(marker->marker)];
+    const Marker& m = block.markers[marker->marker];
     text += text::csv_field(m.name()) + "," + text::csv_field(m.family);
     const Eigen::Vector3d sigma = sigma_of(marker->centre_covariance), at = marker->world_from_tag.translation;
     for (int k = 0; k < 3; ++k) text += "," + csv_number(at(k), 6);
@@ -335,7 +333,7 @@ PosesT poses_of(const MarkerBlock& block, const MarkerResult& result) {
   for (const auto& image : result.images) {
     if (!image.oriented) continue;
     auto pose = std::make_unique<PoseT>();
-    pose->path = block.images[static_cast<size_t>(image.image)].path;
+    pose->path = block.images[image.image].path;
     pose->cam_from_world = image.cam_from_world;
     // (C, δ) to (δ, t): t = −exp(δ) R C, dt = −R dC − [t]× δ.
     Eigen::Matrix<double, 6, 6> jacobian = Eigen::Matrix<double, 6, 6>::Zero();

@@ -108,7 +108,7 @@ void require_sizes(const PlatesT& given, PlatesT& table, BlockInput& input) {
   const auto is_stranger = [&](const std::string& family, int id) { return strangers.count({family, id}) > 0; };
   std::erase_if(table.plates, [&](const auto& plate) { return is_stranger(plate->tag_family, plate->tag_id); });
   std::erase_if(input.block.views, [&](const MarkerView& view) {
-    const Marker& marker = input.block.markers[static_cast<size_t>(view.marker)];
+    const Marker& marker = input.block.markers[view.marker];
     return is_stranger(marker.family, marker.id);
   });
 }
@@ -120,8 +120,7 @@ SurveyFrame frame_of(const MarkerResult& network, const std::vector<SurveyedTag>
   } catch (const std::runtime_error& error) {
     std::set<std::string> tags, names;
     for (const auto& marker : network.markers)
-      tags.insert(block.markers[static_cast<size_t>(marker.marker)].family + ":" +
-                  block.markers[static_cast<size_t>(marker.marker)].name());
+      tags.insert(block.markers[marker.marker].family + ":" + block.markers[marker.marker].name());
     for (const auto& point : points.points) names.insert(point->id);
     throw std::runtime_error("the photographs cannot be brought to the survey: of the surveyed points with a tag, " +
                              std::string(error.what()) + ". Tags in the photographs: " + listed(tags) +
@@ -213,7 +212,7 @@ CameraT start_of(const MarkerCamera& given, const AdjustedMarkerCamera& adjusted
 std::vector<int> oriented_images(const MarkerBlock& block, const MarkerResult& network) {
   std::vector<int> count(block.cameras.size());
   for (const auto& image : network.images)
-    if (image.oriented) ++count[static_cast<size_t>(block.images[static_cast<size_t>(image.image)].camera)];
+    if (image.oriented) ++count[block.images[image.image].camera];
   return count;
 }
 
@@ -280,7 +279,7 @@ void AdjustMarkerStart::run(Context& context) {
 
   std::map<std::pair<std::string, int>, const AdjustedMarker*> adjusted;
   for (const auto& marker : network.markers) {
-    const Marker& m = input.block.markers[static_cast<size_t>(marker.marker)];
+    const Marker& m = input.block.markers[marker.marker];
     adjusted[{m.family, m.id}] = &marker;
   }
   for (auto& plate : table.plates) {
@@ -300,7 +299,7 @@ void AdjustMarkerStart::run(Context& context) {
   if (used.size() > 1) tell_cameras(used, input.block, network, context);
   std::map<std::string, std::string> camera_of_image;
   for (const MarkerImage& image : input.block.images)
-    camera_of_image[image.path] = input.block.cameras[static_cast<size_t>(image.camera)].id;
+    camera_of_image[image.path] = input.block.cameras[image.camera].id;
   for (const auto& image : seen.images) {
     if (!oriented.count(image->path)) continue;
     ImageTagsT tags(*image);

@@ -96,7 +96,7 @@ void add(const Bench& bench, const std::string& variable, const std::vector<std:
     auto& cells = sites[key][cell.seed];
     cells.resize(values.size(), nullptr);
     const auto value = std::find(values.begin(), values.end(), cell.values.at(variable));
-    if (value != values.end()) cells[static_cast<std::size_t>(value - values.begin())] = &cell;
+    if (value != values.end()) cells[value - values.begin()] = &cell;
   }
   for (const auto& key : order) {
     Breakdown found{variable, key.first, key.second, tolerance, values, 0, 0, 0, 0};

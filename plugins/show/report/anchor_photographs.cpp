@@ -83,8 +83,7 @@ GreyImage averaged(const GreyImage& image, int factor) {
     for (int x = 0; x < small.width; ++x) {
       int sum = 0;
       for (int dy = 0; dy < factor; ++dy)
-        for (int dx = 0; dx < factor; ++dx)
-          sum += image.pixels[static_cast<std::size_t>((y * factor + dy) * image.width + x * factor + dx)];
+        for (int dx = 0; dx < factor; ++dx) sum += image.pixels[(y * factor + dy) * image.width + x * factor + dx];
       small.pixels.push_back(static_cast<std::uint8_t>(sum / (factor * factor)));
     }
   return small;

@@ -157,7 +157,7 @@ void draw_worst_corner(Markup& html, const GreyImage& image, const Json& seen) {
   if (residuals.empty() || residuals.size() != corners.size()) return;
   const auto worst = std::max_element(residuals.begin(), residuals.end(),
                                       [](const auto& a, const auto& b) { return a.norm() < b.norm(); });
-  const Eigen::Vector2d& measured = corners[static_cast<size_t>(worst - residuals.begin())];
+  const Eigen::Vector2d& measured = corners[worst - residuals.begin()];
   draw_corner(html, image, measured, measured - *worst);
 }
 

@@ -111,9 +111,8 @@ void fill_relative(const SurveyNetworkT& network, const PointsT& points, Network
     positions.push_back(points.points[i]->position);
   }
   for (const auto& [i, j] : neighbours(positions, 4)) {
-    const int a = markers[static_cast<std::size_t>(i)], b = markers[static_cast<std::size_t>(j)];
-    add_relative(*points.points[static_cast<std::size_t>(a)], *points.points[static_cast<std::size_t>(b)],
-                 relative_covariance(covariance, a, b), page);
+    const int a = markers[i], b = markers[j];
+    add_relative(*points.points[a], *points.points[b], relative_covariance(covariance, a, b), page);
   }
   sort_relative(page);
 }

@@ -113,9 +113,7 @@ void write_pictures(Markup& html, const std::vector<FacadePicture>& pictures) {
 
 void write_joint_row(Markup& html, const JointFiguresT& joint, bool with_reason) {
   const auto place = [&](int index) {
-    return index >= 0 && static_cast<size_t>(index) < joint.places.size()
-               ? joint.places[static_cast<size_t>(index)].get()
-               : nullptr;
+    return index >= 0 && static_cast<size_t>(index) < joint.places.size() ? joint.places[index].get() : nullptr;
   };
   const auto where = [&](const JointPlaceT* at) { return at ? signed_fixed(at->along, 2) : std::string(unknown); };
   const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);

@@ -55,14 +55,14 @@ class Converter {
     return given == given_.end() ? std::nan("") : given->second->sensor_width / given->second->width;
   }
   const AdjustedSensorImageT* adjusted_image(int index) const {
-    const auto found = images_.find(measured_.images.at(static_cast<size_t>(index))->id);
+    const auto found = images_.find(measured_.images.at(index)->id);
     return found == images_.end() ? nullptr : found->second;
   }
 
   /// Takes in one measurement; those that were left out before the adjustment have no image or point.
   void observe(const SensorMeasurement& m) {
     const AdjustedSensorImageT* image = adjusted_image(m.image());
-    const auto point = points_.find(measured_.points.at(static_cast<size_t>(m.point()))->id);
+    const auto point = points_.find(measured_.points.at(m.point())->id);
     if (!image || point == points_.end()) return;
     centres_[point->first].push_back(image->centre);
     const auto given = given_.find(image->camera);

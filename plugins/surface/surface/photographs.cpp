@@ -35,7 +35,7 @@ Photographs::Photographs(const std::vector<ImageT>& images, const PosesT& poses,
       without_pose_.push_back(image.path);
       continue;
     }
-    const PoseT& pose = *poses.poses[static_cast<size_t>(found->second)];
+    const PoseT& pose = *poses.poses[found->second];
     const size_t number = number_of(cameras, image.camera, image.path);
     const CompleteCamera complete = complete_camera_of(cameras[number]);
     View view;

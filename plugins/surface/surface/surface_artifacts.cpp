@@ -196,7 +196,7 @@ std::string joints_table(const SurfacesT& surfaces) {
             std::to_string(joint->places.size()) + "," + std::to_string(joint->looked_at);
     const auto place = [&](int index, bool step) {
       if (index < 0) return std::string(",,,");
-      const JointPlaceT& at = *joint->places[static_cast<size_t>(index)];
+      const JointPlaceT& at = *joint->places[index];
       return "," + number("{:.3f}", 1e3 * (step ? at.step : at.width)) + "," +
              number("{:.3f}", 1e3 * (step ? at.step_sigma : at.width_sigma)) + "," + number("{:.0f}", 1e3 * at.along);
     };

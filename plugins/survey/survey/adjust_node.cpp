@@ -36,8 +36,8 @@ std::string stochastic_model(const plumbline::survey::SurveyObservations& survey
   std::map<std::string, size_t> readings;  // by the profile in words
   for (const auto& o : survey.observations) {
     if (!std::isnan(o.sigma)) continue;
-    const auto own = o.instrument < 0 ? options.instruments.end()
-                                      : options.instruments.find(survey.instruments[static_cast<size_t>(o.instrument)]);
+    const auto own =
+        o.instrument < 0 ? options.instruments.end() : options.instruments.find(survey.instruments[o.instrument]);
     ++readings[in_words(own == options.instruments.end() ? options.profile : own->second)];
   }
   std::string text;

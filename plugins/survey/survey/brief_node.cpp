@@ -72,7 +72,7 @@ void make_brief(SurveyNetworkT& network, std::size_t most) {
   const std::size_t rows = network.observations.size();
   for (auto& step : network.snooping) {
     const bool is_one = step->observation >= 0 && static_cast<std::size_t>(step->observation) < number.size();
-    step->observation = is_one ? number[static_cast<std::size_t>(step->observation)] : -1;
+    step->observation = is_one ? number[step->observation] : -1;
   }
   network.observations = std::move(observations);
   keep_points(network);

@@ -64,7 +64,7 @@ class Chart {
            "\" font-size=\"12\" text-anchor=\"" + anchor + "\">" + xml_escaped(text) + "</text>";
   }
   std::string component(int k) const {
-    const double from = text_.times[p_.reference[static_cast<size_t>(k)]];
+    const double from = text_.times[p_.reference[k]];
     const char* colour = kColours[k];
     std::string path = "M" + place_in_chart(x(from)) + " " + place_in_chart(y(0)), marks;
     for (const auto& at : p_.at) {

@@ -101,8 +101,7 @@ class Covariances {
     const auto found = entries_.find({a, b});
     if (found != entries_.end()) return found->second;
     if (const auto back = entries_.find({b, a}); back != entries_.end()) return back->second;
-    const std::string from = points_.points[static_cast<std::size_t>(a)]->id,
-                      to = points_.points[static_cast<std::size_t>(b)]->id;
+    const std::string from = points_.points[a]->id, to = points_.points[b]->id;
     throw std::runtime_error("the pair '" + from + ";" + to +
                              "': of a network of this size the adjustment keeps neighbouring markers and the pairs "
                              "that it was asked for only; give it to the adjustment: network.with.pairs=[\"" +
@@ -176,8 +175,7 @@ std::vector<std::pair<std::size_t, std::size_t>> neighbouring_markers(const std:
   std::vector<Eigen::Vector3d> places;
   for (const std::size_t i : markers) places.push_back(known(positions[i]));
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
-  for (const auto& [a, b] : neighbours(places, count))
-    pairs.emplace_back(markers[static_cast<std::size_t>(a)], markers[static_cast<std::size_t>(b)]);
+  for (const auto& [a, b] : neighbours(places, count)) pairs.emplace_back(markers[a], markers[b]);
   return pairs;
 }
 
@@ -262,7 +260,7 @@ std::string relative_table(const SurveyNetworkT& network, const PointsT& points,
                  "cov_hh_mm2"});
   table.end_row();
   for (const auto& [a, b] : chosen_pairs(network, points, wanted, neighbour_count, covariances)) {
-    const PointT &from = *points.points[static_cast<std::size_t>(a)], &to = *points.points[static_cast<std::size_t>(b)];
+    const PointT &from = *points.points[a], &to = *points.points[b];
     const Eigen::Vector3d d = to.position - from.position;
     const Eigen::Matrix3d c = covariances.relative(a, b);
     table.text(from.id);

@@ -120,9 +120,8 @@ class AiconBlock : public testing::Test {
     PointBlock block = block::read_aicon_folder(test::data_file("blocks/aicon")).block;
     equal_weights = block::adjust_point_block(block, {});
     for (auto& m : block.measurements) {
-      const auto& image = block.images[static_cast<size_t>(m.image)];
-      m.sigma =
-          report.observations.at({image.id, std::stoi(block.points[static_cast<size_t>(m.point)].name)}).sigma.x();
+      const auto& image = block.images[m.image];
+      m.sigma = report.observations.at({image.id, std::stoi(block.points[m.point].name)}).sigma.x();
     }
     reported_weights = block::adjust_point_block(block, {});
     block::PointBlockOptions other;
@@ -264,8 +263,8 @@ TEST_F(AiconBlock, ResidualsRedundancyNumbersAndTests) {
   const auto& result = reported_weights;
   for (size_t i = 0; i < result.block.measurements.size(); ++i) {
     const auto& m = result.block.measurements[i];
-    const auto& reported = report.observations.at({result.block.images[static_cast<size_t>(m.image)].id,
-                                                   std::stoi(result.block.points[static_cast<size_t>(m.point)].name)});
+    const auto& reported =
+        report.observations.at({result.block.images[m.image].id, std::stoi(result.block.points[m.point].name)});
     for (size_t k = 0; k < 2; ++k) {
       const auto& ours = result.measurement_reliability[i][k];
       const Eigen::Index e = static_cast<Eigen::Index>(k);

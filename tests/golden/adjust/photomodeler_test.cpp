@@ -113,10 +113,9 @@ TEST_P(PhotoModelerBlock, AgreesWithItsReport) {
     }
   }
   for (const auto& entry : result.control) {
-    const auto& sigma = report.control_sigmas.at(std::stoi(result.block.points[static_cast<size_t>(entry.point)].name));
+    const auto& sigma = report.control_sigmas.at(std::stoi(result.block.points[entry.point].name));
     for (int k = 0; k < 3; ++k)
-      EXPECT_NEAR(std::sqrt(result.point_covariances[static_cast<size_t>(entry.point)](k, k)),
-                  sigma[static_cast<size_t>(k)], 0.001 * sigma[static_cast<size_t>(k)] + 0.5e-5);
+      EXPECT_NEAR(std::sqrt(result.point_covariances[entry.point](k, k)), sigma[k], 0.001 * sigma[k] + 0.5e-5);
   }
 }
 

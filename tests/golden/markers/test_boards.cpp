@@ -48,7 +48,7 @@ TEST(Boards, TagsOfThePrintedGridAreWhereTheyWerePrinted) {
   ASSERT_EQ(result.markers.size(), 20u);
   std::vector<Eigen::Vector3d> from, to;
   for (const auto& m : result.markers) {
-    const int id = block.markers[static_cast<size_t>(m.marker)].id;
+    const int id = block.markers[m.marker].id;
     from.push_back(m.world_from_tag.translation);
     to.emplace_back(0.0425 * (id % 4), -0.0425 * (id / 4), 0);
   }
@@ -67,7 +67,7 @@ struct Centres {
     const auto result = markers::adjust_marker_block(block, {});
     std::map<int, Eigen::Index> by_id;
     for (size_t m = 0; m < result.markers.size(); ++m)
-      by_id[block.markers[static_cast<size_t>(result.markers[m].marker)].id] = static_cast<Eigen::Index>(m);
+      by_id[block.markers[result.markers[m].marker].id] = static_cast<Eigen::Index>(m);
     covariance.resize(3 * std::ssize(by_id), 3 * std::ssize(by_id));
     for (const auto& [id, m] : by_id) {
       Eigen::Index column = 0;
@@ -75,7 +75,7 @@ struct Centres {
         covariance.block<3, 3>(3 * std::ssize(places), 3 * column++) =
             result.centre_covariance.block<3, 3>(3 * m, 3 * other);
       ids.push_back(id);
-      places.push_back(result.markers[static_cast<size_t>(m)].world_from_tag.translation);
+      places.push_back(result.markers[m].world_from_tag.translation);
     }
   }
   std::vector<int> ids;

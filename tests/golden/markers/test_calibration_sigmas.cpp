@@ -65,7 +65,7 @@ double chi_squared(const Calibration& a, const Calibration& b, const Eigen::Matr
   const auto first = a.camera.parameters(), second = b.camera.parameters();
   Eigen::VectorXd d(std::ssize(estimated));
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    const auto k = static_cast<std::size_t>(estimated[static_cast<std::size_t>(i)]);
+    const auto k = static_cast<std::size_t>(estimated[i]);
     d(i) = first[k] - second[k];
   }
   return d.dot(covariance(estimated, estimated).ldlt().solve(d)) / static_cast<double>(d.size());

@@ -272,8 +272,7 @@ TEST(ChangedBoard, HalvesOfASoundSetAgreeWithinWhatIsWritten) {
     const auto a = markers::calibrate({views.begin(), middle}, 1280, 720, bent()),
                b = markers::calibrate({middle, views.end()}, 1280, 720, bent());
     Eigen::VectorXd d(9);
-    for (Eigen::Index k = 0; k < 9; ++k)
-      d(k) = a.camera.parameters()[static_cast<size_t>(k)] - b.camera.parameters()[static_cast<size_t>(k)];
+    for (Eigen::Index k = 0; k < 9; ++k) d(k) = a.camera.parameters()[k] - b.camera.parameters()[k];
     const auto over = [&](const Eigen::MatrixXd& covariance) { return d.dot(covariance.ldlt().solve(d)) / 9; };
     written += over(a.covariance + b.covariance) / splits;
     formal += over(a.formal_covariance + b.formal_covariance) / splits;

@@ -94,9 +94,7 @@ TEST(KrummCollection, AgreesWithItsAdjustedCoordinates) {
       const bool heights = name.find("Height") != std::string::npos;
       for (int axis = 0; axis < 3; ++axis) {
         const size_t at = heights ? 0 : static_cast<size_t>(3 * axis);
-        if ((heights && axis < 2) || at >= row->second.size() ||
-            p.roles[static_cast<size_t>(axis)] == CoordinateRole::unused)
-          continue;
+        if ((heights && axis < 2) || at >= row->second.size() || p.roles[axis] == CoordinateRole::unused) continue;
         worst = std::max(worst, std::abs(p.position[axis] - row->second[at]));
       }
     }

@@ -29,8 +29,8 @@ Eigen::MatrixXd part_of(const std::vector<double>& triangle, const std::vector<s
   Eigen::MatrixXd part(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
-      const std::size_t a = std::max(chosen[static_cast<std::size_t>(i)], chosen[static_cast<std::size_t>(j)]);
-      const std::size_t b = std::min(chosen[static_cast<std::size_t>(i)], chosen[static_cast<std::size_t>(j)]);
+      const std::size_t a = std::max(chosen[i], chosen[j]);
+      const std::size_t b = std::min(chosen[i], chosen[j]);
       part(i, j) = triangle[a * (a + 1) / 2 + b];
     }
   }

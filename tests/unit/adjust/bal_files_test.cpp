@@ -81,13 +81,13 @@ class Bal : public testing::Test {
 double misfit(const PointBlock& block) {
   double sum = 0;
   for (const auto& m : block.measurements) {
-    const auto& image = block.images[static_cast<size_t>(m.image)];
-    const auto& camera = block.cameras[static_cast<size_t>(image.camera)];
+    const auto& image = block.images[m.image];
+    const auto& camera = block.cameras[image.camera];
     bundle::LensRows rows;
-    EXPECT_TRUE(bundle::evaluate_lens(camera.lens, camera.values.data(), camera.balance_radius, 0,
-                                      block::rotation_from_angles(image.angles).transpose() *
-                                          (block.points[static_cast<size_t>(m.point)].position - image.centre),
-                                      m.position, false, rows));
+    EXPECT_TRUE(bundle::evaluate_lens(
+        camera.lens, camera.values.data(), camera.balance_radius, 0,
+        block::rotation_from_angles(image.angles).transpose() * (block.points[m.point].position - image.centre),
+        m.position, false, rows));
     sum += rows.misclosure.squaredNorm();
   }
   return sum;
@@ -137,10 +137,10 @@ TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
       }
     }
     for (auto& m : block.measurements) {  // what these cameras measure: Newton on the misclosure
-      const auto& image = block.images[static_cast<size_t>(m.image)];
-      const auto& camera = block.cameras[static_cast<size_t>(image.camera)];
-      const Eigen::Vector3d v = block::rotation_from_angles(image.angles).transpose() *
-                                (block.points[static_cast<size_t>(m.point)].position - image.centre);
+      const auto& image = block.images[m.image];
+      const auto& camera = block.cameras[image.camera];
+      const Eigen::Vector3d v =
+          block::rotation_from_angles(image.angles).transpose() * (block.points[m.point].position - image.centre);
       m.position = {1.5, 1.1};
       for (int step = 0; step < 60; ++step) {
         bundle::LensRows rows;

@@ -85,8 +85,7 @@ void expect_covariance_covers(bool free) {
     Eigen::VectorXd values(layout.size(camera));
     for (size_t k = 0; k < layout.free_values(0).size(); ++k)
       values(static_cast<Eigen::Index>(k)) =
-          adjusted.state.interiors[0][static_cast<size_t>(layout.free_values(0)[k])] -
-          scene.state.interiors[0][static_cast<size_t>(layout.free_values(0)[k])];
+          adjusted.state.interiors[0][layout.free_values(0)[k]] - scene.state.interiors[0][layout.free_values(0)[k]];
     const Eigen::VectorXd error = adjusted.state.points[9] - scene.state.points[9];
     points += error.dot(adjusted.cofactors->own(point).ldlt().solve(error)) / 3;
     images += pose.dot(adjusted.cofactors->own(image).ldlt().solve(pose)) / 6;

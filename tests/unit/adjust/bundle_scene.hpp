@@ -30,9 +30,9 @@ inline Scene make_scene(Lens lens, bool with_tags) {
   p.groups = {{"images", 1.3}, {"distances", 0.8}, {"known", 1.1}};
   for (int c = 0; c < 2; ++c) {
     p.cameras.push_back({std::to_string(c), lens, 13, std::vector<bool>(static_cast<size_t>(value_count(lens)), true)});
-    p.cameras[static_cast<size_t>(c)].free[1] = c == 0;  // one value held in the second
-    p.cameras[static_cast<size_t>(c)].inverse_reference = 0.16;
-    if (lens == Lens::balanced) p.cameras[static_cast<size_t>(c)].free[11] = false;  // next to undetermined beside D1
+    p.cameras[c].free[1] = c == 0;  // one value held in the second
+    p.cameras[c].inverse_reference = 0.16;
+    if (lens == Lens::balanced) p.cameras[c].free[11] = false;  // next to undetermined beside D1
     scene.state.interiors.push_back(values_of(lens));
   }
   const auto disturbed = [&](double size) -> Eigen::Vector3d {
@@ -102,7 +102,7 @@ inline Scene make_scene(Lens lens, bool with_tags) {
   Known calibration;
   calibration.refs = {{Kind::camera, 1}};
   calibration.target = Eigen::VectorXd::Zero(value_count(lens));
-  for (int k = 0; k < value_count(lens); ++k) calibration.target(k) = scene.state.interiors[1][static_cast<size_t>(k)];
+  for (int k = 0; k < value_count(lens); ++k) calibration.target(k) = scene.state.interiors[1][k];
   calibration.whitening = Eigen::MatrixXd::Identity(value_count(lens), value_count(lens));
   for (int k = 0; k < value_count(lens); ++k)
     calibration.whitening(k, k) = 1 / (1e-3 * std::abs(calibration.target(k)) + 1e-9);
@@ -110,7 +110,7 @@ inline Scene make_scene(Lens lens, bool with_tags) {
   p.known.push_back(calibration);
   const double shift_weight = lens == Lens::brown ? 1 : 1e3;
   for (int i = 0; i < 6; ++i)
-    if (p.images[static_cast<size_t>(i)].shift_free)
+    if (p.images[i].shift_free)
       p.known.push_back({{{Kind::shift, i}}, Eigen::Vector2d::Zero(), shift_weight * Eigen::Matrix2d::Identity(), 2});
   if (with_tags) {
     p.known.push_back({{{Kind::scale, 0}}, Eigen::VectorXd::Constant(1, 1.0), Eigen::MatrixXd::Constant(1, 1, 1e3), 2});
@@ -133,8 +133,7 @@ inline Eigen::VectorXd all_rows(const Problem& p, const Layout& layout, const St
     ASSERT_TRUE(evaluate(p, layout, state, term, jacobian != nullptr, rows));
     r.segment(at, rows.rows) = rows.values();
     for (int k = 0; jacobian && k < rows.parts; ++k)
-      jacobian->block(at, layout.offset(rows.part[static_cast<size_t>(k)].block), rows.rows,
-                      rows.part[static_cast<size_t>(k)].size) = rows.jacobian(k);
+      jacobian->block(at, layout.offset(rows.part[k].block), rows.rows, rows.part[k].size) = rows.jacobian(k);
     at += rows.rows;
   };
   for (const auto& o : p.image_points) add(o);
@@ -165,13 +164,12 @@ inline Scene noisy_scene(uint64_t seed, bool free) {
       p.cameras[1].free = {true, true, true, true, false, false, false, false, false, false, false, false};
   for (auto& group : p.groups) group.sigma_factor = 1;
   for (auto& o : p.image_points) {
-    const Placement& pose = scene.state.images[static_cast<size_t>(o.image)];
-    const size_t camera = static_cast<size_t>(p.images[static_cast<size_t>(o.image)].camera);
+    const Placement& pose = scene.state.images[o.image];
+    const size_t camera = static_cast<size_t>(p.images[o.image].camera);
     o.whitening = Eigen::Matrix2d::Identity() / 0.0005;
-    o.observed =
-        computed_image_point(p.cameras[camera], scene.state.interiors[camera],
-                             pose.matrix * (scene.state.points[static_cast<size_t>(o.point)] - pose.position)) +
-        scene.state.shift(o.image) + 0.0005 * Eigen::Vector2d(random.normal(), random.normal());
+    o.observed = computed_image_point(p.cameras[camera], scene.state.interiors[camera],
+                                      pose.matrix * (scene.state.points[o.point] - pose.position)) +
+                 scene.state.shift(o.image) + 0.0005 * Eigen::Vector2d(random.normal(), random.normal());
   }
   for (auto& d : p.distances)
     d.length = (scene.state.points[1] - scene.state.points[5]).norm() + d.sigma * random.normal();
@@ -180,7 +178,7 @@ inline Scene noisy_scene(uint64_t seed, bool free) {
       if (k.refs[r].kind == Kind::shift)
         k.target = scene.state.shift(k.refs[r].index);
       else if (k.refs[r].kind == Kind::point)
-        k.target.segment<3>(static_cast<Eigen::Index>(at)) = scene.state.points[static_cast<size_t>(k.refs[r].index)];
+        k.target.segment<3>(static_cast<Eigen::Index>(at)) = scene.state.points[k.refs[r].index];
     const Eigen::VectorXd noise = Eigen::VectorXd::NullaryExpr(k.whitening.rows(), [&] { return random.normal(); });
     k.target += k.whitening.lu().solve(noise);
   }

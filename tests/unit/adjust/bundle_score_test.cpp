@@ -19,7 +19,7 @@ void expect_score_of_dense(const Scene& scene, const State& minimum, const Elimi
   if (kind == Kind::camera)
     for (auto& camera : larger.problem.cameras) camera.free[4] = camera.free[5] = true;
   for (int i = 0; i < 6 && kind == Kind::shift; ++i) {
-    auto& image = larger.problem.images[static_cast<size_t>(i)];
+    auto& image = larger.problem.images[i];
     if (!image.shift_free)
       larger.problem.known.push_back({{{Kind::shift, i}}, minimum.shift(i), 10 * Eigen::Matrix2d::Identity(), 2});
     image.shift_free = true;
@@ -82,7 +82,7 @@ TEST(Bundle, ScoreOfOneImageIsThatOfAModelWithItAlone) {
   const auto with = [&](const std::vector<int>& images) {
     Scene larger = {scene.problem, adjusted.state};
     for (const int i : images) {
-      larger.problem.images[static_cast<size_t>(i)].shift_free = true;
+      larger.problem.images[i].shift_free = true;
       larger.problem.known.push_back(
           {{{Kind::shift, i}}, adjusted.state.shift(i), 10 * Eigen::Matrix2d::Identity(), 2});
     }
@@ -90,7 +90,7 @@ TEST(Bundle, ScoreOfOneImageIsThatOfAModelWithItAlone) {
   };
   std::vector<int> held;
   for (int i = 0; i < 6; ++i)
-    if (!scene.problem.images[static_cast<size_t>(i)].shift_free) held.push_back(i);
+    if (!scene.problem.images[i].shift_free) held.push_back(i);
   ASSERT_GE(held.size(), 2u);
   const Problem all = with(held);
   const ScoreTest test(scene.problem, all, adjusted.state, *adjusted.elimination);

@@ -16,7 +16,7 @@ using namespace plumbline::bundle;
 class Lenses : public testing::TestWithParam<Lens> {};
 std::string name_of_lens(const testing::TestParamInfo<Lens>& lens) {
   const char* names[] = {"brown", "balanced", "correcting", "fisheye"};
-  return names[static_cast<size_t>(lens.param)];
+  return names[lens.param];
 }
 INSTANTIATE_TEST_SUITE_P(All, Lenses, testing::Values(Lens::brown, Lens::balanced, Lens::correcting, Lens::fisheye),
                          name_of_lens);
@@ -115,7 +115,7 @@ void compare_with_dense(const Scene& scene, Side side) {
   const auto own = cofactors.all_own();
   for (int b = 0; b < layout.block_count(); ++b)
     if (layout.size(b) > 0) {
-      EXPECT_LT(largest(own[static_cast<size_t>(b)], {b}), 1e-6);
+      EXPECT_LT(largest(own[b], {b}), 1e-6);
     }
   // Redundancy: the trace of I − J Q Jᵀ is rows less unknowns, and each row's is that of the dense matrix.
   Adjusted adjusted;
@@ -131,8 +131,7 @@ void compare_with_dense(const Scene& scene, Side side) {
     const Eigen::Index at = 2 * static_cast<Eigen::Index>(i);
     const Eigen::Matrix2d w = scene.problem.image_points[i].whitening / 1.3;
     const Eigen::Matrix2d unwhitened = w.inverse() * residual.block<2, 2>(at, at) * w;
-    for (int k = 0; k < 2; ++k)
-      EXPECT_NEAR(reliability.points[i][static_cast<size_t>(k)].redundancy_number, unwhitened(k, k), 1e-6);
+    for (int k = 0; k < 2; ++k) EXPECT_NEAR(reliability.points[i][k].redundancy_number, unwhitened(k, k), 1e-6);
     EXPECT_NEAR(reliability.points[i][0].residual, (w.inverse() * rows.segment<2>(at))(0), 1e-9 * rows.norm());
   }
 }
@@ -206,13 +205,12 @@ TEST(Bundle, ResidualsOfATagAreItsWhitenedMisclosures) {
   Rows rows;
   int compared = 0;
   for (const ImageTag& tag : p.image_tags) {
-    const Plate& plate = p.plates[static_cast<size_t>(tag.plate)];
+    const Plate& plate = p.plates[tag.plate];
     const size_t batch = static_cast<size_t>(plate.batch);
     if (scene.state.insets[batch] != 0) continue;
     ASSERT_TRUE(evaluate(p, layout, scene.state, tag, false, rows));
-    const size_t camera = static_cast<size_t>(p.images[static_cast<size_t>(tag.image)].camera);
-    const Placement &pose = scene.state.images[static_cast<size_t>(tag.image)],
-                    &body = scene.state.plates[static_cast<size_t>(tag.plate)];
+    const size_t camera = static_cast<size_t>(p.images[tag.image].camera);
+    const Placement &pose = scene.state.images[tag.image], &body = scene.state.plates[tag.plate];
     MarkerPlate printed = plate.shape;
     printed.tag_size *= scene.state.scales[batch];
     const auto corners = tag_corners_in_plate(printed);

@@ -39,8 +39,7 @@ PointBlock small_block() {
     block_from_camera << x, z.cross(x), z;
     block.images.push_back({i + 1, 0, centre, block::angles_from_rotation(block_from_camera)});
     for (int j = 0; j < 20; ++j) {
-      const Eigen::Vector3d v =
-          block_from_camera.transpose() * (block.points[static_cast<size_t>(j)].position - centre);
+      const Eigen::Vector3d v = block_from_camera.transpose() * (block.points[j].position - centre);
       block::BlockMeasurement measured;
       measured.image = i;
       measured.point = j;
@@ -122,7 +121,7 @@ TEST(PointBlock, RefusalsNameTheCause) {
   PointBlock one_view = small_block();
   for (auto& image : one_view.images)
     image.centre = one_view.images[0].centre, image.angles = one_view.images[0].angles;
-  for (auto& m : one_view.measurements) m.position = one_view.measurements[static_cast<size_t>(m.point)].position;
+  for (auto& m : one_view.measurements) m.position = one_view.measurements[m.point].position;
   EXPECT_THAT(refusal(one_view), testing::AnyOf(HasSubstr("rank defect"), HasSubstr("is undetermined")));
 }
 
@@ -156,8 +155,7 @@ TEST(PointBlock, ControlInAnotherFrame) {
   block.control.covariance.topLeftCorner<6, 6>().setZero();
   block.control.covariance(6, 10) = block.control.covariance(10, 6) = 0.5e-8;
   for (Eigen::Index k = 0; k < 5; ++k)
-    block.control.position.segment<3>(3 * k) =
-        2.0 * (turn * block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position) + far;
+    block.control.position.segment<3>(3 * k) = 2.0 * (turn * block.points[block.control.points[k]].position) + far;
   const auto result = block::adjust_point_block(block, options());
   EXPECT_EQ(result.constraints, 0);
   EXPECT_EQ(result.unknowns, 60 - 6 + 48 + 3);
@@ -181,15 +179,13 @@ TEST(PointBlock, ControlComesBackWithItsStandardDeviations) {
   for (Eigen::Index k = 0; k < 15; ++k) block.control.covariance(k, k) = std::pow(1e-4 * static_cast<double>(1 + k), 2);
   block.control.covariance(3, 4) = block.control.covariance(4, 3) = 0.5 * 4e-4 * 5e-4;
   for (Eigen::Index k = 0; k < 5; ++k)
-    block.control.position.segment<3>(3 * k) =
-        block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
+    block.control.position.segment<3>(3 * k) = block.points[block.control.points[k]].position;
   block.control.position(14) += 0.01;  // of the check point
   const auto result = block::adjust_point_block(block, options());
   ASSERT_EQ(result.control.size(), 5u);
   for (Eigen::Index k = 0; k < 5; ++k)
     for (Eigen::Index c = 0; c < 3; ++c)
-      EXPECT_NEAR(result.control[static_cast<size_t>(k)].given_sigma(c), 1e-4 * static_cast<double>(1 + 3 * k + c),
-                  1e-15);
+      EXPECT_NEAR(result.control[k].given_sigma(c), 1e-4 * static_cast<double>(1 + 3 * k + c), 1e-15);
   const auto& check = result.control[4];
   EXPECT_NEAR(check.residual.z(), -0.01, 1e-4);
   EXPECT_NEAR(check.w(2), check.residual.z() / std::sqrt(result.point_covariances[19](2, 2) + std::pow(15e-4, 2)),
@@ -205,7 +201,7 @@ TEST(PointBlock, MirroredControlIsRefused) {
   block.control.position.resize(15);
   block.control.covariance = 1e-8 * Eigen::MatrixXd::Identity(15, 15);
   for (Eigen::Index k = 0; k < 5; ++k) {
-    const Eigen::Vector3d p = block.points[static_cast<size_t>(block.control.points[static_cast<size_t>(k)])].position;
+    const Eigen::Vector3d p = block.points[block.control.points[k]].position;
     block.control.position.segment<3>(3 * k) = Eigen::Vector3d(p.y(), p.x(), p.z());
   }
   EXPECT_THAT(error_of([&] { block::adjust_point_block(block, options()); }),

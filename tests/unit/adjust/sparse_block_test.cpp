@@ -49,7 +49,7 @@ Strip make_strip(int images, bool held, int hinge = -1) {
       if (hinge >= 0 && !joins && (i <= hinge) != (j / 4 <= hinge)) continue;
       ImagePoint o;
       o.image = i, o.point = j;
-      const Placement& pose = strip.state.images[static_cast<size_t>(i)];
+      const Placement& pose = strip.state.images[i];
       o.observed = computed_image_point(p.cameras[0], strip.state.interiors[0],
                                         pose.matrix * (strip.state.points.back() - pose.position)) +
                    0.3 * Eigen::Vector2d(random.normal(), random.normal());
@@ -69,7 +69,7 @@ Eigen::MatrixXd design(const Strip& strip, const Layout& layout, Eigen::VectorXd
   for (const auto& term : strip.problem.image_points) {
     EXPECT_TRUE(evaluate(strip.problem, layout, strip.state, term, true, rows));
     for (int k = 0; k < rows.parts; ++k) {
-      const Rows::Part& part = rows.part[static_cast<size_t>(k)];
+      const Rows::Part& part = rows.part[k];
       jacobian.block(at, layout.offset(part.block), rows.rows, part.size) = rows.jacobian(k);
     }
     rows_of_all.segment(at, rows.rows) = rows.values();
@@ -134,7 +134,7 @@ void compare_with_dense(const Strip& strip, const Datum& datum) {
   for (int b : all) {
     const auto at = unknowns_of(layout, {b});
     if (at.empty()) continue;
-    EXPECT_LT(difference(own[static_cast<size_t>(b)], inverse(at, at)), 1e-7) << b;
+    EXPECT_LT(difference(own[b], inverse(at, at)), 1e-7) << b;
   }
   // An image and its camera, and neighbours, which meet; two ends of the strip, which do not.
   const auto image = [&](int i) { return layout.block({Kind::image, i}); };

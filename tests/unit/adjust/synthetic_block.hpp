@@ -55,9 +55,7 @@ struct SyntheticBlock {
   Eigen::VectorXd survey;  ///< 3n, of all plates
   double survey_sigma = 0;
 
-  const BrownCamera& camera_of(int image) const {
-    return block.images[static_cast<size_t>(image)].camera == 1 ? second : camera;
-  }
+  const BrownCamera& camera_of(int image) const { return block.images[image].camera == 1 ? second : camera; }
   /// Makes these plates the control.
   void use_control(const std::vector<int>& plates) {
     const Eigen::Index count = 3 * static_cast<Eigen::Index>(plates.size());
@@ -243,9 +241,7 @@ inline double predicted_rmse(const SyntheticBlock& synthetic, const block::TagBl
 inline double rmse_of_check(const SyntheticBlock& synthetic, const block::TagBlockResult& result, int coordinate) {
   double sum = 0;
   for (int plate : synthetic.check)
-    sum += std::pow(result.anchors(row_of_plate(result, plate) + coordinate) -
-                        synthetic.anchors[static_cast<size_t>(plate)](coordinate),
-                    2);
+    sum += std::pow(result.anchors(row_of_plate(result, plate) + coordinate) - synthetic.anchors[plate](coordinate), 2);
   return std::sqrt(sum / static_cast<double>(synthetic.check.size()));
 }
 

@@ -70,8 +70,7 @@ TEST(TagBlockBound, ErrorsOf200BlocksAreThosePredicted) {
     for (size_t k = 0; k < synthetic.check.size(); ++k) {
       const int plate = synthetic.check[k];
       heights.push_back(static_cast<int>(test::row_of_plate(result, plate)) + 2);
-      error(static_cast<Eigen::Index>(k)) =
-          result.anchors(heights.back()) - synthetic.anchors[static_cast<size_t>(plate)].z();
+      error(static_cast<Eigen::Index>(k)) = result.anchors(heights.back()) - synthetic.anchors[plate].z();
     }
     const Eigen::MatrixXd covariance = result.anchor_covariance(heights, heights);
     squares += error.squaredNorm();

@@ -20,8 +20,7 @@ block::TagBlockOptions plain_options() {
 double largest_error(const test::SyntheticBlock& synthetic, const block::TagBlockResult& result) {
   double largest = 0;
   for (size_t j = 0; j < result.plates.size(); ++j)
-    largest = std::max(
-        largest, (result.anchors.segment<3>(3 * j) - synthetic.anchors[static_cast<size_t>(result.plates[j])]).norm());
+    largest = std::max(largest, (result.anchors.segment<3>(3 * j) - synthetic.anchors[result.plates[j]]).norm());
   return largest;
 }
 
@@ -36,9 +35,9 @@ TEST(SeveralCameras, EachHasAnInteriorOrientationOfItsOwn) {
     ASSERT_EQ(result.cameras.size(), 2u);
     for (int c = 0; c < 2; ++c) {
       const auto truth = (c == 0 ? synthetic.camera : synthetic.second).parameters();
-      const auto found = result.cameras[static_cast<size_t>(c)].interior.parameters();
+      const auto found = result.cameras[c].interior.parameters();
       for (size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], truth[i], i < 4 ? 1e-4 : 1e-7) << c << " " << i;
-      EXPECT_EQ(result.cameras[static_cast<size_t>(c)].interior.width, c == 0 ? 11656 : 6000);
+      EXPECT_EQ(result.cameras[c].interior.width, c == 0 ? 11656 : 6000);
     }
   }
 }
@@ -100,14 +99,12 @@ TEST(SeveralCameras, InteriorOrientationsCoverTheirErrors) {
     Eigen::VectorXd error(16);
     for (int c = 0; c < 2; ++c) {
       const auto truth = (c == 0 ? synthetic.camera : synthetic.second).parameters();
-      const auto found = result.cameras[static_cast<size_t>(c)].interior.parameters();
+      const auto found = result.cameras[c].interior.parameters();
       for (int value : calibrated) {
-        error(static_cast<Eigen::Index>(rows.size())) =
-            found[static_cast<size_t>(value)] - truth[static_cast<size_t>(value)];
+        error(static_cast<Eigen::Index>(rows.size())) = found[value] - truth[value];
         rows.push_back(11 * c + value);
       }
-      EXPECT_EQ(result.cameras[static_cast<size_t>(c)].covariance,
-                (result.interior_covariance.block<9, 9>(11 * c, 11 * c)));
+      EXPECT_EQ(result.cameras[c].covariance, (result.interior_covariance.block<9, 9>(11 * c, 11 * c)));
     }
     const Eigen::MatrixXd covariance = result.interior_covariance(rows, rows);
     EXPECT_GT(covariance.topRightCorner(8, 8).cwiseAbs().maxCoeff(), 0);
@@ -164,8 +161,7 @@ TEST(SeveralCameras, InsetsAreTheCameras) {
   auto synthetic = test::make_block({.floors = 1, .corner_sigma = 0.05, .noise = false, .two_cameras = true});
   const double inset[] = {0.05, 0.2};
   for (auto& seen : synthetic.block.observations)
-    seen.corners =
-        test::drawn_inwards(seen.corners, inset[synthetic.block.images[static_cast<size_t>(seen.image)].camera]);
+    seen.corners = test::drawn_inwards(seen.corners, inset[synthetic.block.images[seen.image].camera]);
   auto options = plain_options();
   options.corner_inset_sigma = 10;
   const auto result = block::adjust_tag_block(synthetic.block, options);

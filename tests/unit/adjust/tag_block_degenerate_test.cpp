@@ -74,7 +74,7 @@ TEST(DegenerateTagBlock, TwoPartsWithoutCommonPlates) {
   auto synthetic = flat_block();
   // Half of the images sees the left two columns only, the other half the right two; all control is on the left.
   std::erase_if(synthetic.block.observations, [&](const auto& seen) {
-    const double x = synthetic.anchors[static_cast<size_t>(seen.plate)].x();
+    const double x = synthetic.anchors[seen.plate].x();
     return seen.image % 2 == 0 ? x > 2.5 : x < 3.5;
   });
   std::erase_if(synthetic.block.plates, [](const auto&) { return false; });

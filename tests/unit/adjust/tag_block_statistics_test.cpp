@@ -41,8 +41,7 @@ TEST(TagBlockStatistics, PosesAndInteriorOrientationCoverTheirErrors) {
     const auto found = result.cameras[0].interior.parameters(), truth = synthetic.camera.parameters();
     const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8};
     Eigen::VectorXd error(8);
-    for (size_t k = 0; k < free.size(); ++k)
-      error(static_cast<Eigen::Index>(k)) = found[static_cast<size_t>(free[k])] - truth[static_cast<size_t>(free[k])];
+    for (size_t k = 0; k < free.size(); ++k) error(static_cast<Eigen::Index>(k)) = found[free[k]] - truth[free[k]];
     interior += error.dot(Eigen::MatrixXd(result.cameras[0].covariance(free, free)).ldlt().solve(error)) / 8;
   }
   // Poses of one trial share the survey's and the camera's errors: the trials count, not the poses.
@@ -144,8 +143,7 @@ TEST(CameraModel, ItsCovariancesCoverItsErrors) {
     truth[4] += 0.1 * (1 / result.cameras[0].reference_distance - 1 / 8.0);
     const std::vector<int> free = {0, 1, 2, 3, 4, 5, 7, 8, 9, 10};
     Eigen::VectorXd error(10);
-    for (size_t k = 0; k < 8; ++k)
-      error(static_cast<Eigen::Index>(k)) = found[static_cast<size_t>(free[k])] - truth[static_cast<size_t>(free[k])];
+    for (size_t k = 0; k < 8; ++k) error(static_cast<Eigen::Index>(k)) = found[free[k]] - truth[free[k]];
     error.tail<2>() = result.cameras[0].distance_terms - Eigen::Vector2d(0.1, 0);
     interior += error.dot(Eigen::MatrixXd(result.interior_covariance(free, free)).ldlt().solve(error)) / 10;
     for (size_t i = 0; i < odd.shifts.size(); ++i, ++shift_count) {
@@ -154,8 +152,8 @@ TEST(CameraModel, ItsCovariancesCoverItsErrors) {
     }
     Eigen::VectorXd moved(result.anchors.size());
     for (size_t j = 0; j < result.plates.size(); ++j)
-      moved.segment<3>(3 * static_cast<Eigen::Index>(j)) = result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j)) -
-                                                           odd.synthetic.anchors[static_cast<size_t>(result.plates[j])];
+      moved.segment<3>(3 * static_cast<Eigen::Index>(j)) =
+          result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j)) - odd.synthetic.anchors[result.plates[j]];
     anchors += moved.dot(result.anchor_covariance.ldlt().solve(moved)) / static_cast<double>(moved.size());
   }
   EXPECT_NEAR(interior / trials, 1, 4 * std::sqrt(2.0 / (10 * trials)));
@@ -174,14 +172,13 @@ TEST(RobustControl, LeavesOutWhatContradictsAndNothingElse) {
   block::TagBlock without = synthetic.block;
   std::vector<int> sound;
   for (int k = 0; k < static_cast<int>(without.control.plates.size()); ++k)
-    if (std::find(wrong, wrong + 3, k) == wrong + 3) sound.push_back(without.control.plates[static_cast<size_t>(k)]);
+    if (std::find(wrong, wrong + 3, k) == wrong + 3) sound.push_back(without.control.plates[k]);
   for (int b = 0; b < 3; ++b) synthetic.block.control.position.segment<3>(3 * wrong[b]) += off[b];
   const auto result = block::adjust_tag_block(synthetic.block, options);
   ASSERT_EQ(result.rejected_control.size(), 3u);
   for (const auto& rejected : result.rejected_control) {
-    const auto b = std::find_if(wrong, wrong + 3, [&](int k) {
-      return synthetic.block.control.plates[static_cast<size_t>(k)] == rejected.plate;
-    });
+    const auto b =
+        std::find_if(wrong, wrong + 3, [&](int k) { return synthetic.block.control.plates[k] == rejected.plate; });
     ASSERT_NE(b, wrong + 3);
     const Eigen::Vector3d difference = rejected.off - off[b - wrong];
     EXPECT_LT(difference.cwiseQuotient(rejected.sigma).cwiseAbs().maxCoeff(), 4);
@@ -221,7 +218,7 @@ TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
     std::vector<int> rows, out;
     without.control.plates.clear();
     for (size_t k = 0; k < control.plates.size(); ++k) {
-      const auto& plates = result.withheld[static_cast<size_t>(g)].plates;
+      const auto& plates = result.withheld[g].plates;
       const bool stays = std::find(plates.begin(), plates.end(), control.plates[k]) == plates.end();
       if (stays) without.control.plates.push_back(control.plates[k]);
       for (int c = 0; c < 3; ++c) (stays ? rows : out).push_back(3 * static_cast<int>(k) + c);
@@ -242,7 +239,7 @@ TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
           without.control.position.segment<3>(static_cast<Eigen::Index>(3 * k)) -
           expected.anchors.segment<3>(test::row_of_plate(expected, without.control.plates[k]));
     const Eigen::VectorXd predicted = gain * residual;
-    const auto& group = result.withheld[static_cast<size_t>(g)];
+    const auto& group = result.withheld[g];
     for (size_t k = 0; k < group.plates.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(3 * k);
       const Eigen::Vector3d off = control.position(out).segment<3>(at) -
@@ -326,7 +323,7 @@ TEST(TagBlockStatistics, APlateIsJudgedByItsSurveyAndItsMiddleTag) {
   for (size_t j = 0; j < result.plates.size(); ++j) {
     std::vector<double> tags;
     for (const auto& tag : result.tags)
-      if (synthetic.block.observations[static_cast<size_t>(tag.observation)].plate == result.plates[j])
+      if (synthetic.block.observations[tag.observation].plate == result.plates[j])
         tags.push_back(tag.largest_normalised);
     std::sort(tags.begin(), tags.end());
     EXPECT_EQ(result.images_per_plate[j], static_cast<int>(tags.size()));
@@ -373,17 +370,14 @@ TEST(TagBlockStatistics, ResidualsAreThoseOfTheProjection) {
   options.tag_scale_sigma = 0;
   const auto result = block::adjust_tag_block(synthetic.block, options);
   for (const auto& tag : result.tags) {
-    const auto& seen = synthetic.block.observations[static_cast<size_t>(tag.observation)];
+    const auto& seen = synthetic.block.observations[tag.observation];
     const Eigen::Index at = test::row_of_plate(result, seen.plate);
     double squares = 0;
-    const auto corners = tag_corners_in_plate(synthetic.block.plates[static_cast<size_t>(seen.plate)].plate);
+    const auto corners = tag_corners_in_plate(synthetic.block.plates[seen.plate].plate);
     for (size_t k = 0; k < 4; ++k) {
-      const Eigen::Vector3d world =
-          result.anchors.segment<3>(at) + result.world_from_plate[static_cast<size_t>(at / 3)] * corners[k];
-      squares +=
-          (*project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * world) -
-           seen.corners[k])
-              .squaredNorm();
+      const Eigen::Vector3d world = result.anchors.segment<3>(at) + result.world_from_plate[at / 3] * corners[k];
+      squares += (*project(result.cameras[0].interior, *result.cam_from_world[seen.image] * world) - seen.corners[k])
+                     .squaredNorm();
     }
     EXPECT_NEAR(tag.rms, std::sqrt(squares / 8), 1e-6);
   }
@@ -518,7 +512,7 @@ TEST(TagCost, CountsWhatIsAssumedOfTagsAndCalibration) {
   ASSERT_NEAR(result.batches.at(0).scale, 1 / 1.0015, 3e-4);
   std::map<std::string, Eigen::Vector3d> found;
   for (size_t j = 0; j < result.plates.size(); ++j)
-    found[synthetic.block.plates[static_cast<size_t>(result.plates[j])].anchor] =
+    found[synthetic.block.plates[result.plates[j]].anchor] =
         result.anchors.segment<3>(3 * static_cast<Eigen::Index>(j));
   block::TagBlock adjusted = synthetic.block;
   adjusted.cameras[0].interior = result.cameras[0].interior;

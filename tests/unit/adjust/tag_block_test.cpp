@@ -14,8 +14,7 @@ using test::SyntheticBlock;
 double largest_error(const SyntheticBlock& synthetic, const TagBlockResult& result) {
   double largest = 0;
   for (size_t j = 0; j < result.plates.size(); ++j)
-    largest = std::max(
-        largest, (result.anchors.segment<3>(3 * j) - synthetic.anchors[static_cast<size_t>(result.plates[j])]).norm());
+    largest = std::max(largest, (result.anchors.segment<3>(3 * j) - synthetic.anchors[result.plates[j]]).norm());
   return largest;
 }
 
@@ -125,13 +124,12 @@ double equation_5(const SyntheticBlock& synthetic, const TagBlockResult& result,
   double sum = 0;
   for (const auto& seen : synthetic.block.observations) {
     const size_t j = static_cast<size_t>(test::row_of_plate(result, seen.plate) / 3);
-    MarkerPlate plate = synthetic.block.plates[static_cast<size_t>(seen.plate)].plate;
+    MarkerPlate plate = synthetic.block.plates[seen.plate].plate;
     plate.tag_size *= result.batches[0].scale;
     const auto corners = tag_corners_in_plate(plate);
     for (size_t k = 0; k < 4; ++k) {
       const Eigen::Vector3d corner = anchors.segment<3>(3 * j) + result.world_from_plate[j] * corners[k];
-      sum += (seen.corners[k] -
-              *project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner))
+      sum += (seen.corners[k] - *project(result.cameras[0].interior, *result.cam_from_world[seen.image] * corner))
                  .squaredNorm();
     }
   }
@@ -170,16 +168,14 @@ TEST(TagBlock, LambdaEqualsCovarianceForIsotropicNoise) {
 Eigen::VectorXd residuals_of(const SyntheticBlock& synthetic, const TagBlockResult& result, size_t observation) {
   const auto& seen = synthetic.block.observations[observation];
   const Eigen::Index at = test::row_of_plate(result, seen.plate);
-  MarkerPlate plate = synthetic.block.plates[static_cast<size_t>(seen.plate)].plate;
+  MarkerPlate plate = synthetic.block.plates[seen.plate].plate;
   plate.tag_size *= result.batches[0].scale;
   const auto corners = tag_corners_in_plate(plate);
   Eigen::VectorXd residuals(8);
   for (size_t k = 0; k < 4; ++k) {
-    const Eigen::Vector3d corner =
-        result.anchors.segment<3>(at) + result.world_from_plate[static_cast<size_t>(at / 3)] * corners[k];
+    const Eigen::Vector3d corner = result.anchors.segment<3>(at) + result.world_from_plate[at / 3] * corners[k];
     residuals.segment<2>(2 * static_cast<Eigen::Index>(k)) =
-        *project(result.cameras[0].interior, *result.cam_from_world[static_cast<size_t>(seen.image)] * corner) -
-        seen.corners[k];
+        *project(result.cameras[0].interior, *result.cam_from_world[seen.image] * corner) - seen.corners[k];
   }
   return residuals;
 }
@@ -208,7 +204,7 @@ TEST(TagBlock, LambdaTestsTagsAndControlAgainstTheVarianceFound) {
   double smallest = 1, largest_w = 0, largest_mdb = 0;
   for (Eigen::Index row = 0; row < 8; ++row) {
     SyntheticBlock disturbed = synthetic;
-    disturbed.block.observations[observation].corners[static_cast<size_t>(row / 2)](row % 2) += error;
+    disturbed.block.observations[observation].corners[row / 2](row % 2) += error;
     const auto after = block::adjust_tag_block(disturbed.block, options);
     const double shown = (residuals - residuals_of(disturbed, after, observation))(row) / error;
     smallest = std::min(smallest, shown);
@@ -281,8 +277,7 @@ TEST(TagBlock, PredictedCovarianceCoversTheErrors) {
     Eigen::VectorXd error(rows.size());
     for (size_t i = 0; i < rows.size(); ++i)
       error(static_cast<Eigen::Index>(i)) =
-          result.anchors(rows[i]) -
-          synthetic.anchors[static_cast<size_t>(synthetic.check[i / 3])](static_cast<int>(i % 3));
+          result.anchors(rows[i]) - synthetic.anchors[synthetic.check[i / 3]](static_cast<int>(i % 3));
     chi_squared += error.dot(result.anchor_covariance(rows, rows).llt().solve(error));
     dimension += static_cast<int>(rows.size());
     sum_of_squares += result.weighted_sum_of_squares;

@@ -424,8 +424,7 @@ TEST(Adjustment, CofactorsOnDemandAreThoseOfTheWhole) {
       problem = Problem{};
       const int squares = 30;
       const auto add_distance = [&](int from, int to) {
-        const auto &a = problem.parameters[static_cast<size_t>(from)].value,
-                   &b = problem.parameters[static_cast<size_t>(to)].value;
+        const auto &a = problem.parameters[from].value, &b = problem.parameters[to].value;
         auto block =
             std::make_unique<DistanceResidual>(std::hypot(a[0] - b[0], a[1] - b[1]) + 1e-4 * ((from + to) % 3));
         block->set_sigmas(Eigen::VectorXd::Constant(1, 0.001 * (1 + (from + to) % 4)));
@@ -472,8 +471,8 @@ TEST(Adjustment, CofactorsOnDemandAreThoseOfTheWhole) {
     EXPECT_DOUBLE_EQ(scaled(2, 3), 4 * sparse(2, 3));
     EXPECT_THROW(scaled.whole(), std::logic_error);
     ReliabilityOptions with_groups;
-    with_groups.groups.resize(static_cast<size_t>(n));
-    for (int u = 0; u < n; ++u) with_groups.groups[static_cast<size_t>(u)] = {u};
+    with_groups.groups.resize(n);
+    for (int u = 0; u < n; ++u) with_groups.groups[u] = {u};
     const Reliability ra = compute_reliability(problem, s, whole, with_groups),
                       rb = compute_reliability(problem, s, sparse, with_groups);
     for (size_t r = 0; r < ra.rows.size(); ++r) {

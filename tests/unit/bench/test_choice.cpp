@@ -92,7 +92,7 @@ TEST(Choice, IsSaidInSentencesThatAPersonWouldSay) {
       for (int a = 0; a < 6; ++a) {
         Cell cell;
         cell.scenario = cell.place = "a place with a name of many words, number " + std::to_string(p);
-        cell.choices["solver"] = bench.groups[0].alternatives[static_cast<std::size_t>(a)];
+        cell.choices["solver"] = bench.groups[0].alternatives[a];
         cell.seed = seed;
         cell.status = a > 4 && seed == 0 && p < a ? "failed" : "done";
         cell.error = "no agreement";

@@ -81,7 +81,7 @@ int right_ones(const Design& design, const Shape& shape, const std::string& what
   for (const Element& e : design.elements) {
     if (!e.is_anchor && !e.is_panel) continue;
     const std::string id = e.is_panel ? e.name.substr(1) : e.name;
-    const Eigen::Vector3d out = facing(shape.wings[static_cast<std::size_t>(std::stoi(id))].azimuth * kDegree);
+    const Eigen::Vector3d out = facing(shape.wings[std::stoi(id)].azimuth * kDegree);
     const bool fits = e.facade.known() && (e.facade.out - out).norm() < 1e-6;
     EXPECT_TRUE(fits || !e.facade.confirmed) << what << ": " << e.name << " would be sent the wrong way";
     right += fits && e.facade.confirmed;

@@ -40,7 +40,7 @@ std::vector<MatchedElement> match(const Design& design, const std::vector<std::s
 TEST(MatchElements, FiftyFiveAnchorsOfOneNameAreFoundByTheirTags) {
   const Design design = tekla();
   std::vector<std::string> ids;
-  for (int i = 0; i < 55; ++i) ids.push_back(design.elements[static_cast<std::size_t>(i)].tag);
+  for (int i = 0; i < 55; ++i) ids.push_back(design.elements[i].tag);
   const auto matches = match(design, ids);
   for (std::size_t i = 0; i < 55; ++i) {
     ASSERT_EQ(matches[i].element, &design.elements[i]) << matches[i].note;

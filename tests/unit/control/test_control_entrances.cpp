@@ -56,8 +56,8 @@ Read by_block(const std::string& text) {
   const auto& control = read.block.control;
   for (std::size_t k = 0; k < control.points.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(3 * k);
-    all[read.block.points[static_cast<std::size_t>(control.points[k])].name] = {
-        control.position.segment<3>(at), control.covariance.diagonal().segment<3>(at).cwiseSqrt()};
+    all[read.block.points[control.points[k]].name] = {control.position.segment<3>(at),
+                                                      control.covariance.diagonal().segment<3>(at).cwiseSqrt()};
   }
   return all;
 }

@@ -19,8 +19,7 @@ cv::Mat drawing_of(const TagCells& cells) {
   cv::Mat drawing(cells.total * kCell, cells.total * kCell, CV_32F);
   for (int y = 0; y < drawing.rows; ++y)
     for (int x = 0; x < drawing.cols; ++x)
-      drawing.at<float>(y, x) =
-          cells.white[static_cast<std::size_t>(y / kCell * cells.total + x / kCell)] > 127 ? kWhite : kBlack;
+      drawing.at<float>(y, x) = cells.white[y / kCell * cells.total + x / kCell] > 127 ? kWhite : kBlack;
   return drawing;
 }
 

@@ -15,7 +15,7 @@ struct TagCells {
   bool at(double x, double y) const {
     const int i = static_cast<int>(std::floor(x + 0.5 * total)), j = static_cast<int>(std::floor(0.5 * total - y));
     if (i < 0 || j < 0 || i >= total || j >= total) return true;
-    return white[static_cast<std::size_t>(j * total + i)] > 127;
+    return white[j * total + i] > 127;
   }
 };
 

@@ -39,7 +39,7 @@ std::vector<float> pixel_kernel(double sigma) {
   for (int k = -r; k <= r; ++k) {
     const double weight = s > 0 ? std::exp(-0.5 * k * k / (s * s)) : 1;
     total += weight * kOver;
-    for (int i = 0; i < kOver; ++i) kernel[static_cast<std::size_t>(k + r + i)] += weight;
+    for (int i = 0; i < kOver; ++i) kernel[k + r + i] += weight;
   }
   std::vector<float> normalised;
   for (const double weight : kernel) normalised.push_back(static_cast<float>(weight / total));
@@ -55,7 +55,7 @@ std::vector<float> reduce(const std::vector<float>& fine, int width, int rows, c
       float sum = 0;
       for (int k = 0; k < size; ++k) {
         const int column = std::clamp(x * kOver - r + k, 0, fine_width - 1);
-        sum += kernel[static_cast<std::size_t>(k)] * fine[static_cast<std::size_t>(y) * fine_width + column];
+        sum += kernel[k] * fine[static_cast<std::size_t>(y) * fine_width + column];
       }
       out[static_cast<std::size_t>(x) * rows + y] = sum;
     }

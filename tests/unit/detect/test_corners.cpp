@@ -116,11 +116,11 @@ GreyImage photographed(GreyImage image, double amount) {
   }
   for (int y = 1; y + 1 < image.height; ++y)
     for (int x = 1; x + 1 < image.width; ++x) {
-      const auto at = [&](int dx, int dy) { return grey[static_cast<std::size_t>((y + dy) * image.width + x + dx)]; };
+      const auto at = [&](int dx, int dy) { return grey[(y + dy) * image.width + x + dx]; };
       double mean = 0;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) mean += at(dx, dy) / 9;
-      image.pixels[static_cast<std::size_t>(y * image.width + x)] =
+      image.pixels[y * image.width + x] =
           static_cast<std::uint8_t>(std::lround(std::clamp(at(0, 0) + amount * (at(0, 0) - mean), 0.0, 255.0)));
     }
   return image;
@@ -185,8 +185,7 @@ TEST(Corners, OfASharpenedPhotographAreStatedToBeWorse) {
 GreyImage three_of_five(const GreyImage& image) {
   GreyImage small{(image.width - 1) * 3 / 5, (image.height - 1) * 3 / 5, {}};
   for (int y = 0; y < small.height; ++y)
-    for (int x = 0; x < small.width; ++x)
-      small.pixels.push_back(image.pixels[static_cast<std::size_t>(5 * y / 3 * image.width + 5 * x / 3)]);
+    for (int x = 0; x < small.width; ++x) small.pixels.push_back(image.pixels[5 * y / 3 * image.width + 5 * x / 3]);
   return small;
 }
 
@@ -212,8 +211,8 @@ TEST(Corners, OfAPictureOfNearestPixelsAreWhereTheyWereOnTheSensor) {
     EXPECT_EQ(measured.quality.grid.period, estimated ? 3 : 1);
     const std::array<double, 3> offsets = {0.2, -0.2, 0};
     for (int i = 0; i < 3 && estimated; ++i) {
-      EXPECT_NEAR(measured.quality.grid.column(i), offsets[static_cast<std::size_t>(i)], 1e-12);
-      EXPECT_NEAR(measured.quality.grid.row(i), offsets[static_cast<std::size_t>(i)], 1e-12);
+      EXPECT_NEAR(measured.quality.grid.column(i), offsets[i], 1e-12);
+      EXPECT_NEAR(measured.quality.grid.row(i), offsets[i], 1e-12);
     }
     for (std::size_t k = 0; k < truth.size(); ++k) {
       if (!measured.corners[k]) continue;
@@ -392,8 +391,8 @@ GreyImage drawn(const TagDictionary& dictionary, std::size_t index, int cell, bo
     for (int x = 2 * cell; x < (n + 4) * cell; ++x) {
       const int row = y / cell - 3, column = mirrored ? n - 1 - (x / cell - 3) : x / cell - 3;
       const bool code = row >= 0 && row < n && column >= 0 && column < n;
-      const bool white = code && dictionary.codes[index][static_cast<std::size_t>(row * n + column)] != 0;
-      image.pixels[static_cast<std::size_t>(y * side + x)] = white ? 200 : 40;
+      const bool white = code && dictionary.codes[index][row * n + column] != 0;
+      image.pixels[y * side + x] = white ? 200 : 40;
     }
   return image;
 }
@@ -408,7 +407,7 @@ TEST(Detector, LeavesOutWhatDoesNotLookLikeATagOfAWeakFamily) {
     GreyImage image{200, 200, std::vector<std::uint8_t>(200 * 200, 220)};
     const auto fill = [&](int x0, int y0, int width, int height, std::uint8_t value) {
       for (int y = y0; y < y0 + height; ++y)
-        for (int x = x0; x < x0 + width; ++x) image.pixels[static_cast<size_t>(200 * y + x)] = value;
+        for (int x = x0; x < x0 + width; ++x) image.pixels[200 * y + x] = value;
     };
     fill(40, 40, 120, 120, 30);
     for (size_t bit = 0; bit < family.cells.size(); ++bit) {

@@ -95,8 +95,7 @@ TEST(DetectNodes, StateOfABoardOfTagsHowFarEdgesMayBeDrawnIn) {
     const GreyImage part = render(one);
     for (int y = 0; y < 110; ++y)
       for (int x = 0; x < 110; ++x)
-        image.pixels[static_cast<std::size_t>((y + 20 + 110 * (id / 2)) * 260 + x + 20 + 110 * (id % 2))] =
-            part.pixels[static_cast<std::size_t>(y * 110 + x)];
+        image.pixels[(y + 20 + 110 * (id / 2)) * 260 + x + 20 + 110 * (id % 2)] = part.pixels[y * 110 + x];
   }
   const test::TemporaryFolder folder;
   write_png(folder.path() / "board.png", image);

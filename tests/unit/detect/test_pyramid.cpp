@@ -22,9 +22,7 @@ GreyImage white(int width, int height) {
 
 void paint(GreyImage& on, const GreyImage& part, int left, int top) {
   for (int y = 0; y < part.height; ++y)
-    for (int x = 0; x < part.width; ++x)
-      on.pixels[static_cast<std::size_t>((top + y) * on.width + left + x)] =
-          part.pixels[static_cast<std::size_t>(y * part.width + x)];
+    for (int x = 0; x < part.width; ++x) on.pixels[(top + y) * on.width + left + x] = part.pixels[y * part.width + x];
 }
 
 /// A tag rendered small and enlarged by whole pixels: cheap at any size. Its border begins at (left + margin, top +
@@ -39,9 +37,7 @@ GreyImage enlarged_tag(int id, int cell) {
   const GreyImage small = render(scene);
   GreyImage large = white(14 * cell, 14 * cell);
   for (int y = 0; y < large.height; ++y)
-    for (int x = 0; x < large.width; ++x)
-      large.pixels[static_cast<std::size_t>(y * large.width + x)] =
-          small.pixels[static_cast<std::size_t>(y / cell * 14 + x / cell)];
+    for (int x = 0; x < large.width; ++x) large.pixels[y * large.width + x] = small.pixels[y / cell * 14 + x / cell];
   return large;
 }
 
@@ -65,7 +61,7 @@ std::vector<LevelQuad> quads_in(const GreyImage& image) {
   LevelSearch search(image.width, image.height, image.height, {});
   Outlines found;
   for (int y = 0; y < image.height; ++y) {
-    search.add_row(&image.pixels[static_cast<std::size_t>(y * image.width)]);
+    search.add_row(&image.pixels[y * image.width]);
     search.follow(search.known_rows() - 30, found);
   }
   search.follow(image.height, found);
@@ -80,8 +76,7 @@ TEST(LevelSearch, FindsASquareOfTwelvePixelsAndItsCorners) {
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) {
         const Eigen::Vector2d d = Eigen::Vector2d(x, y) - centre;
-        if (std::abs(d.dot(along)) < 6 && std::abs(d.dot(across)) < 6)
-          image.pixels[static_cast<std::size_t>(y * 61 + x)] = 40;
+        if (std::abs(d.dot(along)) < 6 && std::abs(d.dot(across)) < 6) image.pixels[y * 61 + x] = 40;
       }
     const auto quads = quads_in(image);
     ASSERT_THAT(quads, SizeIs(1)) << angle;
@@ -100,7 +95,7 @@ TEST(LevelSearch, TakesNeitherDiscsNorSquaresWithoutContrast) {
   GreyImage image = white(200, 100);
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 200; ++x) {
-      std::uint8_t& pixel = image.pixels[static_cast<std::size_t>(y * 200 + x)];
+      std::uint8_t& pixel = image.pixels[y * 200 + x];
       if (std::hypot(x - 50, y - 50) < 20) pixel = 40;          // a disc
       if (x > 100 && x < 130 && y > 30 && y < 60) pixel = 190;  // hardly darker
     }
@@ -112,7 +107,7 @@ TEST(LevelSearch, ParsTwoSquaresThatTouchAtACorner) {
   GreyImage image = white(80, 80);
   for (int y = 20; y < 60; ++y)
     for (int x = 20; x < 60; ++x)
-      if ((x < 40) == (y < 40)) image.pixels[static_cast<std::size_t>(y * 80 + x)] = 40;
+      if ((x < 40) == (y < 40)) image.pixels[y * 80 + x] = 40;
   EXPECT_THAT(quads_in(image), SizeIs(2));
 }
 
@@ -161,7 +156,7 @@ TEST(TagPyramid, FindsTagsOfEverySizeInClutterThoughOnlyEverySecondPixelIsSearch
   for (int y = 0; y < 1000; ++y)  // brick
     for (int x = 0; x < 1400; ++x)
       if (y % 20 > 3 && (x + y / 20 % 2 * 30) % 60 > 3)
-        image.pixels[static_cast<std::size_t>(y * 1400 + x)] = static_cast<std::uint8_t>(80 + random() % 9);
+        image.pixels[y * 1400 + x] = static_cast<std::uint8_t>(80 + random() % 9);
   int id = 0, left = 20;
   for (const int size : {24, 28, 36, 50, 80, 130, 260}) {
     test::TagScene scene;
@@ -179,8 +174,7 @@ TEST(TagPyramid, FindsTagsOfEverySizeInClutterThoughOnlyEverySecondPixelIsSearch
         const double a = 0.3 * id, u = d.x() * std::cos(a) + d.y() * std::sin(a),
                      v = -d.x() * std::sin(a) + d.y() * std::cos(a);
         if (std::max(std::abs(u), std::abs(v)) < edge)
-          image.pixels[static_cast<std::size_t>((50 + 3 * size / 2 + y) * 1400 + left + x)] =
-              tag.pixels[static_cast<std::size_t>(y * tag.width + x)];
+          image.pixels[(50 + 3 * size / 2 + y) * 1400 + left + x] = tag.pixels[y * tag.width + x];
       }
     left += 3 * size / 2 + 20;
   }
@@ -235,7 +229,7 @@ TEST(TagPyramid, SaysThatAPhotographIsMirroredAndCorrectsNoMoreThanItIsTold) {
   // One cell of the code inverted: the second from the left in the first row of it.
   for (int y = 65; y < 75; ++y)
     for (int x = 77; x < 87; ++x) {
-      std::uint8_t& pixel = image.pixels[static_cast<std::size_t>(y * 200 + x)];
+      std::uint8_t& pixel = image.pixels[y * 200 + x];
       pixel = static_cast<std::uint8_t>(230 - pixel);
     }
   const auto corrected = detect_in(image).result.tags;
@@ -258,7 +252,7 @@ TEST(TagPyramid, LeavesOutWhatDoesNotLookLikeItsTag) {
     scene.corners = test::square_corners({100, 100}, 72, 0);
     const GreyImage image = render(scene);
     std::vector<const std::uint8_t*> rows;
-    for (int y = 0; y < image.height; ++y) rows.push_back(&image.pixels[static_cast<std::size_t>(y * image.width)]);
+    for (int y = 0; y < image.height; ++y) rows.push_back(&image.pixels[y * image.width]);
     const auto& c = scene.corners;
     read += decoder.read({0, 200, 0, 200, rows.data()}, {c[3], c[2], c[1], c[0]}).code.has_value();
     EXPECT_THAT(detect_in(image, {}, "DICT_3X3_32").result.tags, IsEmpty()) << id;

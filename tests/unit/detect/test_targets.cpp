@@ -42,18 +42,16 @@ std::vector<double> light_of(TargetKind kind, const Eigen::Vector2d& centre, con
       }
   std::vector<double> weight(2 * reach + 1);
   double sum = 0;
-  for (int k = -reach; k <= reach; ++k)
-    sum += weight[static_cast<std::size_t>(k + reach)] = std::exp(-0.5 * std::pow(k / (blur * cells), 2));
+  for (int k = -reach; k <= reach; ++k) sum += weight[k + reach] = std::exp(-0.5 * std::pow(k / (blur * cells), 2));
   for (double& w : weight) w /= sum;
   for (int y = 0; y < wide; ++y)
     for (int x = reach; x < wide - reach; ++x)
-      for (int k = -reach; k <= reach; ++k)
-        rows[cell(x, y)] += weight[static_cast<std::size_t>(k + reach)] * sharp[cell(x + k, y)];
+      for (int k = -reach; k <= reach; ++k) rows[cell(x, y)] += weight[k + reach] * sharp[cell(x + k, y)];
   for (int y = 0; y < kSize * cells; ++y)
     for (int x = 0; x < kSize * cells; ++x)
       for (int k = -reach; k <= reach; ++k)
-        light[static_cast<std::size_t>(y / cells * kSize + x / cells)] +=
-            weight[static_cast<std::size_t>(k + reach)] * rows[cell(x + reach, y + reach + k)] / (cells * cells);
+        light[y / cells * kSize + x / cells] +=
+            weight[k + reach] * rows[cell(x + reach, y + reach + k)] / (cells * cells);
   return light;
 }
 
@@ -141,7 +139,7 @@ TEST(Targets, SayWhyThereIsNone) {
   EXPECT_THAT(measure_target(flat, {31, 31}, {}).problem, HasSubstr("contrast"));
   GreyImage covered = image;  // nearly up to the centre
   for (int y = 0; y < kSize; ++y)
-    for (int x = 36; x < kSize; ++x) covered.pixels[static_cast<std::size_t>(y * kSize + x)] = 20;
+    for (int x = 36; x < kSize; ++x) covered.pixels[y * kSize + x] = 20;
   EXPECT_NE(measure_target(covered, centre, {}).problem, "");
   GreyImage edge = flat, bar = flat;
   for (int y = 0; y < kSize; ++y)

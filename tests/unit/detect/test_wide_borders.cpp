@@ -32,7 +32,7 @@ double printed(const SquareFamily& family, double x, double y) {
   if (u < kGap && v < kGap) return 0;
   if (u < kGap || v < kGap || column == kColumns || row == kRows) return 1;
   const int i = static_cast<int>(u) - kGap, j = kCells - 1 - (static_cast<int>(v) - kGap);
-  const std::uint64_t code = family.codes[static_cast<std::size_t>(row * kColumns + column)];
+  const std::uint64_t code = family.codes[row * kColumns + column];
   for (std::size_t k = 0; k < family.cells.size(); ++k)
     if (family.cells[k][0] == i && family.cells[k][1] == j)
       return static_cast<double>(code >> (family.cells.size() - 1 - k) & 1);
@@ -119,8 +119,7 @@ TEST(WideBorders, CornersOfAKalibrTargetDoNotMoveWithTheExposure) {
   ASSERT_GT(tags.size(), 6u);
   double nearest = 1e9;
   for (const DetectedTag& tag : tags)
-    for (int k = 0; k < 4; ++k)
-      nearest = std::min(nearest, (tag.corners[static_cast<std::size_t>(k)] - truth(tag.id, k)).norm());
+    for (int k = 0; k < 4; ++k) nearest = std::min(nearest, (tag.corners[k] - truth(tag.id, k)).norm());
   EXPECT_GT(nearest, 0.3) << "where edges meet";
   const SeenBoard seen = find_board(image, board);
   EXPECT_EQ(seen.points.size(), 4 * tags.size());

@@ -52,8 +52,7 @@ TEST(BlockCovariance, IsTheMatrixItWasMadeOf) {
   EXPECT_EQ(part.dense(), blocks.dense(some));
   for (Eigen::Index i = 0; i < 4; ++i)
     for (Eigen::Index j = 0; j < 4; ++j)
-      EXPECT_EQ(part.block(i, j), blocks.block(static_cast<Eigen::Index>(some[static_cast<std::size_t>(i)]),
-                                               static_cast<Eigen::Index>(some[static_cast<std::size_t>(j)])));
+      EXPECT_EQ(part.block(i, j), blocks.block(static_cast<Eigen::Index>(some[i]), static_cast<Eigen::Index>(some[j])));
   BlockCovariance more = blocks;
   more *= 2;
   more.add(5, Eigen::Matrix3d::Identity());

@@ -45,8 +45,7 @@ struct Site {
     for (int column = 0; column < 2; ++column) {
       DesignElementT& e = add("P" + names + std::to_string(column), "IfcPlate", {2.0 * column, -0.1, 3});
       e.is_panel = true, e.box_low = {0.01, -0.02, 0}, e.box_high = {1.99, 0.02, 3};
-      for (const int k : {0, 1, 3, 4})
-        e.anchor_guids.push_back(design.elements[static_cast<std::size_t>(column + k)]->guid);
+      for (const int k : {0, 1, 3, 4}) e.anchor_guids.push_back(design.elements[column + k]->guid);
     }
     model.covariance = test::isotropic(model.ids.size(), 0.3 * mm);
   }

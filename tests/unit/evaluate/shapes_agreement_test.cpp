@@ -137,7 +137,7 @@ Campaign campaign_of(const Shape& shape, Cut cut, const Case& what, std::uint64_
   for (const ifc::Element& element : c.design.elements) {
     if (!element.is_anchor) continue;
     const int wing = std::stoi(element.name), floor = element.name[element.name.find('-') + 1] - '0' + 1;
-    const Eigen::Vector3d out = ifc::facing(shape.wings[static_cast<std::size_t>(wing)].azimuth * kDegree);
+    const Eigen::Vector3d out = ifc::facing(shape.wings[wing].azimuth * kDegree);
     Eigen::Vector3d off = mm * Eigen::Vector3d(normal(), normal(), normal());
     if (is_far_out(what, ids.size())) off += 30 * mm * out;
     if (what.name == kCases[2].name && floor == 2) off.z() -= 12 * mm;
@@ -306,7 +306,7 @@ TEST(Agreement, OfEveryShapeInEveryCaseThatWasOnceSilent) {
     }
   EXPECT_GT(orders, 500);
   EXPECT_GT(views, 100);
-  for (const int verdict : {1, 2, 3}) EXPECT_GT(seen[static_cast<std::size_t>(verdict)], 0);
+  for (const int verdict : {1, 2, 3}) EXPECT_GT(seen[verdict], 0);
 }
 
 }  // namespace

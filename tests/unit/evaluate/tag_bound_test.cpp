@@ -85,7 +85,7 @@ Eigen::VectorXd pixels(const BoundProblem& p, const Eigen::VectorXd& change) {
   auto values = camera.parameters();
   const Eigen::VectorXd d = next(static_cast<Eigen::Index>(p.free_parameters.size()));
   for (std::size_t k = 0; k < p.free_parameters.size(); ++k)
-    values[static_cast<std::size_t>(p.free_parameters[k])] += d(static_cast<Eigen::Index>(k));
+    values[p.free_parameters[k]] += d(static_cast<Eigen::Index>(k));
   camera.set_parameters(values);
   const Eigen::VectorXd scales = next(p.batches);
   Eigen::VectorXd all(static_cast<Eigen::Index>(8 * p.tags.size()));
@@ -109,8 +109,7 @@ Eigen::MatrixXd bound_by_differences(const BoundProblem& p) {
   Eigen::MatrixXd slope(static_cast<Eigen::Index>(8 * p.tags.size()), n);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Index of_camera = k - poses - plates;
-    const bool in_pixels =
-        of_camera >= 0 && of_camera < camera && p.free_parameters[static_cast<std::size_t>(of_camera)] < 4;
+    const bool in_pixels = of_camera >= 0 && of_camera < camera && p.free_parameters[of_camera] < 4;
     Eigen::VectorXd change = Eigen::VectorXd::Zero(n);
     change(k) = in_pixels ? 1e-1 : 1e-5;
     slope.col(k) = (pixels(p, change) - pixels(p, -change)) / (2 * change(k));
@@ -159,7 +158,7 @@ TEST(TagBound, EveryLensParameterActsAsInTheProjection) {
     for (int k = 0; k < 9; ++k) {
       if (alone >= 0 && k != alone) continue;
       problem.free_parameters.push_back(k);
-      variances.push_back(std::pow(prior[static_cast<std::size_t>(k)], 2));
+      variances.push_back(std::pow(prior[k], 2));
     }
     problem.camera_prior =
         Eigen::Map<Eigen::VectorXd>(variances.data(), std::ssize(variances)).asDiagonal().toDenseMatrix();
@@ -176,7 +175,7 @@ TEST(TagBound, EveryParameterOfAFisheyeActsAsInTheProjection) {
   const std::vector<double> prior = {3, 3, 5, 5, 0.02, 0.3, 3, 3};
   for (int alone = 0; alone < 8; ++alone) {
     problem.free_parameters = {alone};
-    problem.camera_prior = Eigen::MatrixXd::Constant(1, 1, std::pow(prior[static_cast<std::size_t>(alone)], 2));
+    problem.camera_prior = Eigen::MatrixXd::Constant(1, 1, std::pow(prior[alone], 2));
     const Eigen::MatrixXd bound = tag_bound(problem), other = bound_by_differences(problem);
     for (Eigen::Index i = 0; i < bound.rows(); ++i)
       EXPECT_NEAR(bound(i, i) / other(i, i), 1, 2e-5) << "parameter " << alone << ", coordinate " << i;

@@ -161,7 +161,7 @@ TEST(EvaluatePoses, CountsWhatIsWrongAndMissing) {
     truth.poses.back()->cam_from_world = {quaternion_from_rotation_vector({0.3, 0, 0.1}), {1, 2, 3}};
   }
   PosesT found;
-  for (int i = 0; i < 4; ++i) found.poses.push_back(std::make_unique<PoseT>(*truth.poses[static_cast<size_t>(i)]));
+  for (int i = 0; i < 4; ++i) found.poses.push_back(std::make_unique<PoseT>(*truth.poses[i]));
   // A projection centre 3 mm off, and one half a metre off because of a wrong attitude.
   auto& shifted = found.poses[0]->cam_from_world;
   shifted.translation -= shifted.rotation * Eigen::Vector3d(0, 0.003, 0);

@@ -62,7 +62,7 @@ TEST(FrameGraph, CovarianceIsThatOfPointsAndLink) {
         const FrameLink moved = changed(l, by.tail<7>());
         Eigen::Matrix<double, 6, 1> out;
         for (int i = 0; i < 2; ++i) {
-          const Eigen::Vector3d p = given.positions[static_cast<std::size_t>(i)] + by.segment<3>(3 * i);
+          const Eigen::Vector3d p = given.positions[i] + by.segment<3>(3 * i);
           out.segment<3>(3 * i) = backwards ? moved.apply_inverse(p) : moved.apply(p);
         }
         return out;

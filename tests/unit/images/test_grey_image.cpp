@@ -175,8 +175,7 @@ TEST(GreyImage, RefusesSixteenBitsOfWhichTheUpperOnesAreNotUsed) {
     auto pixels = ramp(1);
     for (int y = 0; y < kHeight; ++y) {
       std::vector<std::uint16_t> row;
-      for (int x = 0; x < kWidth; ++x)
-        row.push_back(static_cast<std::uint16_t>(factor * pixels[static_cast<std::size_t>(y * kWidth + x)]));
+      for (int x = 0; x < kWidth; ++x) row.push_back(static_cast<std::uint16_t>(factor * pixels[y * kWidth + x]));
       TIFFWriteScanline(tiff, row.data(), static_cast<std::uint32_t>(y), 0);
     }
     TIFFClose(tiff);
@@ -245,8 +244,7 @@ TEST(GreyRows, GiveTheSamePixelsAsTheWholeImageAndAsAPart) {
     ASSERT_EQ(part.height, 5);
     for (int y = 0; y < part.height; ++y)
       for (int x = 0; x < part.width; ++x)
-        EXPECT_EQ(part.pixels[static_cast<std::size_t>(y * part.width + x)],
-                  whole.pixels[static_cast<std::size_t>((11 + y) * kWidth + 30 + x)]);
+        EXPECT_EQ(part.pixels[y * part.width + x], whole.pixels[(11 + y) * kWidth + 30 + x]);
     EXPECT_THROW(read_grey_part(path, 40, 0, 5, 5), ImageFileError);
   }
 }

@@ -99,7 +99,7 @@ TEST(Dissection, LeavesNobodyOutAndTakesTheCameraLast) {
     const std::vector<int> order = nested_dissection_order(neighbours_of(pattern), sizes);
     std::vector<int> expected;
     for (int b = 0; b < count; ++b)
-      if (sizes[static_cast<size_t>(b)] > 0) expected.push_back(b);
+      if (sizes[b] > 0) expected.push_back(b);
     EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), expected.begin(), expected.end())) << count;
     if (count >= 400) {
       EXPECT_EQ(order.back(), 0);
@@ -112,18 +112,18 @@ TEST(Dissection, LeavesNobodyOutAndTakesTheCameraLast) {
 double operations_of(const Pattern& pattern, const std::vector<int>& order) {
   const auto neighbours = neighbours_of(pattern);
   std::vector<int> place(order.size());
-  for (size_t k = 0; k < order.size(); ++k) place[static_cast<size_t>(order[k])] = static_cast<int>(k);
+  for (size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<int>(k);
   std::vector<std::vector<int>> below(order.size());
   double operations = 0;
   for (size_t k = 0; k < order.size(); ++k) {
-    for (int b : neighbours[static_cast<size_t>(order[k])])
-      if (place[static_cast<size_t>(b)] > static_cast<int>(k)) below[k].push_back(place[static_cast<size_t>(b)]);
+    for (int b : neighbours[order[k]])
+      if (place[b] > static_cast<int>(k)) below[k].push_back(place[b]);
     std::sort(below[k].begin(), below[k].end());
     below[k].erase(std::unique(below[k].begin(), below[k].end()), below[k].end());
     const double rows = 6 * static_cast<double>(below[k].size());
     operations += 3 * rows * rows;
     if (below[k].empty()) continue;
-    auto& parent = below[static_cast<size_t>(below[k].front())];
+    auto& parent = below[below[k].front()];
     parent.insert(parent.end(), below[k].begin() + 1, below[k].end());
   }
   return operations;

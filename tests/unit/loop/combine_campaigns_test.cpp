@@ -74,13 +74,13 @@ TEST(CombineCampaigns, IsTheAdjustmentOfAllCampaignsAtOnce) {
   campaigns[2] = without(campaigns[2], 4);
   AnchorPlaces estimate;
   for (int r = 0; r < 4; ++r)
-    estimate = combine_campaigns(estimate, campaigns[static_cast<std::size_t>(r)],
-                                 r == 2 ? std::set<std::string>{"a2"} : std::set<std::string>{}, kNoDrift)
+    estimate = combine_campaigns(estimate, campaigns[r], r == 2 ? std::set<std::string>{"a2"} : std::set<std::string>{},
+                                 kNoDrift)
                    .estimate;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(3 * n + 3, 3 * n + 3);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(3 * n + 3);
   for (int r = 0; r < 4; ++r) {
-    const AnchorPlaces& c = campaigns[static_cast<std::size_t>(r)];
+    const AnchorPlaces& c = campaigns[r];
     std::vector<Eigen::Index> unknowns;
     for (const std::string& id : c.ids) {
       const Eigen::Index anchor = id == "a2" && r >= 2 ? n : std::stoi(id.substr(1));
@@ -105,7 +105,7 @@ TEST(CombineCampaigns, IsTheAdjustmentOfAllCampaignsAtOnce) {
       EXPECT_LT((estimate.own.block<3, 3>(a, b) - cofactor.block<3, 3>(at(i), at(j))).norm(), 1e-15) << i << " " << j;
     }
   EXPECT_EQ(estimate.campaigns[0], "c0 c1 c2 c3 ");
-  EXPECT_EQ(estimate.campaigns[static_cast<std::size_t>(row_of(estimate, "a2") / 3)], "c2 c3 ");
+  EXPECT_EQ(estimate.campaigns[row_of(estimate, "a2") / 3], "c2 c3 ");
 }
 
 TEST(CombineCampaigns, ACampaignCountsOnce) {
@@ -128,8 +128,8 @@ TEST(CombineCampaigns, WhatMovedIsNamedAndStartsAnew) {
   ASSERT_EQ(one.moved.size(), 1u);
   EXPECT_EQ(one.moved[0].id, "a7");
   EXPECT_NEAR(one.moved[0].shift.z(), -0.003, 0.001);
-  EXPECT_EQ(one.estimate.campaigns[static_cast<std::size_t>(row_of(one.estimate, "a7") / 3)], "second ");
-  EXPECT_EQ(one.estimate.campaigns[static_cast<std::size_t>(row_of(one.estimate, "a6") / 3)], "first second ");
+  EXPECT_EQ(one.estimate.campaigns[row_of(one.estimate, "a7") / 3], "second ");
+  EXPECT_EQ(one.estimate.campaigns[row_of(one.estimate, "a6") / 3], "first second ");
   // The set-up is known by the four anchors that stayed: better than by this campaign alone.
   const Eigen::Index a7 = row_of(one.estimate, "a7");
   EXPECT_LT(one.estimate.own(a7, a7), 0.85 * own(21, 21));

@@ -91,8 +91,8 @@ TEST(Machine, AtMostSoManyReworks) {
   for (int round = 0; round < 12; ++round) {
     InstallationPlanT plan = make_plan(std::to_string(round));
     for (int i : {0, 1}) {
-      plan.brackets[static_cast<std::size_t>(i)]->measured.z() += moved;
-      plan.brackets[static_cast<std::size_t>(i)]->setting = {0, 0.001, 0};
+      plan.brackets[i]->measured.z() += moved;
+      plan.brackets[i]->setting = {0, 0.001, 0};
     }
     if (item_status(state, "b0") == ItemStatus::executed || item_status(state, "b0") == ItemStatus::verified)
       plan.panels[0]->gate = GateDecision::no_go, plan.panels[0]->p_in = 0.01;
@@ -243,7 +243,7 @@ TEST(Machine, ControlThatAPersonHasLookedAtIsTheReferenceFromThen) {
   LoopStateT state;
   next_plan(state, first, {});
   apply_actuals(state, done({"b0", "b1"}, 1));
-  for (int i : {0, 1}) second.brackets[static_cast<std::size_t>(i)]->measured.x() += 0.004;  // something was done too
+  for (int i : {0, 1}) second.brackets[i]->measured.x() += 0.004;  // something was done too
   next_plan(state, second, {});
   EXPECT_FALSE(state.moved_control.empty());
   EXPECT_TRUE(accept_item(state, "control of floor 1"));
@@ -293,7 +293,7 @@ TEST(Machine, AKnownMistakeOfARobotIsNamedToWhoLooks) {
   const auto after = [](double moved) {
     LoopStateT state;
     InstallationPlanT first = make_plan("first");
-    for (int i : {0, 1}) first.brackets[static_cast<std::size_t>(i)]->setting = {0, 0.004, 0.005};
+    for (int i : {0, 1}) first.brackets[i]->setting = {0, 0.004, 0.005};
     next_plan(state, first, {});
     apply_actuals(state, done({"b0", "b1"}, 1));
     InstallationPlanT second = make_plan("second");

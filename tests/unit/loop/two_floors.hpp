@@ -97,8 +97,8 @@ inline void next_plan(LoopStateT& state, InstallationPlanT plan, const MachineOp
 inline InstallationPlanT plan_after_setting(double off, const std::string& basis = "second") {
   InstallationPlanT plan = make_plan(basis);
   for (int i = 0; i < 2; ++i) {
-    plan.brackets[static_cast<std::size_t>(i)]->measured.z() += 0.004 + off;
-    plan.brackets[static_cast<std::size_t>(i)]->setting.setZero();
+    plan.brackets[i]->measured.z() += 0.004 + off;
+    plan.brackets[i]->setting.setZero();
   }
   return plan;
 }

@@ -30,8 +30,7 @@ void give(const Scene& s, double principal_distance, test::NodeHarness& node) {
     for (const MarkerView& view : s.block.views) {
       if (view.image != static_cast<int>(i)) continue;
       auto tag = std::make_unique<TagT>();
-      tag->family = "tag36h11", tag->id = s.block.markers[static_cast<std::size_t>(view.marker)].id,
-      tag->refined = true;
+      tag->family = "tag36h11", tag->id = s.block.markers[view.marker].id, tag->refined = true;
       tag->corners.assign(view.corners.begin(), view.corners.end());
       for (const Eigen::Matrix2d& c : view.covariances)
         for (const double value : {c(0, 0), c(0, 1), c(1, 1)}) tag->corner_covariances.push_back(value);

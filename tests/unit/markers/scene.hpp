@@ -91,7 +91,7 @@ inline double error_of(const Scene& s, const MarkerResult& result) {
   std::vector<Eigen::Vector3d> from, to;
   for (const auto& m : result.markers) {
     from.push_back(m.world_from_tag.translation);
-    to.push_back(s.tags[static_cast<size_t>(m.marker)].translation);
+    to.push_back(s.tags[m.marker].translation);
   }
   const SimilarityMotion motion = fit_similarity(from, to, false);
   double sum = 0;

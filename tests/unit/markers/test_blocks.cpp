@@ -130,13 +130,11 @@ TEST(MarkerBlock, StatedCovarianceCoversTheErrorsItMakes) {
     // Distances do not hang on the datum: error over standard deviation of all pairs of neighbours.
     const Eigen::Index n = static_cast<Eigen::Index>(result.markers.size());
     for (Eigen::Index i = 0; i + 1 < n; ++i) {
-      const auto &a = result.markers[static_cast<size_t>(i)], &b = result.markers[static_cast<size_t>(i + 1)];
+      const auto &a = result.markers[i], &b = result.markers[i + 1];
       const Eigen::Vector3d d = b.world_from_tag.translation - a.world_from_tag.translation;
       Eigen::RowVectorXd slope = Eigen::RowVectorXd::Zero(3 * n);
       slope.segment<3>(3 * i) = -d.normalized(), slope.segment<3>(3 * i + 3) = d.normalized();
-      const double truth =
-          (s.tags[static_cast<size_t>(b.marker)].translation - s.tags[static_cast<size_t>(a.marker)].translation)
-              .norm();
+      const double truth = (s.tags[b.marker].translation - s.tags[a.marker].translation).norm();
       nees += std::pow(d.norm() - truth, 2) / (slope * result.centre_covariance * slope.transpose())(0, 0);
       ++count;
     }
@@ -281,7 +279,7 @@ TEST(MarkerBlock, TagsThatAreNoFlatSquaresDoNotSpoilTheCovariance) {
     for (MarkerView& view : s.block.views) {
       const size_t m = static_cast<size_t>(view.marker);
       const auto bent = shaped_corners(0.06, shapes[m]);
-      const RigidTransform cam_from_tag = s.images[static_cast<size_t>(view.image)] * s.tags[m];
+      const RigidTransform cam_from_tag = s.images[view.image] * s.tags[m];
       for (size_t q = 0; q < 4; ++q)
         view.corners[q] +=
             *project(true_camera(), cam_from_tag * bent[q]) - *project(true_camera(), cam_from_tag * corner(0.12, q));
@@ -455,7 +453,7 @@ TEST(MarkerBlock, NamesACalibrationThatThePhotographsContradict) {
   given.id = "telephone", given.camera = true_camera();
   const std::array<double, 9> sigmas = {1, 1, 1, 1, 5e-4, 2e-3, 1e-9, 5e-5, 5e-5};
   given.covariance = Eigen::MatrixXd::Zero(9, 9);
-  for (Eigen::Index k = 0; k < 9; ++k) given.covariance(k, k) = std::pow(sigmas[static_cast<size_t>(k)], 2);
+  for (Eigen::Index k = 0; k < 9; ++k) given.covariance(k, k) = std::pow(sigmas[k], 2);
   EXPECT_THAT(adjust_marker_block(s.block, {}).warnings, testing::Not(testing::Contains(HasSubstr("contradict"))));
   given.camera.cy += 12;
   EXPECT_THAT(
@@ -480,8 +478,7 @@ TEST(CalibrationTest, IsChiSquaredOfCorrelatedParametersTogether) {
   Eigen::MatrixXd seen = Eigen::MatrixXd::Zero(8, 8);
   for (Eigen::Index k = 0; k < 8; ++k) {
     Eigen::VectorXd row(8);
-    for (Eigen::Index j = 0; j < 8; ++j)
-      row(j) = unit(random) / std::sqrt(prior(free[static_cast<size_t>(j)], free[static_cast<size_t>(j)]));
+    for (Eigen::Index j = 0; j < 8; ++j) row(j) = unit(random) / std::sqrt(prior(free[j], free[j]));
     seen += 20 * row * row.transpose();
   }
   const Eigen::MatrixXd after = (information + seen).inverse();

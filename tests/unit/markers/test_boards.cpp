@@ -67,7 +67,7 @@ GreyImage drawn_charuco(const detect::Board& board) {
   GreyImage image{width, height, std::vector<std::uint8_t>(static_cast<size_t>(width * height), 210)};
   const auto fill = [&](int x0, int y0, int side, std::uint8_t value) {
     for (int y = y0; y < y0 + side; ++y)
-      for (int x = x0; x < x0 + side; ++x) image.pixels[static_cast<size_t>(y * width + x)] = value;
+      for (int x = x0; x < x0 + side; ++x) image.pixels[y * width + x] = value;
   };
   size_t id = 0;
   for (int row = 0; row < board.rows; ++row)
@@ -79,8 +79,7 @@ GreyImage drawn_charuco(const detect::Board& board) {
       }
       fill(x + 4, y + 4, 24, 30);
       for (int k = 0; k < 16; ++k)
-        if (board.dictionary.codes[id][static_cast<size_t>(k)] != 0)
-          fill(x + 8 + 4 * (k % 4), y + 8 + 4 * (k / 4), 4, 210);
+        if (board.dictionary.codes[id][k] != 0) fill(x + 8 + 4 * (k % 4), y + 8 + 4 * (k / 4), 4, 210);
       ++id;
     }
   return image;
@@ -128,9 +127,7 @@ TEST(Board, OfCharucoIsFoundBeforeAWideLens) {
         for (const double dx : {-0.375, -0.125, 0.125, 0.375}) {
           const Eigen::Vector2d p = bent({x + dx, y + dy}, tangent);
           const long i = std::lround(p.x()), j = std::lround(p.y());
-          sum += i >= 0 && j >= 0 && i < flat.width && j < flat.height
-                     ? flat.pixels[static_cast<size_t>(j * flat.width + i)]
-                     : 210;
+          sum += i >= 0 && j >= 0 && i < flat.width && j < flat.height ? flat.pixels[j * flat.width + i] : 210;
         }
       image.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum / 16)));
     }
@@ -151,9 +148,8 @@ void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int 
       int row = y / 4 - 1, column = x / 4 - 1;
       for (int k = 0; k < turn; ++k) row = std::exchange(column, 3 - row);
       const bool code = row >= 0 && row < 4 && column >= 0 && column < 4;
-      const bool white =
-          code && board.dictionary.codes[static_cast<size_t>(id)][static_cast<size_t>(4 * row + column)] != 0;
-      image.pixels[static_cast<size_t>((y0 + y) * image.width + x0 + x)] = white ? 210 : 30;
+      const bool white = code && board.dictionary.codes[id][4 * row + column] != 0;
+      image.pixels[(y0 + y) * image.width + x0 + x] = white ? 210 : 30;
     }
 }
 
@@ -197,7 +193,7 @@ TEST(Board, OfCharucoMarkersDrawnTurnedIsFoundOut) {
     GreyImage image{220, 190, std::vector<std::uint8_t>(220 * 190, 210)};
     for (int y = 0; y < 128; ++y)
       for (int x = 0; x < 160; ++x)
-        if ((x / 32 + y / 32) % 2 == 0) image.pixels[static_cast<size_t>((y + 30) * image.width + x + 30)] = 30;
+        if ((x / 32 + y / 32) % 2 == 0) image.pixels[(y + 30) * image.width + x + 30] = 30;
     for (int k = 0; k < 10; ++k) {
       const int row = 2 * k / 5, column = 2 * k - 5 * row + (row % 2 == 0 ? 1 : 0);
       draw_tag(image, board, k, 34 + 32 * column, 34 + 32 * row, turn);
@@ -247,7 +243,7 @@ GreyImage drawn_chessboard() {
   GreyImage image{260, 220, std::vector<std::uint8_t>(260 * 220, 210)};
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 168; ++x)
-      if ((x / 24 + y / 24) % 2 == 0) image.pixels[static_cast<size_t>((y + 50) * 260 + x + 46)] = 30;
+      if ((x / 24 + y / 24) % 2 == 0) image.pixels[(y + 50) * 260 + x + 46] = 30;
   return image;
 }
 

@@ -78,7 +78,7 @@ std::vector<CalibrationView> walk_past_a_twisted_board(int count, unsigned seed)
 double normalised_square(const Calibration& c, const Eigen::MatrixXd& covariance) {
   const auto found = c.camera.parameters(), truth = true_camera().parameters();
   Eigen::VectorXd error(9);
-  for (Eigen::Index k = 0; k < 9; ++k) error(k) = found[static_cast<size_t>(k)] - truth[static_cast<size_t>(k)];
+  for (Eigen::Index k = 0; k < 9; ++k) error(k) = found[k] - truth[k];
   return error.dot(covariance.ldlt().solve(error)) / 9;
 }
 
@@ -95,7 +95,7 @@ TEST(PhotographShares, LeavingOneOutIsWhatACalibrationWithoutItGives) {
     const auto at =
         std::find(all.truth.evidence.members.begin(), all.truth.evidence.members.end(), static_cast<int>(left_out)) -
         all.truth.evidence.members.begin();
-    const Eigen::VectorXd& predicted = all.truth.evidence.change_without[static_cast<size_t>(at)];
+    const Eigen::VectorXd& predicted = all.truth.evidence.change_without[at];
     const auto before = all.camera.parameters(), after = without.camera.parameters();
     for (size_t k = 0; k < 9; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
@@ -206,7 +206,7 @@ TEST(EmpiricalCovariance, KnowsThatNeighboursErrAlike) {
       for (size_t k = 0; k < shifts.size(); ++k)
         shifts[k] = k % static_cast<size_t>(alike) ? shifts[k - 1] : Eigen::Vector2d(unit(random), unit(random));
       const auto views = photographs(36, 300 + static_cast<unsigned>(trial), [&](int k, const Eigen::Vector2d&) {
-        return Own{1, {0, 0}, 1.5 * shifts[static_cast<size_t>(k)]};
+        return Own{1, {0, 0}, 1.5 * shifts[k]};
       });
       const Calibration c = calibrate(views, 1600, 1200, {});
       written += normalised_square(c, c.covariance) / trials;

@@ -161,7 +161,7 @@ TEST(TagDictionary, SaysHowWeakItIs) {
   auto bordered = detect::builtin_dictionary("DICT_5X5_50");
   for (auto& code : bordered.codes)
     for (int k = 0; k < 5; ++k)
-      for (const int at : {k, 20 + k, 5 * k, 5 * k + 4}) code[static_cast<size_t>(at)] = 0;
+      for (const int at : {k, 20 + k, 5 * k, 5 * k + 4}) code[at] = 0;
   EXPECT_THAT(detect::weakness_of(bordered), HasSubstr("leave them out of the file"));
 }
 
@@ -321,8 +321,7 @@ TEST(CameraFiles, CarryTheWholeCovariance) {
   EXPECT_LT((read.covariance - covariance).cwiseAbs().maxCoeff(), 1e-12);
   for (Eigen::Index i = 0; i < 9; ++i)
     for (Eigen::Index j = 0; j < 9; ++j)
-      EXPECT_NEAR(read.covariance(i, j), covariance(i, j),
-                  1e-12 * sigmas[static_cast<size_t>(i)] * sigmas[static_cast<size_t>(j)]);
+      EXPECT_NEAR(read.covariance(i, j), covariance(i, j), 1e-12 * sigmas[i] * sigmas[j]);
   EXPECT_THAT(text, testing::StartsWith("# sigmas: 2.1 times as large\nplumbline_camera: 1"));
   // Under a name, as of several cameras.
   std::string indented = "left:\n";

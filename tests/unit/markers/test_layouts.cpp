@@ -38,7 +38,7 @@ TEST(MarkerBlock, ATagThatWasMovedDoesNotPullTheFrame) {
   const auto pulled_by = [&](const MarkerResult& result) {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     for (const auto& marker : result.markers)
-      mean += (marker.world_from_tag.translation - s.tags[static_cast<size_t>(marker.marker)].translation) / 12;
+      mean += (marker.world_from_tag.translation - s.tags[marker.marker].translation) / 12;
     return mean.norm();
   };
   MarkerBlock moved = s.block;
@@ -79,13 +79,13 @@ TEST(MarkerBlock, ATagThatTheLayoutTurnsIsNamedAndDoesNotPullTheFrame) {
     EXPECT_THAT(result.warnings, testing::Contains(HasSubstr(words)));
   EXPECT_EQ(result.warnings.size(), 4u);
   for (const auto& marker : result.markers) {
-    const RigidTransform& truth = s.tags[static_cast<size_t>(marker.marker)];
+    const RigidTransform& truth = s.tags[marker.marker];
     EXPECT_LT((marker.world_from_tag.translation - truth.translation).norm(), 0.003) << marker.marker;
     EXPECT_LT(marker.world_from_tag.rotation.angularDistance(truth.rotation), 0.01) << marker.marker;
   }
   EXPECT_EQ(result.markers.size(), 12u);
   for (const auto& image : result.images)
-    EXPECT_LT((image.centre - s.images[static_cast<size_t>(image.image)].inverse().translation).norm(), 0.01);
+    EXPECT_LT((image.centre - s.images[image.image].inverse().translation).norm(), 0.01);
   // A photograph of that tag alone is oriented by where the others have the tag.
   MarkerBlock alone = turned({{1, {M_PI / 2, z}}});
   std::erase_if(alone.views, [](const MarkerView& v) { return v.image == 0 && v.marker != 1; });

@@ -89,12 +89,10 @@ double scale_error(const MarkerResult& result, const std::vector<RigidTransform>
   Eigen::RowVectorXd slope = Eigen::RowVectorXd::Zero(3 * n);
   for (Eigen::Index a = 0; a < n; ++a)
     for (Eigen::Index b = 0; b < a; ++b) {
-      const auto &first = result.markers[static_cast<size_t>(a)], &second = result.markers[static_cast<size_t>(b)];
+      const auto &first = result.markers[a], &second = result.markers[b];
       const Eigen::Vector3d d = first.world_from_tag.translation - second.world_from_tag.translation;
       length += d.norm();
-      truth +=
-          (tags[static_cast<size_t>(first.marker)].translation - tags[static_cast<size_t>(second.marker)].translation)
-              .norm();
+      truth += (tags[first.marker].translation - tags[second.marker].translation).norm();
       slope.segment<3>(3 * a) += d.normalized(), slope.segment<3>(3 * b) -= d.normalized();
     }
   const double in_network = std::sqrt((slope * result.centre_covariance * slope.transpose())(0, 0)) / truth;

@@ -523,7 +523,7 @@ TEST(Camera, DerivativesAreThoseOfTheProjection) {
         const double step = k < 4 ? 1e-2 : 1e-5;
         for (int side = 0; side < 2; ++side) {
           auto changed = values;
-          changed[static_cast<std::size_t>(k)] += side ? step : -step;
+          changed[k] += side ? step : -step;
           moved[side].set_parameters(changed);
         }
         const Eigen::Vector2d slope = (*project(moved[1], point) - *project(moved[0], point)) / (2 * step);

@@ -149,12 +149,11 @@ TEST(Registration, CovariancesCoverTheErrorsOfTransformAndMovedPoints) {
       Correspondences c;
       c.source.resize(3, 6), c.target.resize(3, 6), c.source_covariance.resize(18, 18);
       for (int i = 0; i < 6; ++i) {
-        c.ids.push_back(truth.ids[static_cast<std::size_t>(fitted[static_cast<std::size_t>(i)])]);
-        c.source.col(i) = measured.col(fitted[static_cast<std::size_t>(i)]);
-        c.target.col(i) = truth.target.col(fitted[static_cast<std::size_t>(i)]);
+        c.ids.push_back(truth.ids[fitted[i]]);
+        c.source.col(i) = measured.col(fitted[i]);
+        c.target.col(i) = truth.target.col(fitted[i]);
         for (int j = 0; j < 6; ++j)
-          c.source_covariance.block<3, 3>(3 * i, 3 * j) = source_covariance.block<3, 3>(
-              3 * fitted[static_cast<std::size_t>(i)], 3 * fitted[static_cast<std::size_t>(j)]);
+          c.source_covariance.block<3, 3>(3 * i, 3 * j) = source_covariance.block<3, 3>(3 * fitted[i], 3 * fitted[j]);
       }
       c.target_covariance = target_covariance;
       c.target = noisy(c.target, target_covariance, random);

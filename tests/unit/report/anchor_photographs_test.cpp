@@ -18,8 +18,7 @@ constexpr int kWidth = 900, kHeight = 600;
 void write_photograph(const std::filesystem::path& path, int x, int y, int side) {
   GreyImage image{kWidth, kHeight, std::vector<std::uint8_t>(kWidth * kHeight, 60)};
   for (int row = y - side / 2; row < y + side / 2; ++row)
-    for (int column = x - side / 2; column < x + side / 2; ++column)
-      image.pixels[static_cast<std::size_t>(row * kWidth + column)] = 220;
+    for (int column = x - side / 2; column < x + side / 2; ++column) image.pixels[row * kWidth + column] = 220;
   std::ofstream(path, std::ios::binary) << grey_jpeg(image, 95);
 }
 

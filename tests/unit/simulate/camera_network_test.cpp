@@ -23,9 +23,9 @@ TEST(CameraNetwork, EveryImageSeesFourTagsAndAdjacentFloorsAreLinked) {
           EXPECT_GE(tags.size(), 4u) << s.image;
           std::set<int> on;
           for (const auto& tag : tags) on.insert(tag.anchor->floor), ++seen[tag.anchor->id];
-          for (int f = 1; f < floors; ++f) links[static_cast<std::size_t>(f)] += on.count(f) && on.count(f + 1);
+          for (int f = 1; f < floors; ++f) links[f] += on.count(f) && on.count(f + 1);
         }
-        for (int f = 1; f < floors; ++f) EXPECT_GE(links[static_cast<std::size_t>(f)], 4) << name << " floor " << f;
+        for (int f = 1; f < floors; ++f) EXPECT_GE(links[f], 4) << name << " floor " << f;
         for (const Anchor& a : b.anchors) EXPECT_GE(seen[a.id], 4) << name << " " << a.id;
       }
     }

@@ -81,7 +81,7 @@ void add_edge(const PlateRaster& plate, const std::vector<Eigen::Vector2d>& curv
     double white_pixels = 0;
     for (int k = -reach; k <= reach; ++k) {
       const int column = (across == 0 ? centre + k : i) - plate.left, row = (across == 0 ? i : centre + k) - plate.top;
-      const double value = plate.reflectance[static_cast<std::size_t>(row * plate.width + column)];
+      const double value = plate.reflectance[row * plate.width + column];
       white_pixels += (value - black) / (white - black);
     }
     const double found = sign > 0 ? centre - reach - 0.5 + white_pixels : centre + reach + 0.5 - white_pixels;
@@ -305,7 +305,7 @@ TEST(Renderer, HazeLowersTheContrastAndLostPlatesAreGone) {
     const Eigen::Vector2d centre = 0.5 * (tag.corners[0] + tag.corners[2]), reach(25, 25);
     for (int y = static_cast<int>(centre.y() - reach.y()); y < centre.y() + reach.y(); ++y)
       for (int x = static_cast<int>(centre.x() - reach.x()); x < centre.x() + reach.x(); ++x) {
-        const int value = image.pixels[static_cast<std::size_t>(y * image.width + x)];
+        const int value = image.pixels[y * image.width + x];
         low = std::min(low, value), high = std::max(high, value);
       }
     return static_cast<double>(high - low);

@@ -113,7 +113,7 @@ TEST(Observations, WithoutNoiseAreTheGeometry) {
   for (const Anchor& a : b.anchors) targets[a.id] = a.built;
   for (const GroundPoint& g : plan.ground_points) targets[g.id] = g.truth + Eigen::Vector3d(0, 0, g.target_height);
   for (const auto& [key, m] : means_of(observations)) {
-    const PlannedSetUp& s = plan.set_ups[static_cast<std::size_t>(key.first)];
+    const PlannedSetUp& s = plan.set_ups[key.first];
     const double direction = std::atan2(m.direction_y, m.direction_x) + s.orientation, zenith = m.zenith / m.n,
                  distance = m.distance / m.n;
     const Eigen::Vector3d found =

@@ -22,7 +22,7 @@ Campaign campaign_of(const std::string& shape, double step = 1.0) {
 }
 
 Eigen::Vector3d outward(const Building& building, const Anchor& anchor) {
-  return building.wings[static_cast<std::size_t>(anchor.wing)].rotation * -Eigen::Vector3d::UnitY();
+  return building.wings[anchor.wing].rotation * -Eigen::Vector3d::UnitY();
 }
 
 TEST(Wings, EachFacadeIsTheFlatOneInItsPlace) {

@@ -20,7 +20,7 @@ TEST(Facet, HeightsOfATiltedBowedPanelLieWithinTheirStandardDeviations) {
   scene.height = [](double u, double v) { return 0.013 + 0.01 * u - 0.006 * v - 0.08 * u * u; };
   const Site site = make_site(scene);
   const FacetTile tile = measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {});
-  const int measured = tile.outcomes[static_cast<size_t>(FacetOutcome::measured)];
+  const int measured = tile.outcomes[FacetOutcome::measured];
   int all = 0;
   for (int count : tile.outcomes) all += count;
   EXPECT_GE(measured, 0.97 * all);
@@ -136,11 +136,10 @@ TEST(Facet, HolesAreHoles) {
   repeating.reflectance = [](double u, double) { return 0.5 + 0.4 * std::sin(2 * M_PI * u / 0.012); };
   Site striped = make_site(repeating);
   for (int k = 0; k < 3; ++k) {
-    View& view = striped.views[static_cast<size_t>(k)];
+    View& view = striped.views[k];
     view.cam_from_world =
         plumbline::testing::looking(striped.scene.plane.world({0.6 * (k - 1), 0, 3}), striped.scene.plane.origin);
-    striped.light[static_cast<size_t>(k)] =
-        plumbline::testing::photograph(striped.scene, view.camera, view.cam_from_world);
+    striped.light[k] = plumbline::testing::photograph(striped.scene, view.camera, view.cam_from_world);
   }
   striped.views.resize(3), striped.light.resize(3);
   striped.expose(1.5, 2);
@@ -148,7 +147,7 @@ TEST(Facet, HolesAreHoles) {
   wide.facet.search = 0.08;
   const FacetTile several = measure_tile(striped.scene.plane, kArea, striped.facet_views(), striped.orientations, wide);
   EXPECT_LE(several.measured.points.size(), 3U) << "a pattern that repeats fits many heights";
-  EXPECT_GT(several.outcomes[static_cast<size_t>(FacetOutcome::ambiguous)], 100);
+  EXPECT_GT(several.outcomes[FacetOutcome::ambiguous], 100);
   // A mirror: what each photograph shows is another thing.
   FacadeScene scene;
   Site mirror = make_site(scene);

@@ -441,16 +441,16 @@ TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
   ASSERT_EQ(joint.not_measured, "");
   EXPECT_NEAR(joint.nominal_width, 0.02, 1e-9);
   for (const int at : {joint.narrowest, joint.widest}) {
-    const JointPlaceT& place = *joint.places.at(static_cast<size_t>(at));
+    const JointPlaceT& place = *joint.places.at(at);
     EXPECT_NEAR(place.width, 0.014, 5 * place.width_sigma);
     EXPECT_LT(place.width_sigma, 0.0008);
   }
-  EXPECT_NEAR(joint.places.at(static_cast<size_t>(joint.largest_step))->step, -0.0025, 1e-4);
+  EXPECT_NEAR(joint.places.at(joint.largest_step)->step, -0.0025, 1e-4);
   EXPECT_NE(surfaces.joints_measured.find("last point"), std::string::npos) << "what it costs is said";
   // The panels end 3 mm beside their faces: what was kept up to there says so, and what was cut before is refused.
   const JointFiguresT near = *joint_of("0.004", "0.004").joints[0];
   ASSERT_FALSE(near.places.empty());
-  EXPECT_NEAR(near.places.at(static_cast<size_t>(near.widest))->width, 0.014, 0.002);
+  EXPECT_NEAR(near.places.at(near.widest)->width, 0.014, 0.002);
   try {
     ADD_FAILURE() << "a joint of " << joint_of("0.002", "0.012").joints[0]->places.size() << " places";
   } catch (const NodeFailed& error) {

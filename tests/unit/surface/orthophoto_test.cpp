@@ -34,7 +34,7 @@ Eigen::Vector2d dark_middle(const Orthophoto& picture) {
   Eigen::Vector2d sum(0, 0);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      const int grey = picture.grey[static_cast<size_t>(y * picture.width + x)];
+      const int grey = picture.grey[y * picture.width + x];
       if (grey == 0 || grey > 130) continue;
       count += 1;
       sum += Eigen::Vector2d(picture.area.low.x() + (x + 0.5) * picture.pixel,
@@ -209,8 +209,7 @@ TEST(Orthophoto, WhatAnotherPanelHidesIsNotSeen) {
 
 TEST(Orthophoto, PhotographsFromOnePlaceComeLast) {
   Panel panel;
-  panel.site.views.push_back(
-      panel.site.views[static_cast<size_t>(views_for_picture(panel.face, panel.site.facet_views())[0])]);
+  panel.site.views.push_back(panel.site.views[views_for_picture(panel.face, panel.site.facet_views())[0]]);
   panel.site.images.push_back(panel.site.images[0]);
   const auto order = views_for_picture(panel.face, panel.site.facet_views());
   ASSERT_EQ(order.size(), 6U);

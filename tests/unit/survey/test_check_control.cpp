@@ -60,7 +60,7 @@ TEST(CheckControl, ControlWithoutCovarianceCountsAsWithoutError) {
   const auto network = test::simulate({}, 19);
   ControlPoints control = corners(network, 20);
   for (int i = 0; i < 4; ++i)
-    control.coordinates.segment<3>(3 * i) = network.truth[std::array<size_t, 4>{0, 3, 8, 11}[static_cast<size_t>(i)]];
+    control.coordinates.segment<3>(3 * i) = network.truth[std::array<size_t, 4>{0, 3, 8, 11}[i]];
   control.covariance.resize(0, 0);
   EXPECT_TRUE(check_control(network.survey, control, without_curvature(), {}).comparison.congruent);
   control.coordinates[0] += 0.01;

@@ -62,7 +62,7 @@ TEST(CommonErrors, OneWrongReadingIsNotTakenForACommonError) {
     if (o.set_up == 1 && o.kind == ObservationKind::slope_distance && o.to == "M12") o.value += 0.03;
   const NetworkResult result = adjust_network(n.survey, free_network(true));
   ASSERT_FALSE(result.snooping.empty());
-  const ResultRow& removed = result.rows[static_cast<size_t>(result.snooping[0].row)];
+  const ResultRow& removed = result.rows[result.snooping[0].row];
   EXPECT_EQ(removed.to, "M12");
   EXPECT_EQ(removed.kind, "slope_distance");
   for (const Finding& f : result.findings) EXPECT_EQ(f.text.find("explains the misfit"), std::string::npos) << f.text;

@@ -61,8 +61,7 @@ TEST(CommonInfo, EachFilesReadingsHaveTheirOwnInstrumentInAnyOrder) {
       ASSERT_GE(o.instrument, 0);
       const bool first = std::any_of(precise.observations.begin(), precise.observations.end(),
                                      [&](const Observation& p) { return p.value == o.value; });
-      EXPECT_EQ(merged->survey.instruments[static_cast<size_t>(o.instrument)],
-                first ? "total_station_1arcsec" : "iCON 50");
+      EXPECT_EQ(merged->survey.instruments[o.instrument], first ? "total_station_1arcsec" : "iCON 50");
     }
     const std::string said = finding_with(*merged, "the instrument that the files name differs");
     EXPECT_NE(said.find("'total_station_1arcsec' in campaign"), std::string::npos) << said;

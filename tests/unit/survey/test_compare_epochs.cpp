@@ -112,7 +112,7 @@ TEST(CompareEpochs, FindsTheMovedMarkerAndItsMovement) {
   const Eigen::Vector3d sunk(0, 0, -0.006);
   for (Observation& o : second.survey.observations) {
     if (o.to != "M12") continue;
-    const Eigen::Vector3d& station = second.truth[static_cast<size_t>(12 + o.set_up)];
+    const Eigen::Vector3d& station = second.truth[12 + o.set_up];
     const Eigen::Vector3d before = second.truth[6] - station, after = before + sunk;
     if (o.kind == ObservationKind::slope_distance) o.value += after.norm() - before.norm();
     if (o.kind == ObservationKind::zenith_angle)

@@ -176,7 +176,7 @@ TEST(FieldMistakes, AnInstrumentHeightIsEstimated) {
     expect_words(r, {set_up == 0 ? "instrument height of set-up S1" : "instrument height of set-up S2"});
     EXPECT_EQ(r.validity, Validity::sound) << r.verdict;
     EXPECT_TRUE(removed_lines(r).empty());
-    EXPECT_NEAR(r.set_ups[static_cast<size_t>(set_up)].instrument_height_correction, -0.1, 0.003);
+    EXPECT_NEAR(r.set_ups[set_up].instrument_height_correction, -0.1, 0.003);
   }
 }
 

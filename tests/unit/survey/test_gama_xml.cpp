@@ -359,8 +359,7 @@ TEST(GamaXml, WritesWhatItReads) {
   auto n = test::simulate(settings, 3);
   n.survey.covariances.push_back({{0, 1, 2}, Eigen::Vector3d(2e-10, 2e-10, 1e-6).asDiagonal()});
   n.survey.covariances[0].covariance(0, 1) = n.survey.covariances[0].covariance(1, 0) = 1e-10;
-  for (int k = 0; k < 3; ++k)
-    n.survey.observations[static_cast<size_t>(k)].sigma = std::sqrt(n.survey.covariances[0].covariance(k, k));
+  for (int k = 0; k < 3; ++k) n.survey.observations[k].sigma = std::sqrt(n.survey.covariances[0].covariance(k, k));
   const auto back = read_gama_xml(write_gama_xml(n.survey), "back.gkf");
   AdjustOptions options;
   options.datum = DatumMode::inner;

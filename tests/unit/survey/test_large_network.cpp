@@ -25,7 +25,7 @@ SurveyObservations facade(int markers, int set_ups) {
     layout.points.push_back({id, {x, -18.0 - 3.0 * (i % 3), 0.0}});
     layout.set_ups.push_back({id, id, 1.6, 0.1 * i, {}});
     for (int m = 0; m < markers; ++m)
-      if (std::abs(layout.points[static_cast<size_t>(m)].position.x() - x) < reach)
+      if (std::abs(layout.points[m].position.x() - x) < reach)
         layout.set_ups.back().sees.push_back("M" + std::to_string(m));
   }
   SimulationOptions simulation;

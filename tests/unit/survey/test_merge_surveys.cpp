@@ -46,8 +46,7 @@ TEST(MergeSurveys, FreeStationsOfOneNameAreTwoPoints) {
   ASSERT_EQ(merged.survey.set_ups.size(), 4u);
   EXPECT_EQ(merged.survey.set_ups[2].station, "tuesday:S1");
   EXPECT_EQ(merged.survey.set_ups[2].id, "tuesday:S1");
-  for (const Observation& o : merged.survey.observations)
-    EXPECT_EQ(o.from, merged.survey.set_ups[static_cast<size_t>(o.set_up)].station);
+  for (const Observation& o : merged.survey.observations) EXPECT_EQ(o.from, merged.survey.set_ups[o.set_up].station);
   const NetworkResult result = adjust_network(merged.survey, {});
   EXPECT_LT(result.sigma0, 1.3);
 }
@@ -259,8 +258,8 @@ TEST(MergeSurveys, LocalCoordinatesKeepTheirSetUp) {
   };
   const MergedSurvey merged = merge_surveys({local("monday.csv", "A"), local("tuesday.csv", "B")});
   ASSERT_EQ(merged.survey.local_coordinates.size(), 2u);
-  EXPECT_EQ(merged.survey.set_ups.at(static_cast<size_t>(merged.survey.local_coordinates[0].set_up)).id, "A/2");
-  EXPECT_EQ(merged.survey.set_ups.at(static_cast<size_t>(merged.survey.local_coordinates[1].set_up)).id, "B/2");
+  EXPECT_EQ(merged.survey.set_ups.at(merged.survey.local_coordinates[0].set_up).id, "A/2");
+  EXPECT_EQ(merged.survey.set_ups.at(merged.survey.local_coordinates[1].set_up).id, "B/2");
 }
 
 }  // namespace

@@ -59,16 +59,16 @@ TEST(MonteCarlo, FullCovarianceOfAllMarkersCoversTheErrors) {
   for (int trial = 0; trial < n; ++trial) {
     const auto network = test::simulate({}, 9000 + static_cast<std::uint64_t>(trial));
     options.datum_points.clear();
-    for (int m = 0; m < kMarkers; ++m) options.datum_points.push_back(network.survey.points[static_cast<size_t>(m)].id);
+    for (int m = 0; m < kMarkers; ++m) options.datum_points.push_back(network.survey.points[m].id);
     const NetworkResult r = adjust_network(network.survey, options);
     Eigen::VectorXd error(3 * kMarkers);
     Eigen::MatrixXd covariance(3 * kMarkers, 3 * kMarkers);
     for (int i = 0; i < kMarkers; ++i) {
-      const ResultPoint& p = r.point(options.datum_points[static_cast<size_t>(i)]);
-      error.segment<3>(3 * i) = p.position - network.truth[static_cast<size_t>(i)];
+      const ResultPoint& p = r.point(options.datum_points[i]);
+      error.segment<3>(3 * i) = p.position - network.truth[i];
       for (int k = 0; k < kMarkers; ++k)
-        covariance.block<3, 3>(3 * i, 3 * k) = r.covariance(p, r.point(options.datum_points[static_cast<size_t>(k)]));
-      each[static_cast<size_t>(i)] +=
+        covariance.block<3, 3>(3 * i, 3 * k) = r.covariance(p, r.point(options.datum_points[k]));
+      each[i] +=
           error.segment<3>(3 * i).dot(covariance.block<3, 3>(3 * i, 3 * i).ldlt().solve(error.segment<3>(3 * i)));
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
@@ -84,8 +84,8 @@ TEST(MonteCarlo, FullCovarianceOfAllMarkersCoversTheErrors) {
   EXPECT_GT(joint, chi_squared_quantile(0.001, rank));
   EXPECT_LT(joint, chi_squared_quantile(0.999, rank));
   for (int i = 0; i < kMarkers; ++i) {
-    EXPECT_GT(each[static_cast<size_t>(i)], chi_squared_quantile(0.0005, 3 * n)) << i;
-    EXPECT_LT(each[static_cast<size_t>(i)], chi_squared_quantile(0.9995, 3 * n)) << i;
+    EXPECT_GT(each[i], chi_squared_quantile(0.0005, 3 * n)) << i;
+    EXPECT_LT(each[i], chi_squared_quantile(0.9995, 3 * n)) << i;
   }
   // Variance of any difference of two coordinates: relative standard deviation sqrt(2 / n); 630 of them, 5 sigma.
   const double tolerance = 5 * std::sqrt(2.0 / n);

@@ -67,8 +67,7 @@ TEST(Network, WeightedControlWithEqualCovarianceIsTheMean) {
   control.coordinates.resize(12);
   for (int i = 0; i < 4; ++i)
     for (size_t k = 0; k < n.survey.points.size(); ++k)
-      if (n.survey.points[k].id == control.ids[static_cast<size_t>(i)])
-        control.coordinates.segment<3>(3 * i) = n.truth[k];
+      if (n.survey.points[k].id == control.ids[i]) control.coordinates.segment<3>(3 * i) = n.truth[k];
   control.covariance = 1e-6 * Eigen::MatrixXd::Identity(12, 12);
   AdjustOptions options;
   options.curvature = Switch::off;
@@ -110,8 +109,8 @@ TEST(Network, TheRobustStartTakesTheWorstOfTooManySuspects) {
   std::set<int> large;
   int size = 0;
   for (const int row : {2, 14, 32, 50, 65, 77, 92, 104}) {  // slope distances, the later the worse
-    ASSERT_EQ(n.survey.observations[static_cast<size_t>(row)].kind, ObservationKind::slope_distance);
-    n.survey.observations[static_cast<size_t>(row)].value += 0.02 + 0.015 * size++;
+    ASSERT_EQ(n.survey.observations[row].kind, ObservationKind::slope_distance);
+    n.survey.observations[row].value += 0.02 + 0.015 * size++;
     if (size > 5) large.insert(row);
   }
   AdjustOptions options;
@@ -207,8 +206,7 @@ TEST(Network, OptionalUnknownsAreFound) {
   control.coordinates.resize(15);
   for (int i = 0; i < 5; ++i)
     for (size_t k = 0; k < n.survey.points.size(); ++k)
-      if (n.survey.points[k].id == control.ids[static_cast<size_t>(i)])
-        control.coordinates.segment<3>(3 * i) = n.truth[k];
+      if (n.survey.points[k].id == control.ids[i]) control.coordinates.segment<3>(3 * i) = n.truth[k];
   for (Observation& o : n.survey.observations)
     if (o.kind == ObservationKind::slope_distance) o.value += 0.004;
   AdjustOptions options;

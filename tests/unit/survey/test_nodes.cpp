@@ -133,10 +133,10 @@ survey::SurveyObservations campaign(std::uint64_t seed, const std::string& moved
   auto n = survey::test::simulate(settings, seed);
   for (auto& o : n.survey.observations) {
     if (o.to != moved) continue;
-    const Eigen::Vector3d& station = n.truth[static_cast<size_t>(12 + o.set_up)];
+    const Eigen::Vector3d& station = n.truth[12 + o.set_up];
     const auto at =
         std::find_if(n.survey.points.begin(), n.survey.points.end(), [&](const auto& p) { return p.id == moved; });
-    const Eigen::Vector3d before = n.truth[static_cast<size_t>(at - n.survey.points.begin())] - station;
+    const Eigen::Vector3d before = n.truth[at - n.survey.points.begin()] - station;
     const Eigen::Vector3d after = before + by;
     if (o.kind == ObservationKind::slope_distance) o.value += after.norm() - before.norm();
     if (o.kind == ObservationKind::zenith_angle)

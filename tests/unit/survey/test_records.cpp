@@ -226,8 +226,7 @@ TEST(Records, ControlThatDoesNotFit) {
     control.coordinates.resize(18);
     for (Eigen::Index i = 0; i < 6; ++i) {
       Eigen::Vector3d p =
-          n.truth[static_cast<size_t>(i)] +
-          Eigen::Vector3d(0, 3.0 * static_cast<double>(i % 2) - static_cast<double>(i), 0) * (what == 7);
+          n.truth[i] + Eigen::Vector3d(0, 3.0 * static_cast<double>(i % 2) - static_cast<double>(i), 0) * (what == 7);
       if (what == 1) p *= 3.28084;
       if (what == 2) p *= 0.3048;
       if (what == 3) p *= 1000;

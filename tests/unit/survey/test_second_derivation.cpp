@@ -134,7 +134,7 @@ TEST(SecondDerivation, CorrelatedRowsWithANegativeRedundancyNumberAreTested) {
   EXPECT_NEAR(rows[0].redundancy_number, 1 - (4 - 1.8) / (5 - 3.6), 1e-9);
   EXPECT_LT(rows[0].redundancy_number, 0);
   for (int i = 0; i < 2; ++i) {
-    const auto& row = rows[static_cast<size_t>(i)];
+    const auto& row = rows[i];
     EXPECT_NEAR(row.w, (p * v)[i] / std::sqrt(pqp(i, i)), 1e-9);
     EXPECT_NEAR(row.estimated_blunder, -(p * v)[i] / pqp(i, i), 1e-9);
     EXPECT_NEAR(row.mdb, 4.13 / std::sqrt(pqp(i, i)), 1e-9);
@@ -189,7 +189,7 @@ TEST(SecondDerivation, TheOnlyLineToAFixedPointMayBeTakenOut) {
   options.remove_blunders = true;
   const NetworkResult r = adjust_network(s, options);
   ASSERT_EQ(r.snooping.size(), 1u) << all_words(r);
-  EXPECT_EQ(r.rows[static_cast<size_t>(r.snooping[0].row)].from, "A");
+  EXPECT_EQ(r.rows[r.snooping[0].row].from, "A");
   EXPECT_NEAR(r.point("P").position.z(), 105, 0.001);
 }
 
@@ -266,9 +266,9 @@ TEST(SecondDerivation, HingesAreWhatHoldsTwoPartsTogether) {
 TEST(SecondDerivation, WeightedControlHasThePrecisionItIsGiven) {
   const auto n = test::simulate({}, 55);
   ControlPoints control;
-  for (int i = 0; i < 3; ++i) control.ids.push_back(n.survey.points[static_cast<size_t>(i)].id);
+  for (int i = 0; i < 3; ++i) control.ids.push_back(n.survey.points[i].id);
   control.coordinates.resize(9);
-  for (int i = 0; i < 3; ++i) control.coordinates.segment<3>(3 * i) = n.truth[static_cast<size_t>(i)];
+  for (int i = 0; i < 3; ++i) control.coordinates.segment<3>(3 * i) = n.truth[i];
   control.covariance = 1e-10 * Eigen::MatrixXd::Identity(9, 9);  // 0.01 mm
   AdjustOptions options = free_network();
   options.datum = DatumMode::weighted;
@@ -379,7 +379,7 @@ TEST(OptionalUnknowns, Tilts) {
     if (o.set_up != 0) continue;
     const auto marker =
         std::find_if(n.survey.points.begin(), n.survey.points.end(), [&](const auto& p) { return p.id == o.to; });
-    const Eigen::Vector3d d = n.truth[static_cast<size_t>(marker - n.survey.points.begin())] - n.truth[12];
+    const Eigen::Vector3d d = n.truth[marker - n.survey.points.begin()] - n.truth[12];
     const Eigen::Vector3d seen = turned.transpose() * d;
     if (o.kind == ObservationKind::direction) o.value += std::atan2(seen.x(), seen.y()) - std::atan2(d.x(), d.y());
     if (o.kind == ObservationKind::zenith_angle)

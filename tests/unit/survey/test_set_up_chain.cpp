@@ -254,10 +254,8 @@ TEST(SetUpChain, WithoutKnownPointsItBeginsAtTheLargestSetUp) {
   EXPECT_LT(start->points.at("S3").norm(), 1e-9);
   EXPECT_NEAR(start->orientations[2], 0, 1e-12);
   for (const auto& [a, b] : {std::pair{0, 5}, {3, 13}, {12, 15}})
-    EXPECT_NEAR((start->points.at(n.survey.points[static_cast<size_t>(a)].id) -
-                 start->points.at(n.survey.points[static_cast<size_t>(b)].id))
-                    .norm(),
-                (n.truth[static_cast<size_t>(a)] - n.truth[static_cast<size_t>(b)]).norm(), 1e-3);
+    EXPECT_NEAR((start->points.at(n.survey.points[a].id) - start->points.at(n.survey.points[b].id)).norm(),
+                (n.truth[a] - n.truth[b]).norm(), 1e-3);
 }
 
 TEST(SetUpChain, AGrossViewIsNotInTheMean) {

@@ -320,7 +320,7 @@ TEST(OnePointFrom, OneWrongDirectionOfFiveDoesNotPlaceTheStation) {
     OnePoint n(15);
     const int s = n.set_up("P");
     for (const char* to : {"A", "B", "C", "D", "E"}) n.direction(s, "P", to, 0.3);
-    n.survey().observations[static_cast<size_t>(wrong)].value += 0.3;
+    n.survey().observations[wrong].value += 0.3;
     n.add(ObservationKind::height_difference, "A", "P", n.d("A", "P").z());
     EXPECT_LT(n.distance_from_truth().x(), 1e-3) << wrong;
   }

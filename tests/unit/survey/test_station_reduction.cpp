@@ -270,7 +270,7 @@ TEST(CircleSteps, AreToldOnlyWhereTheReadingsShowOne) {
   const auto steps = circle_steps(turned.survey());
   ASSERT_EQ(steps.size(), 1u);
   EXPECT_NEAR(steps[0].turn, 0.01, 1e-9);
-  EXPECT_EQ(turned.survey().observations[static_cast<size_t>(steps[0].first)].to, "T4");
+  EXPECT_EQ(turned.survey().observations[steps[0].first].to, "T4");
   EXPECT_EQ(steps[0].with, 4);
   EXPECT_EQ(steps[0].without, 4);
 }

@@ -312,7 +312,7 @@ TEST_F(Tables, ABriefResultKeepsWhatIsToBeSaid) {
   EXPECT_EQ(none.observations[0]->to, told);
   EXPECT_EQ(none.observations[1]->to, suspect);
   EXPECT_EQ(none.snooping.back()->observation, 0);
-  EXPECT_EQ(ten.observations[static_cast<size_t>(ten.snooping.back()->observation)]->to, told);
+  EXPECT_EQ(ten.observations[ten.snooping.back()->observation]->to, told);
   EXPECT_NE(ten.findings.back()->text.find("observations.csv"), std::string::npos);
   const Rows rows = [&] {
     auto node = tables();

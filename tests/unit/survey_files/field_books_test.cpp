@@ -26,7 +26,7 @@ const Eigen::Vector3d kA(1030, 2040, 101), kB(960, 2030, 99);
 /// Where the pointing leads by what the file says of station, orientation and heights.
 Eigen::Vector3d place_of(const SurveyObservations& s, int pointing) {
   const Observation& d = observation(s, pointing, direction);
-  const SetUp& set_up = s.set_ups.at(static_cast<size_t>(d.set_up));
+  const SetUp& set_up = s.set_ups.at(d.set_up);
   const double azimuth = d.value + set_up.stated_orientation, z = value(s, pointing, zenith_angle),
                length = value(s, pointing, slope_distance);
   const Eigen::Vector3d at(length * std::sin(z) * std::sin(azimuth), length * std::sin(z) * std::cos(azimuth),

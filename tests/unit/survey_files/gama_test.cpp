@@ -40,9 +40,8 @@ TEST(GamaWriter, AnySurveyReadsBackTheSame) {
       EXPECT_EQ(x.to, y.to);
       EXPECT_NEAR(std::remainder(x.value - y.value, 2 * std::numbers::pi), 0, 1e-11);
       EXPECT_NEAR(x.sigma, y.sigma, 1e-12);
-      const double height = std::isnan(x.instrument_height)
-                                ? survey.set_ups[static_cast<std::size_t>(x.set_up)].instrument_height
-                                : x.instrument_height;
+      const double height =
+          std::isnan(x.instrument_height) ? survey.set_ups[x.set_up].instrument_height : x.instrument_height;
       EXPECT_NEAR(height, y.instrument_height, 1e-12);
     }
     for (const Point& p : survey.points)

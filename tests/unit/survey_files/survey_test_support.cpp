@@ -51,7 +51,7 @@ SurveyObservations random_survey(unsigned long long seed) {
     Observation o;
     o.set_up = pointing / 20;
     o.pointing = pointing;
-    o.from = survey.set_ups[static_cast<std::size_t>(o.set_up)].station;
+    o.from = survey.set_ups[o.set_up].station;
     o.to = survey.points[3 + static_cast<std::size_t>(random.uniform(0, 7.99))].id;
     o.target_height = random.uniform(-1, 3);
     if (pointing % 20 != 0 && random.uniform(0, 1) < 0.2) o.instrument_height = random.uniform(0, 2);
@@ -86,8 +86,7 @@ void expect_same(const SurveyObservations& a, const SurveyObservations& b, doubl
     EXPECT_EQ(x.set_number, y.set_number);
     EXPECT_NEAR(std::remainder(x.value - y.value, 2 * std::numbers::pi), 0, tolerance);
     const auto height = [](const SurveyObservations& s, const Observation& o) {
-      return std::isnan(o.instrument_height) ? s.set_ups[static_cast<std::size_t>(o.set_up)].instrument_height
-                                             : o.instrument_height;
+      return std::isnan(o.instrument_height) ? s.set_ups[o.set_up].instrument_height : o.instrument_height;
     };
     EXPECT_NEAR(height(a, x), height(b, y), tolerance);
     EXPECT_NEAR(std::isnan(x.target_height) ? 0 : x.target_height, y.target_height, tolerance);
