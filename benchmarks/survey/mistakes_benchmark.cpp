@@ -62,7 +62,7 @@ void swapped(Trial& t, Random& random, bool near) {
   for (const SimulatedPoint& p : t.layout.points)
     if (p.id[0] == 'M' && std::find(sees.begin(), sees.end(), p.id) != sees.end()) seen.push_back(&p);
   for (;;) {
-    const auto pick = [&] { return seen[random.uniform() * static_cast<double>(seen.size())]; };
+    const auto pick = [&] { return seen[static_cast<size_t>(random.uniform() * static_cast<double>(seen.size()))]; };
     const SimulatedPoint *a = pick(), *b = pick();
     const double apart = (a->position - b->position).norm();
     if (a == b || near != (apart < 3.5) || (!near && apart < 8)) continue;
@@ -85,7 +85,7 @@ void of_set_up(Trial& t, Random& random, Kind kind) {
     t.words = {set_up + " looks turned", set_up + ": the circle was turned"};
   } else if (kind == Kind::prism) {
     const double sizes[] = {0.0344, 0.0231, 0.0175};
-    m.size = sizes[random.uniform() * 3] * sign(random);
+    m.size = sizes[static_cast<size_t>(random.uniform() * 3)] * sign(random);
     t.words = {"distances of " + set_up + " look too"};
   } else if (kind == Kind::instrument_height) {
     m.size = size(random, 0.02, 1);

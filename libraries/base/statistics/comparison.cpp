@@ -300,7 +300,7 @@ TimeComparison compare_times(const std::vector<TimePair>& seconds, const Inferen
     for (int b = 0; b < 1000; ++b) {
       drawn.clear();
       for (std::size_t k = 0; k < seeds.size(); ++k) {
-        const auto& ratios = *seeds[random.uniform() * static_cast<double>(seeds.size())];
+        const auto& ratios = *seeds[static_cast<size_t>(random.uniform() * static_cast<double>(seeds.size()))];
         drawn.insert(drawn.end(), ratios.begin(), ratios.end());
       }
       medians.push_back(median(drawn));
