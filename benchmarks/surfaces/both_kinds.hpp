@@ -59,7 +59,7 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
         if (facet.outcome == FacetOutcome::measured && facet.correlation > best.correlation) best = std::move(facet);
       }
       if (two && best.outcome == FacetOutcome::measured) best.outcome = FacetOutcome::ambiguous;
-      ++result.outcomes[best.outcome];
+      ++result.outcomes[static_cast<size_t>(best.outcome)];
       if (best.outcome == FacetOutcome::measured)
         result.height[cell] = best.height,
         result.sigma[cell] = best.sigma * std::sqrt(best.neighbours > 1.8 ? best.neighbours : 1);

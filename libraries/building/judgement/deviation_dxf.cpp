@@ -17,7 +17,7 @@ constexpr double kTextHeight = 0.06;  // [m]
 
 const char* word(ToleranceVerdict verdict) {
   static constexpr std::array<const char*, 4> words = {"NOT_MEASURED", "PASS", "UNDECIDED", "FAIL"};
-  return words[verdict];
+  return words[static_cast<size_t>(verdict)];
 }
 
 /// Green, yellow, red, grey of AutoCAD's index.

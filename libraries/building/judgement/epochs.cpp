@@ -387,7 +387,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
 const char* words_of(ChangeKind change) {
   static constexpr std::array<const char*, 9> words = {
       "in order", "mended", "settled", "still open", "opened", "opened again", "not measured again", "new", "left out"};
-  return words[change];
+  return words[static_cast<size_t>(change)];
 }
 
 std::string words_of_changes(const AsBuiltChangesT& changes) {

@@ -15,7 +15,7 @@ using nlohmann::ordered_json;
 
 const char* name_of(ExchangeStatus status) {
   static constexpr const char* kNames[] = {"ASKING", "BUSY", "SENT", "ACCEPTED", "FINISHED", "REJECTED", "UNKNOWN"};
-  return kNames[status];
+  return kNames[static_cast<size_t>(status)];
 }
 
 namespace {

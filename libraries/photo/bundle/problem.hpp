@@ -191,7 +191,7 @@ class Layout {
   explicit Layout(const Problem& problem);
   int block_count() const { return static_cast<int>(sizes_.size()); }
   int unknown_count() const { return offsets_.back(); }
-  int block(Ref ref) const { return first_[ref.kind] + ref.index; }
+  int block(Ref ref) const { return first_[static_cast<size_t>(ref.kind)] + ref.index; }
   Ref ref(int block) const;
   int size(int block) const { return sizes_[block]; }
   int offset(int block) const { return offsets_[block]; }

@@ -39,7 +39,7 @@ LasHeader read_header(CloudStream& stream) {
   header.format = format;
   if (header.format > 10) stream.fail_at_byte(104, "point format " + std::to_string(format) + ", expected 0 to 10");
   header.record = number_at<std::uint16_t>(bytes + 105);
-  const std::uint16_t least = kRecord[header.format];
+  const std::uint16_t least = kRecord[static_cast<size_t>(header.format)];
   if (header.record < least)
     stream.fail_at_byte(105, "records of " + std::to_string(header.record) + " bytes, those of point format " +
                                  std::to_string(format) + " have at least " + std::to_string(least));

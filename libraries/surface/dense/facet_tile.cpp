@@ -114,7 +114,7 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
     if (facet.outcome == FacetOutcome::measured) neighbours += facet.neighbours, count += 1;
   const double larger = std::sqrt(std::max(1.0, neighbours / std::max(count, 1.0)));
   for (const auto& [at, facet] : facets) {
-    ++tile.outcomes[facet.outcome];
+    ++tile.outcomes[static_cast<size_t>(facet.outcome)];
     if (facet.outcome != FacetOutcome::measured) continue;
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
@@ -140,7 +140,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
             rows = std::max(1, static_cast<int>(size.y() / pitch));
   if (static_cast<int>(views.size()) < options.facet.min_views) {
     FacetTile tile = tile_of(plane, area, {}, views, orientations);
-    tile.outcomes[FacetOutcome::too_few_views] = columns * rows;
+    tile.outcomes[static_cast<size_t>(FacetOutcome::too_few_views)] = columns * rows;
     return tile;
   }
   const Eigen::Vector2d step(size.x() / columns, size.y() / rows);

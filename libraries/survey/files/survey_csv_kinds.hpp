@@ -13,7 +13,7 @@ namespace plumbline::survey {
 inline constexpr std::array<std::string_view, 7> kKindNames = {
     "direction", "zenith_angle", "slope_distance", "horizontal_distance", "height_difference", "angle", "azimuth"};
 
-inline std::string_view name_of(ObservationKind kind) { return kKindNames[kind]; }
+inline std::string_view name_of(ObservationKind kind) { return kKindNames[static_cast<size_t>(kind)]; }
 
 inline std::optional<ObservationKind> kind_of(std::string_view name) {
   for (std::size_t i = 0; i < kKindNames.size(); ++i)
@@ -43,7 +43,7 @@ inline std::optional<std::array<CoordinateRole, 3>> roles_of(std::string_view le
 
 inline std::string letters_of(const std::array<CoordinateRole, 3>& roles) {
   std::string letters;
-  for (const CoordinateRole role : roles) letters += kRoleLetters[role];
+  for (const CoordinateRole role : roles) letters += kRoleLetters[static_cast<size_t>(role)];
   return letters;
 }
 

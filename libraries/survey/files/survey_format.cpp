@@ -217,7 +217,7 @@ const char* short_name(SurveyFormat format) {
       "gsi",           "landxml",           "jobxml",     "sdr33", "rw5",     "gama-xml",
       "krumm",         "setup-coordinates", "csv",        "zeiss", "nikon",   "topcon-gts7",
       "topcon-gts210", "topcon-dl",         "geodimeter", "idx",   "starnet", "dynaml"};
-  return kNames[format];
+  return kNames[static_cast<size_t>(format)];
 }
 
 const char* long_name(SurveyFormat format) {
@@ -230,7 +230,7 @@ const char* long_name(SurveyFormat format) {
                                            "Topcon GTS-210", "Topcon DL or Sokkia SDL level",
                                            "Geodimeter",     "Leica IDX",
                                            "STAR*NET",       "DynaML"};
-  return kNames[format];
+  return kNames[static_cast<size_t>(format)];
 }
 
 std::optional<SurveyFormat> detect_survey_format(std::string_view bytes, const std::string& file_name) {

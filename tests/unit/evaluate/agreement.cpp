@@ -127,7 +127,7 @@ void expect_agreement(const Campaign& c, const std::string& epoch, std::array<in
   std::size_t open = 0;
   for (std::size_t i = 0; i < d.anchors.size(); ++i) {
     const AnchorDeviationT& a = *d.anchors[i];
-    ++seen[a.verdict];
+    ++seen[static_cast<size_t>(a.verdict)];
     EXPECT_EQ(json["deviation"]["anchors"][i]["verdict"], word(a.verdict)) << a.id;
     if (!a.guid.empty()) {
       EXPECT_EQ(anchors.at(a.guid), ifc::label_of(a.verdict)) << a.id;

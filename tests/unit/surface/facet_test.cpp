@@ -20,7 +20,7 @@ TEST(Facet, HeightsOfATiltedBowedPanelLieWithinTheirStandardDeviations) {
   scene.height = [](double u, double v) { return 0.013 + 0.01 * u - 0.006 * v - 0.08 * u * u; };
   const Site site = make_site(scene);
   const FacetTile tile = measure_tile(site.scene.plane, kArea, site.facet_views(), site.orientations, {});
-  const int measured = tile.outcomes[FacetOutcome::measured];
+  const int measured = tile.outcomes[static_cast<size_t>(FacetOutcome::measured)];
   int all = 0;
   for (int count : tile.outcomes) all += count;
   EXPECT_GE(measured, 0.97 * all);
@@ -147,7 +147,7 @@ TEST(Facet, HolesAreHoles) {
   wide.facet.search = 0.08;
   const FacetTile several = measure_tile(striped.scene.plane, kArea, striped.facet_views(), striped.orientations, wide);
   EXPECT_LE(several.measured.points.size(), 3U) << "a pattern that repeats fits many heights";
-  EXPECT_GT(several.outcomes[FacetOutcome::ambiguous], 100);
+  EXPECT_GT(several.outcomes[static_cast<size_t>(FacetOutcome::ambiguous)], 100);
   // A mirror: what each photograph shows is another thing.
   FacadeScene scene;
   Site mirror = make_site(scene);
