@@ -241,6 +241,6 @@ struct WriteBcf : Node {
 }  // namespace
 }  // namespace plumbline::ifc
 
-PLUMBLINE_PLUGIN("bim", "0.1.0", "MIT", plumbline::ifc::ReadIfc, plumbline::ifc::MatchElements,
+PLUMBLINE_PLUGIN("bim", PLUMBLINE_BUILD_ID, "MIT", plumbline::ifc::ReadIfc, plumbline::ifc::MatchElements,
                  plumbline::ifc::WriteIfc, plumbline::ifc::WriteBcf, plumbline::ifc::CheckIfc, plumbline::ifc::WriteIds,
                  plumbline::ifc::WriteInstallation, plumbline::ifc::WriteInstallationBcf)

@@ -149,7 +149,7 @@ struct EvaluateAccuracy : Node {
 
 }  // namespace plumbline::judgement
 
-PLUMBLINE_PLUGIN("evaluate", "0.1.0", "MIT", plumbline::judgement::EvaluateAccuracy,
+PLUMBLINE_PLUGIN("evaluate", PLUMBLINE_BUILD_ID, "MIT", plumbline::judgement::EvaluateAccuracy,
                  plumbline::judgement::EvaluateErrors, plumbline::judgement::EvaluatePoses,
                  plumbline::judgement::EvaluateCrlb, plumbline::judgement::PlanImages,
                  plumbline::judgement::EvaluateWithhold, plumbline::judgement::EvaluateLengths,

@@ -297,4 +297,4 @@ struct SimulateObservations : simulate::SimulatedSite {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("simulate", "0.1.0", "MIT", SimulateCampaign, SimulateObservations)
+PLUMBLINE_PLUGIN("simulate", PLUMBLINE_BUILD_ID, "MIT", SimulateCampaign, SimulateObservations)

@@ -261,4 +261,4 @@ struct SimulateFacade : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("simulate_facade", "0.1.0", "MIT", SimulateFacade)
+PLUMBLINE_PLUGIN("simulate_facade", PLUMBLINE_BUILD_ID, "MIT", SimulateFacade)

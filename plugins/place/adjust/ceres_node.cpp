@@ -2,5 +2,5 @@
 #include "adjuster_node.hpp"
 #include "ceres_engine.hpp"
 
-PLUMBLINE_PLUGIN("adjust_ceres", "0.1.0", "MIT; GPL-2.0-or-later as linked",
+PLUMBLINE_PLUGIN("adjust_ceres", PLUMBLINE_BUILD_ID, "MIT; GPL-2.0-or-later as linked",
                  plumbline::block::Adjuster<plumbline::block::CeresEngine>)

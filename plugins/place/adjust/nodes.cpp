@@ -7,7 +7,7 @@
 #include "read_block_nodes.hpp"
 #include "target_block_node.hpp"
 
-PLUMBLINE_PLUGIN("adjust", "0.1.0", "MIT", plumbline::block::Adjuster<plumbline::block::SchurEngine>,
+PLUMBLINE_PLUGIN("adjust", PLUMBLINE_BUILD_ID, "MIT", plumbline::block::Adjuster<plumbline::block::SchurEngine>,
                  plumbline::block::ColmapAdjuster, plumbline::block::JointAdjuster, plumbline::block::ReadAicon,
                  plumbline::block::ReadPhotoModeler, plumbline::block::ReadBal, plumbline::block::WriteBal,
                  plumbline::block::ReadImageBlock, plumbline::block::EvaluateCost, plumbline::block::EvaluateCrossval,

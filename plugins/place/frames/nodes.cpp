@@ -40,4 +40,4 @@ struct LocalBlock : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("frames", "0.1.0", "MIT", LocalBlock, frames::ToBuilding, frames::FramesGraph)
+PLUMBLINE_PLUGIN("frames", PLUMBLINE_BUILD_ID, "MIT", LocalBlock, frames::ToBuilding, frames::FramesGraph)

@@ -14,4 +14,4 @@ struct PoseLambdaTwist : pose::PoseNode {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("pose_lambda_twist", "0.1.0", "MIT", PoseLambdaTwist)
+PLUMBLINE_PLUGIN("pose_lambda_twist", PLUMBLINE_BUILD_ID, "MIT", PoseLambdaTwist)

@@ -16,4 +16,4 @@ struct PoseOpenCv : pose::PoseNode {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("pose_opencv", "0.1.0", "MIT", PoseOpenCv)
+PLUMBLINE_PLUGIN("pose_opencv", PLUMBLINE_BUILD_ID, "MIT", PoseOpenCv)

@@ -43,4 +43,4 @@ struct PoseOpenGvRig : pose::PoseNode {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("pose_opengv", "0.1.0", "MIT", PoseOpenGv, PoseOpenGvRig)
+PLUMBLINE_PLUGIN("pose_opengv", PLUMBLINE_BUILD_ID, "MIT", PoseOpenGv, PoseOpenGvRig)

@@ -49,4 +49,4 @@ struct RegisterOpengvArun : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("register_opengv", "0.1.0", "MIT", RegisterOpengvArun)
+PLUMBLINE_PLUGIN("register_opengv", PLUMBLINE_BUILD_ID, "MIT", RegisterOpengvArun)

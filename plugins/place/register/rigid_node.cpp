@@ -95,4 +95,4 @@ struct RegisterRigid : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("register", "0.1.0", "MIT", RegisterRigid, reg::WithoutWorst)
+PLUMBLINE_PLUGIN("register", PLUMBLINE_BUILD_ID, "MIT", RegisterRigid, reg::WithoutWorst)

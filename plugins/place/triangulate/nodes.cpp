@@ -168,4 +168,4 @@ struct Triangulate : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("triangulate", "0.1.0", "MIT", Triangulate<Dlt>, Triangulate<Midpoint>, Triangulate<Angular>)
+PLUMBLINE_PLUGIN("triangulate", PLUMBLINE_BUILD_ID, "MIT", Triangulate<Dlt>, Triangulate<Midpoint>, Triangulate<Angular>)

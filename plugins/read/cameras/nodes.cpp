@@ -35,4 +35,4 @@ struct JoinCameras : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("cameras", "0.1.0", "MIT", JoinCameras)
+PLUMBLINE_PLUGIN("cameras", PLUMBLINE_BUILD_ID, "MIT", JoinCameras)

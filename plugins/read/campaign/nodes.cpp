@@ -293,6 +293,6 @@ struct ReadTruth : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("campaign", "0.1.0", "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
+PLUMBLINE_PLUGIN("campaign", PLUMBLINE_BUILD_ID, "MIT", ReadCampaign, campaign::ReadPhotoCampaign, ReadSurveyCampaign,
                  ReadSurveyEpochs, ReadMeasuredCampaign, ReadTruth, campaign::ProposeCampaign,
                  campaign::AccountForCampaign, campaign::FilesForReader)

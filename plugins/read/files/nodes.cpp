@@ -46,4 +46,4 @@ struct ReadFolder : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("files", "0.1.0", "MIT", ReadFile, ReadFolder)
+PLUMBLINE_PLUGIN("files", PLUMBLINE_BUILD_ID, "MIT", ReadFile, ReadFolder)

@@ -95,4 +95,4 @@ void ReadGcp::run(Context& context) {
 
 }  // namespace plumbline::gcp
 
-PLUMBLINE_PLUGIN("gcp", "0.1.0", "MIT", plumbline::gcp::ReadGcp)
+PLUMBLINE_PLUGIN("gcp", PLUMBLINE_BUILD_ID, "MIT", plumbline::gcp::ReadGcp)

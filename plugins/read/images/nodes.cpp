@@ -94,4 +94,4 @@ struct ReadImages : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("images", "0.1.0", "MIT", ReadImages)
+PLUMBLINE_PLUGIN("images", PLUMBLINE_BUILD_ID, "MIT", ReadImages)

@@ -5,7 +5,7 @@
 
 using namespace plumbline::survey_files;
 
-PLUMBLINE_PLUGIN("survey_files", "0.1.0", "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadZeiss,
+PLUMBLINE_PLUGIN("survey_files", PLUMBLINE_BUILD_ID, "MIT", ReadGsi, ReadLandXml, ReadJobXml, ReadSdr33, ReadRw5, ReadZeiss,
                  ReadNikon, ReadTopconGts7, ReadTopconGts210, ReadTopconLevel, ReadGeodimeter, ReadIdx, ReadStarNet,
                  ReadDynaMl, ReadGama, ReadKrumm, ReadSurveyCsv, ReadSetupCoordinates, ReadSurvey, ReadLayout, WriteGsi,
                  WriteLandXml, WriteGama, WriteStarNet, WriteSurveyCsv, JoinSurveys, FileForReader, CollectReadings)

@@ -196,4 +196,4 @@ struct CalibrateBoard : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("calibrate", "0.1.0", "MIT", CalibrateBoard)
+PLUMBLINE_PLUGIN("calibrate", PLUMBLINE_BUILD_ID, "MIT", CalibrateBoard)

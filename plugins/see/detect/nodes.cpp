@@ -102,7 +102,7 @@ struct DetectAprilTag : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("detect", "0.1.0", "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
+PLUMBLINE_PLUGIN("detect", PLUMBLINE_BUILD_ID, "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
                  plumbline::detect::DetectTagPyramid, plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily,
                  plumbline::detect::WriteObservations, plumbline::detect::DetectBoard,
                  plumbline::detect::PredictTargets, plumbline::detect::DetectTarget)

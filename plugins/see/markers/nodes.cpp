@@ -11,7 +11,7 @@
 #include "sfm_node.hpp"
 #include "start_node.hpp"
 
-PLUMBLINE_PLUGIN("markers", "0.1.0", "MIT", plumbline::markers::AdjustMarkerBoard,
+PLUMBLINE_PLUGIN("markers", PLUMBLINE_BUILD_ID, "MIT", plumbline::markers::AdjustMarkerBoard,
                  plumbline::markers::AdjustMarkerField, plumbline::markers::ReadCamera, plumbline::markers::ReadPlates,
                  plumbline::markers::AdjustColmapControl, plumbline::markers::ColmapSfm, plumbline::markers::ReadPoints,
                  plumbline::markers::ReadImageObservations, plumbline::markers::ReadColmap,

@@ -50,4 +50,4 @@ struct BenchSummary : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("bench", "0.1.0", "MIT", BenchSummary)
+PLUMBLINE_PLUGIN("bench", PLUMBLINE_BUILD_ID, "MIT", BenchSummary)

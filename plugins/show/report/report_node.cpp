@@ -224,7 +224,7 @@ struct ReportSummary : Node {
 
 }  // namespace plumbline::report
 
-PLUMBLINE_PLUGIN("report", "0.1.0", "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
+PLUMBLINE_PLUGIN("report", PLUMBLINE_BUILD_ID, "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
                  plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
                  plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,

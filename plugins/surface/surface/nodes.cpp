@@ -12,7 +12,7 @@
 #include "sweep_node.hpp"
 #include "write_node.hpp"
 
-PLUMBLINE_PLUGIN("surface", "0.1.0", "MIT", plumbline::surface::PlaneSweep, plumbline::surface::SemiGlobal,
+PLUMBLINE_PLUGIN("surface", PLUMBLINE_BUILD_ID, "MIT", plumbline::surface::PlaneSweep, plumbline::surface::SemiGlobal,
                  plumbline::surface::ImportCloud, plumbline::surface::Fuse, plumbline::surface::FindPlanes,
                  plumbline::surface::Panels, plumbline::surface::Joints, plumbline::surface::ScanJoints,
                  plumbline::surface::OrthophotoNode, plumbline::surface::JudgeSurfaces, plumbline::surface::WriteCloud)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# usage: every_folder.sh BIN WORK     `cd FOLDER && plumbline run PIPELINE folder=.` for every pipeline that takes a folder: what runs leave there is no
+# usage: every_folder.sh BIN WORK DATA     `cd FOLDER && plumbline run PIPELINE folder=.` for every pipeline that takes a folder: what runs leave there is no
 # content of it, so the second run, with outputs inside or beside, finds everything as it was. A pipeline that is in no list here fails.
 set -uo pipefail
 bin=$1 work=$2
@@ -20,8 +20,17 @@ printf 'type: tags\ncolumns: 4\nrows: 5\nmarker: 0.0375\ngap: 0.005\ndictionary:
 tags="detector=aruco family=DICT_6X6_1000"
 plumbline run marker_board folder=board $tags tag_size=0.0375 --out known -q > /dev/null
 plumbline run calibrate_camera folder=board board=board.yaml --out known_camera -q > /dev/null
+# What somebody pointed at: the first corner of each tag, which is no crosshair but a place to look at.
+/usr/bin/python3 - <<'POINT'
+import json
+rows = [f"{image['path']},T{tag['id']},{tag['corners'][0][0]:.1f},{tag['corners'][0][1]:.1f}\n"
+        for image in json.load(open("known/observations.json"))["images"] for tag in image["tags"]]
+open("clicked.csv", "w").write("image,point,x,y\n" + "".join(rows))
+POINT
+others=${PLUMBLINE_TEST_DATA:-$3}/blocks/aicon
+[[ -d $others ]] && cp -r "$others" aicon && chmod -R u+w aicon
 
-where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because its data are not public
+where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because others' block is not on this machine
   case $1 in
     site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | site_survey | check_campaign | survey_campaign) echo site ;;
     site_observations | plan_installation) echo observed ;;
@@ -33,7 +42,8 @@ where() {  # the folder and the variables of a pipeline; nothing: it is not trie
     marker_board) echo "board $tags tag_size=0.0375" ;;
     calibrate_camera) echo "board board=../board.yaml" ;;
     marker_field) echo "board $tags layout=../known/tags.json camera=../known_camera/camera.yaml tag_size=0.0375" ;;
-    measure_targets | image_block) ;;   # need targets that somebody pointed at, another program's files: they list a folder as these do
+    measure_targets) echo "board places=../clicked.csv" ;;
+    image_block) [[ -d aicon ]] && echo aicon "block.with.free=[]" ;;
     *) echo unknown ;;
   esac
 }
