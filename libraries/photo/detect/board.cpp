@@ -93,8 +93,23 @@ TagDictionary dictionary_of(const YAML::Node& root, const std::string& file, con
   }
 }
 
+/// Whether the plane lies before the camera at all of `at`, and `onto` leaves an area of it: three of four corners in a
+/// row make a mapping onto a line.
+bool maps_an_area(const Eigen::Matrix3d& onto, const TagCorners& at) {
+  constexpr double kLeast = 0.05 * 0.05;  // of a square
+  if (!onto.allFinite()) return false;
+  double twice_area = 0;
+  for (size_t k = 0; k < 4; ++k) {
+    const auto depth = [&](const Eigen::Vector2d& p) { return onto.row(2).dot(p.homogeneous()); };
+    if (!(depth(at[k]) * depth(at[0]) > 0)) return false;
+    const Eigen::Vector2d a = mapped(onto, at[k]), b = mapped(onto, at[(k + 1) % 4]);
+    twice_area += a.x() * b.y() - a.y() * b.x();
+  }
+  return std::abs(twice_area) > 2 * kLeast;
+}
+
 /// Edge of a marker at `centre` [m] in squares, by the corners of the squares around it: over these a lens is as good
-/// as straight. nan where they are fewer than four, or in a row.
+/// as straight. nan where they are fewer than four, or tell no plane.
 double marker_in_squares(const TagCorners& marker, const Eigen::Vector2d& centre, const std::vector<SeenPoint>& points,
                          double square) {
   std::vector<cv::Point2f> from, to;
@@ -106,7 +121,7 @@ double marker_in_squares(const TagCorners& marker, const Eigen::Vector2d& centre
   }
   if (from.size() < 4 || box.sizes().minCoeff() < 0.5) return std::nan("");
   const Eigen::Matrix3d onto_board = homography(from, to, 0);
-  if (!onto_board.allFinite()) return std::nan("");
+  if (!maps_an_area(onto_board, marker)) return std::nan("");
   TagCorners on_board;
   for (size_t k = 0; k < 4; ++k) on_board[k] = mapped(onto_board, marker[k]);
   return side(on_board);
@@ -208,7 +223,14 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
     const double squares = marker_in_squares(tag.corners, at->second, seen.points, board.square);
     if (std::isfinite(squares)) ratio += squares, ++measured;
   }
-  if (measured) seen.marker_ratio = ratio / static_cast<double>(measured);
+  if (measured == 0) {
+    seen.problem = "its " + std::to_string(seen.points.size()) +
+                   " inner corners lie in a row or far apart, so that no marker can be held against the squares around "
+                   "it; photograph more of the board at once";
+    seen.points.clear();
+    return seen;
+  }
+  seen.marker_ratio = ratio / static_cast<double>(measured);
   if (!(seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2)) {
     seen.points.clear();
     seen.marker_ratio = std::nan("");

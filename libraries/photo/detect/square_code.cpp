@@ -148,7 +148,9 @@ std::optional<std::array<int, 2>> SquareDecoder::find(std::uint64_t code) const 
 }
 
 CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::Vector2d, 4>& corners) const {
-  constexpr double kAgree = 0.6;  // of the border's cells on their own side of the threshold
+  constexpr double kAgree = 0.6;        // of the border's cells on their own side of the threshold
+  constexpr double kOverexposed = 245;  // mean of white around the border [grey values]
+  constexpr double kSharpening = 0.25;  // as libapriltag's decode_sharpening
   CodeReading result;
   const int n = family_.modules;
   const Eigen::Matrix3d to_image = image_from_cells(corners, n);
@@ -187,8 +189,12 @@ CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::
     if (right < kAgree * static_cast<double>(border->size())) return result;
   }
 
-  std::uint64_t seen = 0;
-  std::array<double, 2> margin = {}, count = {};
+  const auto above = [&](double column, double row) -> std::optional<double> {  // the threshold
+    float value;
+    if (!grey(column, row, value)) return std::nullopt;
+    return static_cast<double>(value) - threshold(column, row);
+  };
+  std::vector<double> differences;  // in the mean over each cell
   for (const auto& [x, y] : family_.cells) {
     double difference = 0;
     for (const auto& [dx, dy] : {std::pair(0.0, 0.0), {-0.2, -0.2}, {0.2, -0.2}, {-0.2, 0.2}, {0.2, 0.2}}) {
@@ -196,6 +202,29 @@ CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::
       if (!grey(x + 0.5 + dx, y + 0.5 + dy, value)) return result;
       difference += 0.2 * (static_cast<double>(value) - threshold(x + 0.5, y + 0.5));
     }
+    differences.push_back(difference);
+  }
+  read_cells(differences, corners, result);
+  if (result.code || bright.mean() < kOverexposed) return result;
+  // White that is overexposed runs into single black cells: in their middle, against their neighbours, they are dark.
+  for (std::size_t i = 0; i < differences.size(); ++i) {
+    const double x = family_.cells[i][0] + 0.5, y = family_.cells[i][1] + 0.5;
+    const double own = above(x, y).value_or(0);
+    differences[i] = own;
+    for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}})
+      if (const auto beside = above(x + dx, y + dy)) differences[i] += kSharpening * (own - *beside);
+  }
+  CodeReading again;
+  read_cells(differences, corners, again);
+  return again.code ? again : result;
+}
+
+/// The code of the cells, by how far each is above the threshold, or whether it is one in a mirror.
+void SquareDecoder::read_cells(const std::vector<double>& above, const std::array<Eigen::Vector2d, 4>& corners,
+                               CodeReading& result) const {
+  std::uint64_t seen = 0;
+  std::array<double, 2> margin = {}, count = {};
+  for (const double difference : above) {
     const bool white = difference > 0;
     seen = seen << 1 | static_cast<std::uint64_t>(white);
     margin[white] += std::abs(difference);
@@ -218,7 +247,7 @@ CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::
     for (int i = 0; i < 4; ++i) code.corners[i] = corners[(turn + 3 - i) % 4];
     result.code = code;
   }
-  if (result.code) return result;
+  if (result.code) return;
   std::uint64_t flipped = in_order(mirrored_);
   for (int turn = 0; turn < 4 && !result.mirrored; ++turn) {
     result.mirrored = exact_.count(flipped) > 0;
@@ -226,7 +255,6 @@ CodeReading SquareDecoder::read(const PixelRows& image, const std::array<Eigen::
     for (const std::size_t bit : turned_[1]) next = next << 1 | (flipped >> (bits - 1 - bit) & 1);
     flipped = next;
   }
-  return result;
 }
 
 }  // namespace plumbline::detect

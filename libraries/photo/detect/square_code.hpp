@@ -83,6 +83,8 @@ class SquareDecoder {
 
  private:
   std::optional<std::array<int, 2>> find(std::uint64_t code) const;  // index and distance
+  void read_cells(const std::vector<double>& above, const std::array<Eigen::Vector2d, 4>& corners,
+                  CodeReading& result) const;
 
   SquareFamily family_;
   int max_hamming_;

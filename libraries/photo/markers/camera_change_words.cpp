@@ -199,6 +199,11 @@ double hidden_focus_change(const CameraTruth& truth) {
 
 std::vector<std::string> warnings_of(const CameraTruth& truth) {
   if (truth.change) return {in_words(*truth.change, truth.evidence)};
+  if (const int n = truth.empirical.photographs; n > 0 && n < 3 && !truth.evidence.parameters.empty())
+    return {fmt::format(
+        "how {} scatter{} cannot be told: the standard deviations of the camera are those of the corners alone, which "
+        "the scatter of photographs exceeds 1.1 to 7 times",
+        n == 1 ? "one photograph" : "two photographs", n == 1 ? "s" : "")};
   const std::string scatter = in_words(truth.empirical, truth.scatter);
   const double hidden = hidden_focus_change(truth);
   constexpr double worth_telling = 0.02;

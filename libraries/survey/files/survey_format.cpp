@@ -107,18 +107,20 @@ bool is_geodimeter(std::string_view text) {
 
 enum class StarNetLine { no, weak, strong };
 
-// A table may have points called A or C: only options, names joined by '-' and direction sets are sure.
-StarNetLine starnet_line(std::string_view text) {
+// A table may have points called A or C: only options, names that are joined and direction sets are sure.
+StarNetLine starnet_line(std::string_view text, char& separator) {
   const auto parts = text::split_blanks(text);
   if (parts.empty()) return StarNetLine::no;
   const std::string code = text::to_lower(parts[0]);
-  for (const char* option : {".units", ".order", ".3d", ".2d", ".delta", ".gps", ".inst", ".lweight"})
+  if (code.starts_with(".sep") && parts.size() == 2 && parts[1].size() == 1) separator = parts[1].front();
+  for (const char* option : {".separator", ".units", ".order", ".3d", ".2d", ".delta", ".gps", ".inst", ".lweight"})
     if (code == option) return StarNetLine::strong;
   if (parts.size() < 2) return StarNetLine::no;
   for (const char* joined : {"a", "d", "v", "b", "m", "bm", "dv", "ss", "l", "g1"})
     if (code == joined && parts.size() > 2)
-      return parts[1].find('-', 1) != std::string_view::npos && !text::parse_number(parts[1]) ? StarNetLine::strong
-                                                                                              : StarNetLine::no;
+      return parts[1].find(separator, 1) != std::string_view::npos && !text::parse_number(parts[1])
+                 ? StarNetLine::strong
+                 : StarNetLine::no;
   for (const char* set : {"db", "dn", "dm", "tb", "te"})
     if (code == set) return StarNetLine::strong;
   for (const char* alone : {"c", "e", "t", "g0", "g2", "g3"})
@@ -136,6 +138,7 @@ bool is_krumm_section(std::string_view text) {
 std::optional<SurveyFormat> line_format(std::string_view beginning) {
   std::size_t looked_at = 0, gsi = 0, sdr = 0, rw5 = 0, nikon = 0, gts7 = 0, geodimeter = 0, zeiss = 0, comments = 0;
   std::size_t starnet = 0, starnet_sure = 0;
+  char separator = '-';  // of STAR*NET's names
   bool sections = false;
   for (const text::Line& line : text::split_lines(beginning)) {
     const std::string_view text = text::trim(line.text);
@@ -150,7 +153,7 @@ std::optional<SurveyFormat> line_format(std::string_view beginning) {
     zeiss += text.starts_with("For M5|") || text.starts_with("For R5|") || text.starts_with("For R4|");
     comments += text.front() == '#' || text.front() == '%';
     sections = sections || is_krumm_section(text);
-    const StarNetLine kind = starnet_line(text);
+    const StarNetLine kind = starnet_line(text, separator);
     starnet += kind != StarNetLine::no;
     starnet_sure += kind == StarNetLine::strong;
   }

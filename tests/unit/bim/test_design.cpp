@@ -169,6 +169,62 @@ TEST(ReferencePoint, CurvesReachAsFarAsTheyShould) {
               0, 1e-9);
 }
 
+/// Every kind of profile, each with another width than height, at (100, 200) mm where it has a position.
+TEST(ReferencePoint, ProfilesReachAsFarAsTheyShould) {
+  const auto box = [](const std::string& profile) {
+    const Design design = read(with_anchor(
+        "#520=IFCEXTRUDEDAREASOLID(#540,$,#24,1.);#540=" + profile +
+        ";#550=IFCAXIS2PLACEMENT2D(#551,$);#551=IFCCARTESIANPOINT((100.,200.));#552=IFCAXIS2PLACEMENT2D(#553,$);"
+        "#553=IFCCARTESIANPOINT((0.,0.));#554=IFCCARTESIANPOINT((-300.,0.));#555=IFCCARTESIANPOINT((500.,40.));"
+        "#556=IFCDIRECTION((0.,1.));#557=IFCVECTOR(#556,10.);#558=IFCLINE(#555,#557);"));
+    EXPECT_TRUE(design.warnings.empty()) << profile << ": " << design.warnings[0];
+    const Element& e = named(design, "Odd");
+    return Eigen::Vector4d(1e3 * e.box_low.x(), 1e3 * e.box_low.y(), 1e3 * e.box_high.x(), 1e3 * e.box_high.y());
+  };
+  const std::vector<std::pair<std::string, Eigen::Vector4d>> profiles = {
+      {"IFCRECTANGLEPROFILEDEF(.AREA.,$,#550,60.,80.)", {70, 160, 130, 240}},
+      {"IFCRECTANGLEHOLLOWPROFILEDEF(.AREA.,$,$,60.,80.,5.,$,$)", {-30, -40, 30, 40}},
+      {"IFCCIRCLEPROFILEDEF(.AREA.,$,#550,50.)", {50, 150, 150, 250}},
+      {"IFCELLIPSEPROFILEDEF(.AREA.,$,$,60.,20.)", {-60, -20, 60, 20}},
+      {"IFCISHAPEPROFILEDEF(.AREA.,$,$,60.,80.,5.,6.,$,$,$)", {-30, -40, 30, 40}},
+      {"IFCTSHAPEPROFILEDEF(.AREA.,$,$,80.,60.,5.,6.,$,$,$,$,$)", {-30, -40, 30, 40}},
+      {"IFCUSHAPEPROFILEDEF(.AREA.,$,$,80.,60.,5.,6.,$,$,$)", {-30, -40, 30, 40}},
+      {"IFCCSHAPEPROFILEDEF(.AREA.,$,$,80.,60.,5.,6.,$)", {-30, -40, 30, 40}},
+      {"IFCLSHAPEPROFILEDEF(.AREA.,$,$,80.,60.,5.,$,$,$)", {-30, -40, 30, 40}},
+      {"IFCLSHAPEPROFILEDEF(.AREA.,$,$,80.,$,5.,$,$,$)", {-40, -40, 40, 40}},
+      // the flanges of a Z share its web
+      {"IFCZSHAPEPROFILEDEF(.AREA.,$,$,80.,60.,10.,6.,$,$)", {-55, -40, 55, 40}},
+      {"IFCTRAPEZIUMPROFILEDEF(.AREA.,$,$,100.,60.,80.,70.)", {-50, -40, 80, 40}},
+      {"IFCTRAPEZIUMPROFILEDEF(.AREA.,$,$,100.,60.,80.,-30.)", {-80, -40, 50, 40}},
+      {"IFCCOMPOSITEPROFILEDEF(.AREA.,$,(#541,#542),$);#541=IFCCIRCLEPROFILEDEF(.AREA.,$,#550,50.);"
+       "#542=IFCRECTANGLEPROFILEDEF(.AREA.,$,$,60.,80.)",
+       {-30, -40, 150, 250}},
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCELLIPSE(#550,60.,20.)", {40, 180, 160, 220}},
+      // a quarter of an ellipse from its left to its bottom, and a line of 3 to 8 times 10 mm
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCTRIMMEDCURVE(#542,(#554),(IFCPARAMETERVALUE("
+       "4.71238898038469)),.T.,.PARAMETER.);#542=IFCELLIPSE(#552,300.,20.)",
+       {-300, -20, 0, 0}},
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCTRIMMEDCURVE(#558,(IFCPARAMETERVALUE(3.)),"
+       "(IFCPARAMETERVALUE(8.)),.T.,.PARAMETER.)",
+       {500, 70, 500, 120}},
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCTRIMMEDCURVE(#558,(#555),(IFCPARAMETERVALUE(8.)),.T.,"
+       ".PARAMETER.)",
+       {500, 40, 500, 120}},
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCCOMPOSITECURVE((#542,#543),.F.);"
+       "#542=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#544);#543=IFCCOMPOSITECURVESEGMENT(.CONTINUOUS.,.T.,#545);"
+       "#544=IFCPOLYLINE((#551,#554));#545=IFCCIRCLE(#552,50.)",
+       {-300, -50, 100, 200}},
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCINDEXEDPOLYCURVE(#542,$,.F.);"
+       "#542=IFCCARTESIANPOINTLIST2D(((0.,-10.),(70.,0.),(0.,30.)))",
+       {0, -10, 70, 30}},
+      // the arc from the left over the bottom to the right
+      {"IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#541);#541=IFCINDEXEDPOLYCURVE(#542,(IFCARCINDEX((1,2,3))),.F.);"
+       "#542=IFCCARTESIANPOINTLIST2D(((-50.,0.),(-30.,-40.),(50.,0.)))",
+       {-50, -50, 50, 0}}};
+  for (const auto& [profile, expected] : profiles)
+    EXPECT_NEAR((box(profile) - expected).norm(), 0, 1e-6) << profile << ": " << box(profile).transpose();
+}
+
 TEST(Placement, GridIntersectionsWithOffsets) {
   const Design design = read(
       small_building("IFC4",

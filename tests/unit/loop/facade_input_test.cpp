@@ -122,5 +122,49 @@ TEST(FacadeInput, APointThatWasJudgedAndIsNotInTheModelIsNamed) {
   EXPECT_NE(fault_of(input, {}).find("the model has no covariance"), std::string::npos);
 }
 
+/// Two panels of 2 x 2 m side by side, 20 mm apart, the second 0.5 m higher; a third above the first: the edges of a
+/// joint are where both panels are.
+TEST(FacadeInput, EdgesOfAJointReachAsFarAsBothPanels) {
+  Input input;
+  add_panel(input, "A", {0, 0, 0}, {0, -1, 0});
+  add_panel(input, "B", {2.02, 0, 0.5}, {0, -1, 0});
+  add_panel(input, "C", {-0.3, 0, 2.03}, {0, -1, 0});
+  const auto joint = [&](const char* to, const char* side, double width, double tolerance) {
+    auto j = std::make_unique<PanelJointT>();
+    j->panel = j->name = to, j->side = side, j->design = width, j->change = within(tolerance);
+    input.deviation.panels[0]->joints.push_back(std::move(j));
+  };
+  joint("B", "right", 0.020, 0.004), joint("C", "above", 0.030, 0.006);
+  const std::size_t n = 3 * input.model.points.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 1e-7 : 0.0);
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  ASSERT_EQ(made.facade.joints.size(), 2u);
+  const auto expect = [](const Eigen::Vector3d& found, double x, double z, const char* what) {
+    EXPECT_LT((found - Eigen::Vector3d(x, 0, z)).norm(), 1e-12) << what << ": " << found.transpose();
+  };
+  const Joint &beside = made.facade.joints[0], &above = made.facade.joints[1];
+  expect(beside.on_a[0], 2, 0.5, "A's right edge, from B's bottom"), expect(beside.on_a[1], 2, 2, "to its own top");
+  expect(beside.on_b[0], 2.02, 0.5, "B's left edge"), expect(beside.on_b[1], 2.02, 2, "to A's top");
+  expect(above.on_a[0], 0, 2, "A's top, from its left"), expect(above.on_a[1], 1.7, 2, "to C's right");
+  expect(above.on_b[0], 0, 2.03, "C's bottom"), expect(above.on_b[1], 1.7, 2.03, "to its right");
+  EXPECT_EQ(beside.across, Eigen::Vector3d::UnitX());
+  EXPECT_EQ(above.across, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(beside.nominal, 0.020);
+  EXPECT_EQ(above.nominal, 0.030);
+  EXPECT_DOUBLE_EQ(beside.least, 0.016);
+  EXPECT_DOUBLE_EQ(beside.most, 0.024);
+  EXPECT_DOUBLE_EQ(above.least, 0.024);
+  EXPECT_DOUBLE_EQ(above.most, 0.036);
+  EXPECT_EQ(beside.step_most, 0.004) << "as its width, if nothing is said";
+  FacadeRules rules;
+  rules.step_tolerance = 0.0015;
+  EXPECT_EQ(facade_of(input.deviation, input.model, input.design, nullptr, rules).facade.joints[0].step_most, 0.0015);
+  EXPECT_EQ(beside.side_of_a, Side::right);
+  EXPECT_EQ(beside.side_of_b, Side::left);
+  EXPECT_EQ(above.side_of_a, Side::top);
+  EXPECT_EQ(above.side_of_b, Side::bottom);
+}
+
 }  // namespace
 }  // namespace plumbline::loop

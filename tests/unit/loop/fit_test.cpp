@@ -78,6 +78,28 @@ TEST(UsualHook, CarriesInTheTopRowAndHoldsSidewaysAtItsLeft) {
   for (const std::size_t below : {0, 1}) EXPECT_EQ(usual_hook(brackets, below, axes), (Hook{false, false, true}));
   EXPECT_EQ(usual_hook(brackets, 2, axes), (Hook{true, true, true}));
   EXPECT_EQ(usual_hook(brackets, 3, axes), (Hook{false, true, true}));
+  // One row is what lies within 0.3 m of the topmost; the leftmost of it counts, not that of a lower row.
+  const std::vector<Eigen::Vector3d> rows = {{-1, 2.69, 0}, {0, 2.71, 0}, {2, 3, 0}};
+  EXPECT_EQ(usual_hook(rows, 0, axes), (Hook{false, false, true}));
+  EXPECT_EQ(usual_hook(rows, 1, axes), (Hook{true, true, true}));
+  EXPECT_EQ(usual_hook(rows, 2, axes), (Hook{false, true, true}));
+}
+
+TEST(HookRule, SaysInWhichDirectionsABracketHolds) {
+  using Hook = std::array<bool, 3>;
+  const std::pair<const char*, Hook> words[] = {{"fixed", {true, true, true}},
+                                                {"slides_sideways", {false, true, true}},
+                                                {"slides_up", {true, false, true}},
+                                                {"slides", {false, false, true}}};
+  for (const auto& [word, holds] : words)
+    EXPECT_EQ(parse_hook_rule("name~-R2$: " + std::string(word)).holds, holds) << word;
+  try {
+    parse_hook_rule("name~-R2$: hangs");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "hook rule 'name~-R2$: hangs': found 'hangs', expected fixed, slides_sideways, slides_up or slides");
+  }
 }
 
 TEST(Fit, StopsWhenNobodyWaitsForIt) {
