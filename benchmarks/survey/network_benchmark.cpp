@@ -1,6 +1,7 @@
 // How long a network takes: simulated facades of the sizes the project promises, adjusted with covariance and
 // reliability, as a library call, as the whole pipeline, and by gama-local where that is on the PATH.
-//   survey_network_benchmark [markers set_ups sights_per_marker [runs]]
+//   survey_network_benchmark [markers set_ups sights_per_marker [runs [known]]]
+// `known`: the three markers at its corners and in the middle are held, so that there is control to check.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -41,7 +42,7 @@ double normal(std::uint64_t& state) {
 
 /// A long facade in rows of ten markers; each set-up sees the markers nearest along it, `sights` set-ups for each
 /// marker.
-SurveyObservations facade(int markers, int set_ups, int sights) {
+SurveyObservations facade(int markers, int set_ups, int sights, bool known) {
   SurveyObservations s;
   std::uint64_t state = 42;
   const int columns = (markers + 9) / 10;
@@ -50,7 +51,8 @@ SurveyObservations facade(int markers, int set_ups, int sights) {
     Point p;
     p.id = "M" + std::to_string(m);
     p.coordinates = {2.0 * (m / 10), 0.2 * (m % 3), 3.0 * (m % 10)};
-    p.roles.fill(CoordinateRole::constrained);
+    const bool held = known && (m == 0 || m == markers / 2 || m == markers - 1);
+    p.roles.fill(held ? CoordinateRole::fixed : CoordinateRole::constrained);
     s.points.push_back(p);
   }
   for (int i = 0; i < set_ups; ++i) {
@@ -173,8 +175,9 @@ void print_other(const std::string& name, const std::vector<Times>& runs, const 
 }
 
 /// All in turn, so that each meets the same load of the machine.
-void run(int markers, int set_ups, int sights, int runs, const std::vector<std::string>& algorithms) {
-  const SurveyObservations survey = facade(markers, set_ups, sights);
+void run(int markers, int set_ups, int sights, int runs, const std::vector<std::string>& algorithms,
+         bool known = false) {
+  const SurveyObservations survey = facade(markers, set_ups, sights, known);
   const Processes processes(survey);
   std::vector<Times> ours(1), pipeline;
   std::vector<std::vector<Times>> gama(algorithms.size());
@@ -203,11 +206,12 @@ void run(int markers, int set_ups, int sights, int runs, const std::vector<std::
 
 // gama-local's default is envelope; gso is the fastest of its four on these networks.
 int main(int argc, char** argv) {
-  if (argc == 4 || argc == 5) {
+  if (argc >= 4 && argc <= 6) {
     const int markers = std::atoi(argv[1]);
     std::vector<std::string> algorithms = {"gso"};
     if (markers <= 200) algorithms.emplace_back("envelope");  // at 300 it takes minutes
-    run(markers, std::atoi(argv[2]), std::atoi(argv[3]), argc == 5 ? std::max(1, std::atoi(argv[4])) : 5, algorithms);
+    run(markers, std::atoi(argv[2]), std::atoi(argv[3]), argc >= 5 ? std::max(1, std::atoi(argv[4])) : 5, algorithms,
+        argc == 6);
     return 0;
   }
   run(100, 6, 6, 5, {"envelope", "gso"});  // 1 800 observations

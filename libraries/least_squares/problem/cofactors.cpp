@@ -10,13 +10,15 @@ namespace plumbline::least_squares {
 
 /// In the datum of the pinned unknowns Q_p = S^-1 Z S^-1, zero for those; in that of the solution Q_p - G H - (G H)'.
 struct Cofactors::Sparse {
-  SparseFactor factor;  ///< of the scaled matrix
+  std::shared_ptr<const SparseFactor> of;  ///< of the scaled matrix
+  const SparseFactor& factor;
   SelectedInverse inverse;
   std::vector<int> block_of;      ///< of each unknown
   Eigen::VectorXd inverse_scale;  ///< zero for pinned unknowns
   Eigen::MatrixXd g, h;           ///< n x d and d x n; no columns without a defect
 
-  Sparse(const Solution& solution, SparseFactor of) : factor(std::move(of)), inverse(factor.cholesky()) {
+  Sparse(const Solution& solution, std::shared_ptr<const SparseFactor> its)
+      : of(std::move(its)), factor(*of), inverse(factor.cholesky()) {
     const NormalEquations& normal = solution.normal;
     for (int u = 0; u < normal.size(); ++u) block_of.push_back(normal.block_of(u));
     inverse_scale = normal.scale().cwiseInverse();
@@ -37,9 +39,10 @@ struct Cofactors::Sparse {
 
 namespace {
 
-SparseFactor factor_of(const Solution& solution) {
-  SparseFactor factor;
-  if (!factor.factorise(solution.normal, 0, solution.datum.pinned()))
+std::shared_ptr<const SparseFactor> factor_of(const Solution& solution) {
+  if (solution.factor) return solution.factor;
+  auto factor = std::make_shared<SparseFactor>();
+  if (!factor->factorise(solution.normal, 0, solution.datum.pinned()))
     throw RankDefect("the normal matrix is singular at the solution", Eigen::MatrixXd(solution.unknowns.count(), 0));
   return factor;
 }
@@ -63,14 +66,14 @@ Eigen::MatrixXd whole_of(const Solution& solution, const SparseFactor& factor) {
 
 }  // namespace
 
-Eigen::MatrixXd cofactor_matrix(const Solution& solution) { return whole_of(solution, factor_of(solution)); }
+Eigen::MatrixXd cofactor_matrix(const Solution& solution) { return whole_of(solution, *factor_of(solution)); }
 
 Cofactors::Cofactors(Eigen::MatrixXd whole) : size_(static_cast<int>(whole.rows())), whole_(std::move(whole)) {}
 
 Cofactors::Cofactors(const Solution& solution, int largest_whole) : size_(solution.unknowns.count()) {
-  SparseFactor factor = factor_of(solution);
+  std::shared_ptr<const SparseFactor> factor = factor_of(solution);
   if (size_ <= largest_whole)
-    whole_ = whole_of(solution, factor);
+    whole_ = whole_of(solution, *factor);
   else
     sparse_ = std::make_shared<const Sparse>(solution, std::move(factor));
 }

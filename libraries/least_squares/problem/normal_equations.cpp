@@ -10,13 +10,18 @@
 
 namespace plumbline::least_squares {
 
-NormalEquations::NormalEquations(const Linearisation& lin, const UnknownIndex& unknowns)
+NormalEquations::NormalEquations(const Linearisation& lin, const UnknownIndex& unknowns, const NormalEquations* like)
     : scale_(Eigen::VectorXd::Ones(unknowns.count())), gradient_(Eigen::VectorXd::Zero(unknowns.count())) {
   std::vector<int> sizes;
   for (int u = 0; u < unknowns.count(); ++u) {
     if (u == 0 || unknowns.block_of(u) != unknowns.block_of(u - 1)) sizes.push_back(0);
     ++sizes.back();
     block_of_.push_back(static_cast<int>(sizes.size()) - 1);
+  }
+  if (like && like->block_of_ == block_of_ && like->holds(lin, sizes)) {
+    analysis_ = like->analysis_;
+    blocks_ = like->blocks_;
+    return;
   }
   Pattern pattern(sizes);
   std::vector<int> met;
@@ -38,6 +43,22 @@ std::vector<NormalEquations::Part> NormalEquations::parts_of(const Linearisation
     ++parts.back().count;
   }
   return parts;
+}
+
+/// Whether blocks of these sizes, and each pair that meets, are in its pattern.
+bool NormalEquations::holds(const Linearisation& lin, const std::vector<int>& sizes) const {
+  if (blocks_.block_count() != static_cast<int>(sizes.size())) return false;
+  for (std::size_t b = 0; b < sizes.size(); ++b)
+    if (blocks_.size(static_cast<int>(b)) != sizes[b]) return false;
+  return std::all_of(lin.blocks.begin(), lin.blocks.end(), [&](const Linearisation::Block& block) {
+    const std::vector<Part> parts = parts_of(lin, block);
+    for (std::size_t a = 0; a < parts.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (const auto& rows = blocks_.column(parts[b].block).rows;
+            !std::binary_search(rows.begin(), rows.end(), parts[a].block))
+          return false;
+    return true;
+  });
 }
 
 void NormalEquations::assemble(const Linearisation& lin) {

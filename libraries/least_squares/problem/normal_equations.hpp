@@ -15,8 +15,10 @@ namespace plumbline::least_squares {
 
 class NormalEquations {
  public:
-  /// Finds the pattern and the order of elimination once for all iterations.
-  NormalEquations(const Linearisation& linearisation, const UnknownIndex& unknowns);
+  /// Finds the pattern and the order of elimination once for all iterations. Where `like` has the same unknowns and all
+  /// that meet here meet there (some observations fewer, other weights), its pattern and order are used.
+  NormalEquations(const Linearisation& linearisation, const UnknownIndex& unknowns,
+                  const NormalEquations* like = nullptr);
   void assemble(const Linearisation& linearisation);
 
   int size() const { return static_cast<int>(scale_.size()); }
@@ -36,6 +38,7 @@ class NormalEquations {
     int block, first, count;
   };
   std::vector<Part> parts_of(const Linearisation& linearisation, const Linearisation::Block& block) const;
+  bool holds(const Linearisation& linearisation, const std::vector<int>& sizes) const;
 
   std::vector<int> block_of_;
   std::shared_ptr<const Analysis> analysis_;

@@ -19,8 +19,11 @@ struct Step {
 };
 
 std::optional<Step> compute_step(Solution& s, double damping) {
-  SparseFactor factor;
-  if (!factor.factorise(s.normal, damping, s.datum.pinned())) return std::nullopt;
+  const auto own = std::make_shared<SparseFactor>();
+  s.factor.reset();
+  if (!own->factorise(s.normal, damping, s.datum.pinned())) return std::nullopt;
+  const SparseFactor& factor = *own;
+  if (damping == 0) s.factor = own;
   Eigen::VectorXd right_side = -s.normal.gradient().cwiseQuotient(s.normal.scale());
   for (int p : s.datum.pinned()) right_side[p] = 0;
   const Eigen::VectorXd scaled_step = factor.solve(right_side);
@@ -43,17 +46,28 @@ void restore(Problem& problem, const std::vector<std::vector<double>>& values) {
   for (size_t b = 0; b < values.size(); ++b) problem.parameters[b].value = values[b];
 }
 
+bool same_unknowns(const UnknownIndex& a, const UnknownIndex& b) {
+  if (a.count() != b.count()) return false;
+  for (int u = 0; u < a.count(); ++u)
+    if (a.block_of(u) != b.block_of(u) || a.component_of(u) != b.component_of(u)) return false;
+  return true;
+}
+
 Solution start(Problem& problem, const SolverOptions& options) {
   UnknownIndex unknowns(problem);
   if (unknowns.count() == 0) throw std::runtime_error("there is nothing to determine: every parameter is held");
   Linearisation lin = prepare_linearisation(problem, unknowns);
   if (!linearise(problem, unknowns, true, lin))
     throw std::runtime_error("an observation cannot be evaluated at the initial values (coinciding points?)");
-  NormalEquations normal(lin, unknowns);
+  const Solution* before =
+      options.before && same_unknowns(options.before->unknowns, unknowns) ? options.before : nullptr;
+  NormalEquations normal(lin, unknowns, before ? &before->normal : nullptr);
   normal.assemble(lin);
-  InnerConstraints datum(normal, find_null_space(normal, options.rank_tolerance), options.datum_unknowns);
-  Solution solution{std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}};
-  solution.change = Eigen::VectorXd::Zero(solution.unknowns.count());
+  const Eigen::MatrixXd null_space = find_null_space(normal, options.rank_tolerance);
+  InnerConstraints datum(normal, null_space, options.datum_unknowns);
+  if (before && before->datum.defect() == datum.defect()) datum = before->datum;
+  Solution solution{std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}, false, 0, nullptr};
+  solution.change = before ? before->change : Eigen::VectorXd::Zero(solution.unknowns.count());
   solution.sums_of_squares.push_back(solution.linearisation.sum_of_squares);
   return solution;
 }
@@ -86,6 +100,7 @@ class NetworkDescent : public DampedSystem {
 
   bool build(Where where, double) override {
     if (where == Where::place && is_built_) return true;
+    s_.factor.reset();
     is_built_ = linearise(problem_, s_.unknowns, true, s_.linearisation);
     if (is_built_) s_.normal.assemble(s_.linearisation);
     return is_built_;
@@ -156,6 +171,7 @@ Eigen::VectorXd gauss_newton_step(Solution& solution) {
 void move(Problem& problem, Solution& solution, const Eigen::VectorXd& step) {
   apply_step(problem, solution.unknowns, step);
   solution.change += step;
+  solution.factor.reset();
   if (!linearise(problem, solution.unknowns, true, solution.linearisation))
     throw std::runtime_error("an observation cannot be evaluated where a step leads");
   solution.normal.assemble(solution.linearisation);

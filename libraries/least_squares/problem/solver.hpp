@@ -2,6 +2,7 @@
 // accepted.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "least_squares/problem/datum.hpp"
@@ -9,6 +10,8 @@
 #include "least_squares/problem/problem.hpp"
 
 namespace plumbline::least_squares {
+
+struct Solution;
 
 struct SolverOptions {
   /// Unknowns whose initial values define the datum where the observations leave one open (inner constraints).
@@ -20,6 +23,10 @@ struct SolverOptions {
   /// belong to one linearisation without another evaluation. 0: every step down to step_tolerance is taken.
   double negligible_step = 0;
   double rank_tolerance = 1e-9;  ///< eigenvalues of the scaled normal matrix below this are a defect
+  /// A solution of nearly the same problem (an observation more or less, other weights), where this one starts: its
+  /// pattern and order of elimination are used as far as they hold, and inner constraints stay relative to what they
+  /// were there, if the unknowns are the same.
+  const Solution* before = nullptr;
 };
 
 struct Solution {
@@ -31,6 +38,8 @@ struct Solution {
   std::vector<double> sums_of_squares;  ///< v'Pv of the initial values and after each accepted step; never rises
   bool converged = false;
   double last_step = 0;  ///< |J dx| of the last step
+  /// Of `normal` as it is, with the pinned unknowns of `datum`; null where none was made.
+  std::shared_ptr<const SparseFactor> factor;
 
   int iterations() const { return static_cast<int>(sums_of_squares.size()) - 1; }
   double sum_of_squares() const { return linearisation.sum_of_squares; }

@@ -23,24 +23,42 @@ using least_squares::Solution;
 NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
   if (options_.robust_start && options_.remove_blunders) remove_by_robust_weights();
   Pass pass = adjust();
+  const MeasuredControl measured = options_.measure_control ? measured_control(pass) : MeasuredControl{};
   if (options_.remove_blunders) snoop(pass);
   if (options_.estimate_variance_components) {
     estimate_variance_components(pass);
     if (options_.remove_blunders) mend(pass);
   }
   NetworkResult result = report(pass);
+  result.measured_control = measured;
   if (kept)
     *kept =
         std::make_unique<KeptNetwork>(m_, std::move(pass.problem), std::move(pass.solution), result.variance_factor);
   return result;
 }
 
-Pass Adjuster::adjust(bool statistics) {
+namespace {
+
+/// Values of the parameters that a network before had too; false if it had others.
+bool start_from(const least_squares::Problem& before, least_squares::Problem& problem) {
+  const auto& from = before.parameters;
+  auto& to = problem.parameters;
+  const bool same = std::equal(from.begin(), from.end(), to.begin(), to.end(), [](const auto& a, const auto& b) {
+    return a.name == b.name && a.value.size() == b.value.size() && a.constant == b.constant;
+  });
+  for (std::size_t b = 0; same && b < to.size(); ++b) to[b].value = from[b].value;
+  return same;
+}
+
+}  // namespace
+
+Pass Adjuster::adjust(bool statistics, const Pass* before) {
   NetworkProblem problem = make_problem(m_, options_, state_);
   least_squares::SolverOptions solver;
   if (least_squares::UnknownIndex(problem.problem).count() == 0)
     throw NetworkError("there is nothing to determine: no point of the network is both observed and unknown");
   solver.datum_unknowns = datum_unknowns(m_, problem);
+  if (before && start_from(before->problem.problem, problem.problem)) solver.before = &before->solution;
   solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
   try {
     Solution solution = least_squares::solve(problem.problem, solver);

@@ -45,8 +45,13 @@ class Adjuster {
   NetworkResult run(std::unique_ptr<KeptNetwork>* kept = nullptr);
 
  private:
-  /// Solves; with `statistics` also cofactors and reliability. RankDefect becomes words.
-  Pass adjust(bool statistics = true);
+  /// Solves; with `statistics` also cofactors and reliability. From `before`, if its network has the same unknowns.
+  /// RankDefect becomes words.
+  Pass adjust(bool statistics = true, const Pass* before = nullptr);
+  /// What the readings of a pass say of the known points without what holds these: from the same equations, with the
+  /// same factor. Empty where that is not what a free network would say: something else than a datum is left open, or
+  /// readings were removed.
+  MeasuredControl measured_control(Pass& pass) const;
   [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice);
 
   /// Inner constraints choose among positions of the whole network; they must not stand in for missing observations.

@@ -59,7 +59,7 @@ void Adjuster::set_aside(Pass& pass) {
   if (rows.empty()) return;
   for (const int row : rows) state_.removed[row] = 1;
   try {
-    Pass without = adjust();
+    Pass without = adjust(true, &pass);
     pass = std::move(without);
   } catch (const NetworkError&) {  // they carry the network: it is told of, and the tests decide
     for (const int row : rows) state_.removed[row] = 0;
@@ -128,7 +128,7 @@ bool Adjuster::remove_together(Pass& pass, const std::vector<int>& rows, std::se
     state_.removed[row] = 1;
   }
   try {
-    Pass next = adjust();
+    Pass next = adjust(true, &pass);
     if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
     pass = std::move(next);
   } catch (const NetworkError&) {  // one by one it is found which may not go
@@ -144,7 +144,7 @@ bool Adjuster::remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set
   const auto [w, blunder] = row_test(pass, worst);
   state_.removed[worst] = 1;
   try {
-    Pass next = adjust();
+    Pass next = adjust(true, &pass);
     if (makes_uncontrolled(pass, next)) throw NetworkError("uncontrolled");
     pass = std::move(next);
   } catch (const NetworkError&) {
@@ -219,7 +219,7 @@ void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
     if (std::abs(test.w) > critical_removal()) continue;
     restored.insert(row);
     state_.removed[row] = 0;
-    pass = adjust();
+    pass = adjust(true, &pass);
     log_action(row, true, test.w, test.estimated_blunder, pass);
   }
 }
@@ -269,7 +269,7 @@ void Adjuster::remove_by_robust_weights() {
           pass.solution.linearisation.residuals[static_cast<Eigen::Index>(r)] / std::sqrt(state_.weight_factors[row]);
       state_.weight_factors[row] = std::min(1.0, kHuber / std::max(1e-12, std::abs(unit)));
     }
-    pass = adjust(false);
+    pass = adjust(false, &pass);
   }
   const auto most = static_cast<size_t>(options_.largest_removed_share * static_cast<double>(m_.rows.size()));
   std::vector<std::pair<double, int>> suspects;
@@ -310,7 +310,7 @@ void Adjuster::estimate_variance_components(Pass& pass) {
       factor = wanted;
     }
     if (change < kClosest) return;
-    pass = adjust();
+    pass = adjust(true, &pass);
   }
   m_.findings.push_back(
       {Finding::Severity::warning, "variance components did not settle within 20 iterations; the last are used", {}});

@@ -95,7 +95,7 @@ class ControlCauses {
     return fit_robustly(pairs, scale);
   }
 
-  /// Two say nothing but how far they are apart.
+  /// Two say nothing but how far they are apart: that fits a unit, or wrong coordinates of one of them by chance.
   std::vector<ControlCause> of_two_points() {
     constexpr double kClose = 0.002;  // a map's scale, readings of a centimetre over 5 m
     if (seen_.size() != 2) return {};
@@ -104,7 +104,9 @@ class ControlCauses {
     for (const LengthUnit& unit : kLengthUnits)
       if (seen > 0 && std::abs(known / seen / unit.metres - 1) < kClose)
         add_distances(unit, "so " + seen_[0].point + " and " + seen_[1].point + " are " + fixed_digits(known, 2) +
-                                " m apart as known, as they are, " + fixed_digits(seen, 2) + " m");
+                                " m apart as known, as they are, " + fixed_digits(seen, 2) +
+                                " m (nothing else tests it: two points are known, and wrong coordinates of one of them "
+                                "would look the same)");
     return std::move(found_);
   }
 

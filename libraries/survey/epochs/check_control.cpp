@@ -5,6 +5,7 @@
 #include <complex>
 #include <numeric>
 #include <set>
+#include <utility>
 
 namespace plumbline::survey {
 
@@ -143,26 +144,46 @@ int merged_motions(int first_defect, int second_defect, const Epoch& epoch) {
   return larger < 3 ? 0 : std::min(7, larger);
 }
 
+namespace {
+
+/// The given points in a free network of the readings, and by what it may lie elsewhere.
+Epoch measured_freely(const SurveyObservations& survey, const Epoch& given, AdjustOptions adjustment, int& motions) {
+  adjustment.datum = DatumMode::inner;
+  adjustment.datum_points.clear();
+  SurveyObservations free = without_control(survey);
+  if (!adjustment.map.empty()) place_on_map(given, free);
+  const NetworkResult r = adjust_network(free, adjustment);
+  Epoch everywhere;  // its coordinates only
+  everywhere.coordinates.resize(static_cast<Eigen::Index>(3 * r.points.size()));
+  for (size_t i = 0; i < r.points.size(); ++i)
+    everywhere.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = r.points[i].position;
+  motions = merged_motions(r.defect, 0, everywhere);
+  return epoch_of(r, given.ids);
+}
+
+Epoch measured_with_the_network(const MeasuredControl& measured, const Epoch& given, int& motions) {
+  const Epoch all{measured.ids, measured.coordinates, measured.covariance};
+  motions = merged_motions(measured.defect, 0, all);
+  std::vector<char> keep;
+  for (const std::string& id : all.ids)
+    keep.push_back(std::find(given.ids.begin(), given.ids.end(), id) != given.ids.end());
+  return part_of(all, keep);
+}
+
+}  // namespace
+
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
-                           ComparisonOptions options) {
+                           ComparisonOptions options, const MeasuredControl& known) {
   ControlCheck check;
   const Epoch given = given_points(survey, control);
   if (given.ids.empty()) {
     check.problem = "there are no control points to check";
     return check;
   }
-  adjustment.datum = DatumMode::inner;
-  adjustment.datum_points.clear();
   try {
-    SurveyObservations free = without_control(survey);
-    if (!adjustment.map.empty()) place_on_map(given, free);
-    const NetworkResult r = adjust_network(free, adjustment);
-    Epoch everywhere;  // its coordinates only
-    everywhere.coordinates.resize(static_cast<Eigen::Index>(3 * r.points.size()));
-    for (size_t i = 0; i < r.points.size(); ++i)
-      everywhere.coordinates.segment<3>(static_cast<Eigen::Index>(3 * i)) = r.points[i].position;
-    options.free_motions = check.free_motions = merged_motions(r.defect, 0, everywhere);
-    const Epoch measured = epoch_of(r, given.ids);
+    const Epoch measured = known.ids.empty() ? measured_freely(survey, given, std::move(adjustment), check.free_motions)
+                                             : measured_with_the_network(known, given, check.free_motions);
+    options.free_motions = check.free_motions;
     const size_t common = measured.ids.size();
     if (common < 3) {
       check.problem = "the control points cannot be checked: " + std::to_string(common) +

@@ -19,9 +19,10 @@ struct ControlCheck {
 Epoch epoch_of(const NetworkResult& network, const std::vector<std::string>& only = {});
 
 /// Control are `control` and the points that the files hold fixed with complete coordinates. Never throws NetworkError:
-/// what cannot be tested is said in `problem`.
+/// what cannot be tested is said in `problem`. Where an adjustment on control has `measured` already what its readings
+/// alone say, that is compared, and nothing is adjusted: `adjustment` has no meaning then.
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
-                           ComparisonOptions options);
+                           ComparisonOptions options, const MeasuredControl& measured = {});
 
 /// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions; `epoch` says whether
 /// they have plan positions and heights.

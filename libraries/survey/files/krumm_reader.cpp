@@ -20,15 +20,58 @@ void KrummReader::read_coordinates(const Parts& parts) {
     // A lone coordinate is a height.
     at[parts.size() == 2 ? 2 : static_cast<Eigen::Index>(i) - 1] = *value;
   }
-  const std::string id(parts[0]);
+  add_point(parts[0], at);
+}
+
+void KrummReader::add_point(std::string_view name, const Eigen::Vector3d& at) {
+  // "Six#Mile@1": the number of the figure.
+  const std::size_t mark = name.find('@');
+  const bool numbered = mark != std::string_view::npos && text::parse_number(name.substr(mark + 1));
+  const std::string id(numbered ? name.substr(0, mark) : name);
   builder_.give_coordinates(id, at, builder_.at(line_, 1));
   Point& point = builder_.point(id, builder_.at(line_, 1));
   for (std::size_t axis = 0; axis < 3; ++axis)
     if (std::isnan(at[static_cast<Eigen::Index>(axis)])) point.roles[axis] = CoordinateRole::unused;
 }
 
+// The plane of the network: the transverse Mercator projection about a meridian. Observations are of this plane: the
+// distances of Leick's networks fit it within 22 ppm, the ellipsoid within 371 ppm only.
+void KrummReader::read_ellipsoid(const Parts& parts) {
+  constexpr double kA = 6378137, kE2 = 0.00669438002290;  // GRS80; WGS84's differs in the eleventh digit
+  const bool named = !parts.empty() && text::to_lower(parts[0]).starts_with("grs80");
+  const std::size_t first = named ? 1 : 2;
+  if (parts.size() != first + 2)
+    return reject(line_text_, "the axis and the square of the eccentricity or grs80, a meridian and its scale");
+  const auto a = named ? std::optional(kA) : text::parse_number(parts[0]);
+  const auto e2 = named ? std::optional(kE2) : text::parse_number(parts[1]);
+  const auto meridian = krumm_dms(parts[first]);
+  const auto scale = text::parse_number(parts[first + 1]);
+  if (!a || !e2 || std::abs(*a - kA) > 1e-3 || std::abs(*e2 - kE2) > 1e-10)
+    return reject(line_text_, "the ellipsoid GRS80 or WGS84");
+  if (!meridian || !scale || !(*scale > 0.9 && *scale < 1.1))
+    return reject(parts[first], "a meridian in degrees, minutes and seconds, and the scale on it");
+  plane_.emplace(*meridian, *scale);
+  builder_.warn(
+      "line " + std::to_string(line_) +
+      ": latitudes and longitudes are drawn on the transverse Mercator plane that [Ellipsoid] says; distances "
+      "and angles are taken as reduced to it");
+}
+
+void KrummReader::read_geodetic(const Parts& parts) {
+  if (!plane_) return reject(line_text_, "[Ellipsoid] before latitudes and longitudes");
+  if (parts.size() != 3) return reject(line_text_, "a point, its latitude and its longitude");
+  const auto latitude = krumm_dms(parts[1]), longitude = krumm_dms(parts[2]);
+  if (!latitude || !longitude || std::abs(*latitude) > std::numbers::pi / 2)
+    return reject(parts[1],
+                  "a latitude and a longitude as 44\xC2\xB0"
+                  "51'42.44\"");
+  const Eigen::Vector2d plan = plane_->forward({*latitude, *longitude, 0});
+  add_point(parts[0], {plan.x(), plan.y(), kNotGiven});
+}
+
 // "x51": a point's axis; "51": all of its axes (-1), in a network of heights its height.
 std::optional<std::pair<std::string, int>> KrummReader::component(std::string_view word) {
+  if (word.size() > 1 && word.ends_with(',')) word.remove_suffix(1);
   const std::string all(word), rest(word.substr(1));
   const std::size_t axis = std::string_view("xyz").find(text::to_lower(word.substr(0, 1)));
   if (axis != std::string_view::npos && builder_.has_point(rest)) return std::pair{rest, static_cast<int>(axis)};
@@ -206,8 +249,8 @@ void KrummReader::read_heading(std::string_view text) {
     reject(text, "one of the sections that are understood: coordinates, datum, and observations");
   else if (section->content == KrummContent::refused)
     reject(text,
-           "coordinates and observations of a local plane or space: ellipsoidal coordinates and angles in an "
-           "inclined plane are not adjusted here");
+           "coordinates and observations of a local plane or space, or latitude and longitude in degrees, minutes and "
+           "seconds: other coordinates of an ellipsoid and angles in an inclined plane are not adjusted here");
   else if (section->content == KrummContent::unknown_scale)
     builder_.warn("line " + std::to_string(line_) + ": " + std::string(text) +
                   " asks for an unknown of the distances; give the adjustment scale_sigma or additive_constant_sigma");
@@ -219,7 +262,9 @@ void KrummReader::read_line(std::string_view text) {
   NetworkInfo& info = builder_.survey.info;
   switch (section_.content) {
     case KrummContent::coordinates:
-      return read_coordinates(parts);
+      return section_.geodetic ? read_geodetic(parts) : read_coordinates(parts);
+    case KrummContent::ellipsoid:
+      return read_ellipsoid(parts);
     case KrummContent::datum:
       return read_datum(parts);
     case KrummContent::sigma0:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/text/text.hpp"
+#include "survey/files/geodetic_frame.hpp"
 #include "survey/files/krumm.hpp"
 #include "survey/files/krumm_sections.hpp"
 #include "survey/files/survey_builder.hpp"
@@ -27,6 +28,9 @@ class KrummReader {
   void read_heading(std::string_view text);
   void read_line(std::string_view text);
   void read_coordinates(const Parts& parts);
+  void read_ellipsoid(const Parts& parts);
+  void read_geodetic(const Parts& parts);
+  void add_point(std::string_view name, const Eigen::Vector3d& at);
   void read_datum(const Parts& parts);
   std::optional<std::pair<std::string, int>> component(std::string_view word);
   void read_observation(const Parts& parts);
@@ -72,6 +76,7 @@ class KrummReader {
   CoordinateRole datum_role_ = CoordinateRole::fixed;
   bool dynamic_ = false;
   std::vector<DynamicRow> dynamic_rows_;
+  std::optional<TransverseMercator> plane_;  // of [Ellipsoid]
   double sigma0_ = kNotGiven;
   double first_sigma_ = kNotGiven, second_sigma_ = 0;  // that hold until others are given
   std::map<std::string, int> set_ups_;

@@ -51,7 +51,7 @@ constexpr std::array<Named, 33> kSections = {{
     {"approximateorientation", C::passed_over, K::direction},
     {"approximatescale", C::unknown_scale, K::direction},
     {"approximateadditiveconstant", C::unknown_scale, K::direction},
-    {"ellipsoid", C::refused, K::direction},
+    {"ellipsoid", C::ellipsoid, K::direction},
     {"positionangles", C::refused, K::direction},
 }};
 
@@ -92,8 +92,9 @@ std::optional<KrummSection> krumm_section(std::string_view text) {
       const std::string_view unit = text::trim(parts[i]);
       if (unit == "dms") section.dms = true;
       if (unit == "s") section.sigma_seconds = true;
-      // Coordinates in degrees are those of an ellipsoid.
-      if (unit != "s" && known.content == C::coordinates) section.content = C::refused;
+      if (known.content != C::coordinates || unit == "s") continue;
+      section.geodetic = true;
+      if (unit != "bdms" && unit != "ldms") section.content = C::refused;
     }
     return section;
   }
@@ -105,7 +106,8 @@ KrummDistanceSigma krumm_distance_sigma(std::string_view comment) {
   for (const char c : comment)
     if (c != ' ' && c != '\t' && c != '%') text += c;
   if (text.find("(s[km]*sigma_s)^2") != std::string::npos) return KrummDistanceSigma::squares_of_km;
-  if (text.find("sigma=sigma_c+s[km]*sigma_s") != std::string::npos) return KrummDistanceSigma::sum;
+  for (const char* sum : {"sigma=sigma_c+s[km]*sigma_s", "sigma=sigma_c+s[m]*sigma_s"})
+    if (text.find(sum) != std::string::npos) return KrummDistanceSigma::sum;
   return KrummDistanceSigma::squares;
 }
 

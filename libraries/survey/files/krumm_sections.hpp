@@ -22,6 +22,7 @@ enum class KrummContent {
   source,
   passed_over,  ///< graphics, approximate values of what is computed anyway
   unknown_scale,
+  ellipsoid,  ///< semi-major axis, square of the eccentricity, meridian, its scale: what coordinates are drawn on
   refused
 };
 
@@ -31,12 +32,14 @@ struct KrummSection {
   bool dms = false;            ///< values in degrees, minutes, seconds; else gon or metres
   bool sigma_seconds = false;  ///< standard deviations in arc seconds
   bool from_horizon = false;   ///< vertical angles count from the horizon
+  bool geodetic = false;       ///< coordinates are latitude and longitude in degrees, minutes, seconds
 };
 
 /// Of the text between the brackets, units included, e.g. "Angles,dms,s". nullopt: no section that is known.
 std::optional<KrummSection> krumm_section(std::string_view text);
 
-/// How the standard deviation of a distance grows, by the comment above its section.
+/// How the standard deviation of a distance grows, by the comment above its section. `sum` is per kilometre where the
+/// comment says metres, too: the one network that has both words (Leick's) means that, and 5 % of a length is none.
 enum class KrummDistanceSigma { squares, squares_of_km, sum };
 KrummDistanceSigma krumm_distance_sigma(std::string_view comment);
 

@@ -2,6 +2,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "base/text/text.hpp"
 #include "survey/files/rw5.hpp"
@@ -21,6 +22,7 @@ struct Record {
   std::string_view type;
   std::map<std::string_view, Field> fields;
   std::string_view note;
+  Field stray;  ///< first part that is no field: a decimal comma, a name with one
 };
 
 // "SS,OP1,FP2,AR0.0044,N 5000.0,--note": the head of N and E is the letter and a blank.
@@ -36,9 +38,11 @@ Record parse(std::string_view line) {
     const std::string_view part = text::trim(raw);
     if (first) record.type = part;
     const bool one_letter = part.size() > 1 && part[1] == ' ';
+    const int column = static_cast<int>(part.data() - line.data()) + 1;
+    const bool is_field = part.find_first_of("0123456789.+-") != 0;
+    if (!first && !is_field && record.stray.column == 0) record.stray = {part, column};
     if (!first && part.size() >= 2)
-      record.fields[part.substr(0, one_letter ? 1 : 2)] = {text::trim(part.substr(one_letter ? 1 : 2)),
-                                                           static_cast<int>(part.data() - line.data()) + 1};
+      record.fields[part.substr(0, one_letter ? 1 : 2)] = {text::trim(part.substr(one_letter ? 1 : 2)), column};
     first = false;
   }
   return record;
@@ -78,6 +82,7 @@ class Rw5Reader {
   int line_ = 0;
   double metres_ = kFoot;  // what MO's UN says; without MO the format's default is feet
   bool gon_ = false, has_modes_ = false, absolute_ = false;
+  double azimuth_origin_ = 0;  // AD1: azimuths count from the south
   double instrument_height_ = kNotGiven, rod_height_ = kNotGiven;
   std::size_t observations_at_start_ = 0, records_ = 0;
   std::map<std::string, int> unread_;  // record types -> how many
@@ -129,7 +134,16 @@ void Rw5Reader::read_modes(const Record& record) {
   if (unit != "0" && unit != "1" && unit != "2")
     builder_.skip(line_, 1, "UN" + unit, "the unit of distances: UN0 (feet), UN1 (metres) or UN2 (US survey feet)");
   gon_ = angles == "1";
+  if (!angles.empty() && angles != "0" && angles != "1")
+    builder_.skip(line_, 1, "AU" + angles, "the unit of angles: AU0 (degrees D.MMSS) or AU1 (gon)");
   builder_.survey.info.angles_in_degrees = !gon_;
+  const std::string from = text(record, "AD");
+  azimuth_origin_ = from == "1" ? kPi : 0;
+  if (!from.empty() && from != "0" && from != "1")
+    builder_.skip(line_, 1, "AD" + from, "where azimuths count from: AD0 (north) or AD1 (south)");
+  if (const auto offset = text::parse_number(text(record, "EO")); offset && *offset != 0)
+    builder_.warn("line " + std::to_string(line_) + ": the EDM offset EO" + text::format_shortest(*offset) +
+                  " is not applied: where it belongs to the zenith angles or distances, correct them");
   const auto scale = text::parse_number(text(record, "SF"));
   if (scale && *scale != 1.0) builder_.warn("the scale factor " + text::format_shortest(*scale) + " is not applied");
 }
@@ -168,7 +182,7 @@ void Rw5Reader::read_backsight(const Record& record) {
   const bool measured = builder_.survey.observations.size() > observations_at_start_;
   if (current < 0 || measured || builder_.survey.set_ups[current].station != station) begin_set_up(station);
   const double reading = angle(record, "BC");
-  double azimuth = angle(record, "BS");
+  double azimuth = angle(record, "BS") + azimuth_origin_;
   if (const std::string backsight = text(record, "BP"); std::isnan(azimuth) && builder_.has_point(backsight)) {
     const Eigen::Vector3d d = builder_.point(backsight, builder_.at(line_, 1)).coordinates -
                               builder_.point(station, builder_.at(line_, 1)).coordinates;
@@ -189,7 +203,7 @@ double Rw5Reader::direction(const Record& record) {
   if (has("AL")) return -angle(record, "AL");
   if (has("DR")) return kPi + angle(record, "DR");
   if (has("DL")) return kPi - angle(record, "DL");
-  if (has("AZ")) return angle(record, "AZ");
+  if (has("AZ")) return angle(record, "AZ") + azimuth_origin_;
   if (has("BR")) return bearing(record);
   return kNotGiven;
 }
@@ -282,7 +296,14 @@ SurveyObservations Rw5Reader::read() {
   for (const text::Line& line : text::split_lines(decoded_.text)) {
     line_ = line.number;
     const std::string_view text = text::trim(line.text);
-    if (!text.empty() && !text.starts_with("--")) read_record(parse(line.text));
+    if (text.empty() || text.starts_with("--")) continue;
+    const Record record = parse(line.text);
+    static const std::set<std::string_view> kRead = {"OC", "LS", "SP", "BK", "SS", "TR", "BD", "BR", "FD", "FR", "MO"};
+    if (record.stray.column > 0 && kRead.contains(record.type))
+      reject(record.stray,
+             "fields that begin with their head, such as HI1.55: is there a comma in a number or a name?");
+    else
+      read_record(record);
   }
   if (!has_modes_ && records_ > 0) builder_.warn("the file has no MO record; feet and degrees are assumed");
   for (const auto& [type, count] : unread_)

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/text/text.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -156,6 +157,7 @@ void SurveyBuilder::add_kind(const Sighting& sighting, ObservationKind kind, dou
 }
 
 bool SurveyBuilder::add(const Sighting& sighting) {
+  stop_point();
   const bool has_slope = sighting.slope_distance > 0, has_horizontal = sighting.horizontal_distance > 0;
   const bool has_direction = !std::isnan(sighting.direction), has_zenith = !std::isnan(sighting.zenith_angle);
   const bool has_height = !std::isnan(sighting.height_difference);
@@ -192,6 +194,7 @@ bool SurveyBuilder::add(const Sighting& sighting) {
 }
 
 void SurveyBuilder::add(Observation observation) {
+  stop_point();
   for (const std::string* id : {&observation.from, &observation.to, &observation.second_to})
     if (!id->empty()) point(*id, observation.source);
   survey.observations.push_back(std::move(observation));

@@ -75,6 +75,7 @@ struct AdjustOptions {
   /// Cofactors are one matrix of up to so many unknowns, 8 bytes times their square; beyond, they are found on demand,
   /// and the external effects of readings are those on their own points.
   int largest_whole = least_squares::Cofactors::kLargestWhole;
+  bool measure_control = false;  ///< NetworkResult::measured_control is filled
   double known_sigma = 1e-4;  ///< [m], each coordinate of points that were keyed in as known, where nothing states it
 };
 

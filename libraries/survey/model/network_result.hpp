@@ -85,6 +85,14 @@ struct SnoopingAction {
   int degrees_of_freedom = 0;
 };
 
+/// What the readings alone say of the known points, as a free network would: compare it modulo its datum only.
+struct MeasuredControl {
+  std::vector<std::string> ids;  ///< none: it was not asked for, or the readings do not tell
+  Eigen::VectorXd coordinates;   ///< 3n [m]; NaN where a point has none
+  Eigen::MatrixXd covariance;    ///< 3n x 3n [m^2]
+  int defect = 0;                ///< of the free network
+};
+
 /// Whether the coordinates may be used.
 enum class Validity {
   sound,     ///< every test passes, or nothing can be tested
@@ -105,6 +113,7 @@ struct NetworkResult {
   std::vector<SnoopingAction> snooping;
   std::vector<Finding> findings;
   std::vector<KnownPoint> known_points;    ///< control with a standard deviation, largest difference first
+  MeasuredControl measured_control;        ///< if AdjustOptions::measure_control
   DatumMode datum = DatumMode::automatic;  ///< as used
   std::vector<std::string> datum_points;
   std::string frame;  ///< the map and its scale in words; empty: a plane in which lengths are true

@@ -2,26 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
 
 #include "base/text/text.hpp"
 #include "base/text/words.hpp"
+#include "plumbline/stop.hpp"
 #include "survey/model/common_info.hpp"
 #include "survey/model/reduced_readings.hpp"
 #include "survey/model/repeated_readings.hpp"
-#include "survey/model/station_identity.hpp"
-#include "survey/start/reused_names.hpp"
+#include "survey/start/merged_names.hpp"
 
 namespace plumbline::survey {
 
 namespace {
 
-constexpr double kSamePlace = 0.01;                 // [m]
-constexpr double kFixedContradiction = 0.001;       // [m]
-constexpr double kOtherFrame = 0.5;                 // [m]; points do not move that far between two days
-constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up
+constexpr double kSamePlace = 0.01;            // [m]
+constexpr double kFixedContradiction = 0.001;  // [m]
+constexpr double kOtherFrame = 0.5;            // [m]; points do not move that far between two days
 
 template <typename Item>
 void append(const std::vector<Item>& from, std::vector<Item>& to) {
@@ -32,32 +30,20 @@ constexpr size_t most_named = 8;
 
 std::string in_metres(double value) { return text::format_fixed(value, 3) + " m"; }
 
-/// "monday" of "survey/monday.gsi": short enough to stand in front of a point's name.
-std::string stem(const std::string& file) {
-  const std::string name =
-      file.substr(file.find_last_of("/\\") == std::string::npos ? 0 : file.find_last_of("/\\") + 1);
-  const size_t dot = name.rfind('.');
-  return dot == std::string::npos || dot == 0 ? name : name.substr(0, dot);
-}
-
 class Merger {
  public:
   Merger(const std::vector<SurveyObservations>& surveys, const MergeOptions& options)
-      : surveys_(surveys), options_(options) {
-    name_files();
+      : surveys_(surveys), names_(surveys, options), files_(names_.files()) {
+    drop_points_.resize(surveys_.size());
+    drop_coordinates_.assign(surveys_.size(), 0);
   }
   MergedSurvey run();
 
  private:
-  void name_files();
-  void decide_stations();
-  void decide_targets();
-  void decide_station(const std::string& station, const std::vector<size_t>& files);
-  StationEvidence evidence(const std::string& station, size_t a, size_t b) const;
   void compare_coordinates();
   void compare_coordinates(size_t a, size_t b);
   void refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const;
-  std::string name_in(size_t file, const std::string& id) const;
+  std::string name_in(size_t file, const std::string& id) const { return names_.of(file, id); }
   void merge_points(size_t file);
   int instrument_of(const std::string& name);
   void merge_observations(size_t file);
@@ -67,165 +53,16 @@ class Merger {
   }
 
   const std::vector<SurveyObservations>& surveys_;
-  const MergeOptions& options_;
+  const MergedNames names_;
+  const std::vector<std::string>& files_;  // a short, unique name of each
   MergedSurvey merged_;
-  std::vector<std::string> files_;                           // a short, unique name of each
-  std::vector<std::map<std::string, std::string>> renamed_;  // by file
-  std::vector<char> drop_coordinates_;                       // of free points, by file
-  std::vector<std::set<std::string>> drop_points_;           // likewise, of single points
+  std::vector<char> drop_coordinates_;              // of free points, by file
+  std::vector<std::set<std::string>> drop_points_;  // likewise, of single points
   std::map<std::string, size_t> index_;
   std::set<std::string> set_up_ids_;
   int pointings_ = 0;
   CommonInfo common_;
 };
-
-void Merger::name_files() {
-  std::set<std::string> used;
-  for (size_t i = 0; i < surveys_.size(); ++i) {
-    const std::string base = surveys_[i].files.empty() ? "file " + std::to_string(i + 1) : stem(surveys_[i].files[0]);
-    std::string name = base;
-    for (int k = 2; !used.insert(name).second; ++k) name = base + "-" + std::to_string(k);
-    files_.push_back(name);
-  }
-  renamed_.resize(surveys_.size());
-  drop_points_.resize(surveys_.size());
-  drop_coordinates_.assign(surveys_.size(), 0);
-}
-
-std::string Merger::name_in(size_t file, const std::string& id) const {
-  const auto at = renamed_[file].find(id);
-  return at == renamed_[file].end() ? id : at->second;
-}
-
-StationEvidence Merger::evidence(const std::string& station, size_t a, size_t b) const {
-  const auto contains = [](const std::vector<std::string>& list, const std::string& id) {
-    return std::find(list.begin(), list.end(), id) != list.end();
-  };
-  if (contains(options_.same_stations, station) || contains(options_.same_stations, "*"))
-    return {true, "you say that it is the same mark"};
-  if (station.starts_with(kInvented)) return {false, "their files do not name them"};
-  const StationEvidence seen = compare_figures(surveys_[a], surveys_[b], station);
-  if (seen.decided) return seen;
-  if (contains(options_.known, station)) return {true, "it is a known point"};
-  return compare_marks(surveys_[a], surveys_[b], station);
-}
-
-void Merger::decide_station(const std::string& station, const std::vector<size_t>& files) {
-  // Files whose mark is shown to be the same as that of an earlier one share its name.
-  std::vector<std::vector<size_t>> groups;
-  std::vector<std::string> reasons;
-  std::string doubt;
-  for (const size_t file : files) {
-    bool placed = false;
-    for (size_t g = 0; g < groups.size() && !placed; ++g)
-      for (const size_t other : groups[g]) {
-        const StationEvidence found = evidence(station, other, file);
-        if (!found.same) {
-          doubt = found.reason;
-          continue;
-        }
-        groups[g].push_back(file);
-        reasons[g] = found.reason;
-        placed = true;
-        break;
-      }
-    if (placed) continue;
-    groups.push_back({file});
-    reasons.emplace_back();
-  }
-  const auto names = [&](const std::vector<size_t>& group) {
-    std::vector<std::string> list;
-    for (const size_t file : group) list.push_back(files_[file]);
-    return text::join(list, most_named);
-  };
-  for (size_t g = 0; g < groups.size(); ++g)
-    if (groups[g].size() > 1)
-      find(Finding::Severity::warning,
-           "station " + station + " of " + names(groups[g]) + " was united to one point: " + reasons[g] +
-               ". If these are two marks, give one another name",
-           {station});
-  if (groups.size() < 2) return;
-  std::vector<std::string> now;
-  for (const auto& group : groups) {
-    const std::string name = files_[group.front()] + ":" + station;
-    now.push_back(name);
-    for (const size_t file : group) renamed_[file][station] = name;
-  }
-  find(Finding::Severity::warning,
-       "station " + station + " is occupied in " + names(files) + ", and nothing shows that it is the same mark (" +
-           doubt + "): they are points of their own, " + text::join(now, most_named) +
-           (station.starts_with(kInvented) ? "" : "; if it is one mark, name it in same_stations"),
-       now);
-}
-
-void Merger::decide_stations() {
-  std::map<std::string, std::vector<size_t>> occupied;
-  std::vector<std::set<std::string>> sighted(surveys_.size());
-  for (size_t i = 0; i < surveys_.size(); ++i) {
-    for (const SetUp& s : surveys_[i].set_ups) {
-      std::vector<size_t>& files = occupied[s.station];
-      if (files.empty() || files.back() != i) files.push_back(i);
-    }
-    for (const Observation& o : surveys_[i].observations) sighted[i].insert(o.to);
-  }
-  for (const std::string& station : options_.same_stations)
-    if (const auto found = occupied.find(station);
-        station != "*" && (found == occupied.end() || found->second.size() < 2))
-      find(Finding::Severity::warning,
-           "same_stations names " + station + ", which is occupied in " +
-               (found == occupied.end() ? std::string("no file") : files_[found->second.front()] + " only") +
-               ": there is nothing to unite; check the name",
-           {station});
-  for (const auto& [station, files] : occupied) {
-    if (files.size() > 1) {
-      decide_station(station, files);
-      continue;
-    }
-    if (station.starts_with(kInvented)) continue;
-    std::vector<std::string> elsewhere;
-    for (size_t i = 0; i < surveys_.size(); ++i)
-      if (i != files.front() && sighted[i].contains(station)) elsewhere.push_back(files_[i]);
-    if (!elsewhere.empty())
-      find(Finding::Severity::note,
-           "station " + station + " of " + files_[files.front()] + " is the target of that name in " +
-               text::join(elsewhere, most_named),
-           {station});
-  }
-}
-
-/// Numbers that began again on another day: one name, two marks. A known point, or one to which both files give the
-/// same coordinates, is one mark whatever the sights say; those are for the adjustment to find.
-void Merger::decide_targets() {
-  std::vector<std::map<std::string, Eigen::Vector3d>> places;
-  for (const SurveyObservations& survey : surveys_) places.push_back(seen_places(survey));
-  std::vector<std::map<std::string, Eigen::Vector3d>> given(surveys_.size());
-  for (size_t i = 0; i < surveys_.size(); ++i)
-    for (const Point& p : surveys_[i].points) given[i].emplace(p.id, p.coordinates);
-  const auto is_one_mark = [&](const std::string& id, size_t a, size_t b) {
-    if (std::find(options_.known.begin(), options_.known.end(), id) != options_.known.end()) return true;
-    const auto one = given[a].find(id), other = given[b].find(id);
-    return one != given[a].end() && other != given[b].end() &&
-           (one->second - other->second).head<2>().norm() < kSamePlace;
-  };
-  for (size_t b = 1; b < surveys_.size(); ++b)
-    for (size_t a = 0; a < b; ++a) {
-      auto there = places[a], here = places[b];
-      for (const size_t file : {a, b})
-        for (const auto& [id, name] : renamed_[file]) there.erase(id), here.erase(id);
-      std::vector<std::string> reused;
-      for (const std::string& id : reused_names(there, here))
-        if (!is_one_mark(id, a, b)) reused.push_back(id);
-      if (reused.size() < 2) continue;
-      std::vector<std::string> now;
-      for (const std::string& id : reused) now.push_back(renamed_[b][id] = files_[b] + ":" + id);
-      find(Finding::Severity::warning,
-           "the names " + text::join(reused, most_named) + " stand for other marks in " + files_[b] + " than in " +
-               files_[a] +
-               " (their places do not fit each other): numbering began again. They are points of their own, " +
-               text::join(now, 3) + "; where it is one mark after all, the sights to it are wrong",
-           now);
-    }
-}
 
 void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const {
   for (int k = 0; k < 3; ++k) {
@@ -241,7 +78,7 @@ void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t 
 void Merger::compare_coordinates(size_t a, size_t b) {
   std::map<std::string, const Point*> known;
   for (const Point& p : surveys_[a].points) known[name_in(a, p.id)] = &p;
-  std::vector<std::string> different;
+  std::vector<std::string> different, keyed;
   size_t shared = 0;
   double largest = 0;
   for (const Point& p : surveys_[b].points) {
@@ -256,7 +93,18 @@ void Merger::compare_coordinates(size_t a, size_t b) {
     ++shared;
     largest = std::max(largest, worst);
     if (worst > kSamePlace) different.push_back(at->first);
+    for (int k = 0; k < 3 && worst <= kSamePlace; ++k) {
+      const auto axis = static_cast<size_t>(k);
+      if (!p.known[axis] || !at->second->known[axis] || !(std::abs(d[k]) > kFixedContradiction)) continue;
+      keyed.push_back(at->first + " (" + "ENH"[k] + " " + in_metres(at->second->coordinates[k]) + " and " +
+                      in_metres(p.coordinates[k]) + ")");
+    }
   }
+  if (!keyed.empty())
+    find(Finding::Severity::warning,
+         "known points are keyed in with other coordinates in " + files_[a] + " than in " + files_[b] + ": " +
+             text::join(keyed, most_named) + "; those of " + files_[a] + " hold. Give the right ones as control",
+         {});
   if (different.empty()) return;
   const std::string what = "the coordinates of " + text::join(different, most_named) + " in " + files_[b] +
                            " differ from those in " + files_[a] + " by up to " + in_metres(largest);
@@ -274,9 +122,11 @@ void Merger::compare_coordinates(size_t a, size_t b) {
 }
 
 void Merger::compare_coordinates() {
-  for (size_t b = 1; b < surveys_.size(); ++b)
+  for (size_t b = 1; b < surveys_.size(); ++b) {
+    stop_point();
     for (size_t a = 0; a < b && !drop_coordinates_[b]; ++a)
       if (!drop_coordinates_[a]) compare_coordinates(a, b);
+  }
 }
 
 /// Points of the same name are one now: the first coordinates, the strongest role, which brings its coordinates along.
@@ -379,10 +229,10 @@ MergedSurvey Merger::run() {
   common_ = common_info(surveys_, files_);
   merged_.survey.info = common_.info;
   append(common_.findings, merged_.findings);
-  decide_stations();
-  decide_targets();
+  append(names_.findings(), merged_.findings);
   compare_coordinates();
   for (size_t i = 0; i < surveys_.size(); ++i) {
+    stop_point();
     append(surveys_[i].files, merged_.survey.files);
     merge_points(i);
     merge_observations(i);

@@ -33,17 +33,21 @@ Switch to_switch(const std::string& name) {
 
 /// Which profile stands for how many readings; several instruments have one each.
 std::string stochastic_model(const plumbline::survey::SurveyObservations& survey, const AdjustOptions& options) {
-  std::map<std::string, size_t> readings;  // by the profile in words
+  std::map<std::string, size_t> readings, centred;  // by the profile in words
   for (const auto& o : survey.observations) {
-    if (!std::isnan(o.sigma)) continue;
+    if (!std::isnan(o.sigma) && !o.without_centring) continue;
     const auto own =
         o.instrument < 0 ? options.instruments.end() : options.instruments.find(survey.instruments[o.instrument]);
-    ++readings[in_words(own == options.instruments.end() ? options.profile : own->second)];
+    const std::string profile = in_words(own == options.instruments.end() ? options.profile : own->second);
+    ++(std::isnan(o.sigma) ? readings : centred)[profile];
   }
   std::string text;
   for (const auto& [profile, count] : readings)
     text += (text.empty() ? "" : "; ") + profile + "; used for " + std::to_string(count) + " of " +
             std::to_string(survey.observations.size()) + " readings, whose files give no standard deviation";
+  for (const auto& [profile, count] : centred)
+    text += (text.empty() ? "" : "; ") + profile + "; its centring is added to " + std::to_string(count) + " of " +
+            std::to_string(survey.observations.size()) + " readings, whose files give standard deviations without it";
   return text;
 }
 
@@ -125,6 +129,7 @@ void AdjustNode::run(Context& context) {
   const MergedSurvey merged = merge_surveys(surveys, {known.ids, *same_stations});
   const auto& survey = merged.survey;
   AdjustOptions o = options();
+  o.measure_control = true;
   std::string remark;
   o.profile = chosen_profile(survey.info.instrument, remark);
   o.instruments = further_instruments(survey.instruments);
@@ -157,6 +162,7 @@ void AdjustNode::run(Context& context) {
     tables.findings.push_back(std::move(note));
   }
   points.commit(to_points_artifact(result, joint));
+  measured_control.commit(to_artifact(result.measured_control));
   tables.stochastic_model = stochastic_model(survey, o);
   tables.instrument = instruments_in_words(survey);
   tables.date = survey.info.date;

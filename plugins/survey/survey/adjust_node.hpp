@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct AdjustNode : MappedNode {
-  static constexpr Info info{"survey.adjust", "survey_adjuster", 2,
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 3,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};
@@ -74,6 +74,11 @@ struct AdjustNode : MappedNode {
       "further pairs of points, each as 'A B' or 'A;B', whose covariance is wanted where it is not joint"};
   Out<Points> points{"points", frame("frame=?S"), "adjusted points with full covariance; see `covariance`"};
   Out<SurveyNetwork> network{"network", frame("frame=?S"), "the whole result: statistics, tests, every observation"};
+
+  Out<Points> measured_control{
+      "measured_control", frame("frame=?S"),
+      "known points as the readings alone have them, in the datum of a free network, for survey.check_control; empty "
+      "where fewer than three are known, or nothing like that can be said from the network with control"};
 
   AdjustOptions options() const;  ///< without the profile, which may depend on the observations
   void run(Context& context) override;

@@ -200,8 +200,10 @@ void CheckControlNode::run(Context& context) {
   adjustment.geoid = geoid();
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
-  announce_network(context, survey, adjustment.largest_whole);
-  const ControlCheck result = check_control(survey, known, adjustment, options);
+  MeasuredControl from_network;
+  if (measured && !*remove_blunders) from_network = measured_control(measured.unpack());
+  if (from_network.ids.empty()) announce_network(context, survey, adjustment.largest_whole);
+  const ControlCheck result = check_control(survey, known, adjustment, options, from_network);
   if (!result.cause.empty()) context.warn("the control points do not fit the observations: " + result.cause);
   if (result.problem.empty()) {
     ComparisonOptions used = options;

@@ -33,14 +33,18 @@ struct CompareEpochsNode : Node {
 };
 
 struct CheckControlNode : MappedNode {
-  static constexpr Info info{"survey.check_control", "", 2,
+  static constexpr Info info{"survey.check_control", "", 3,
                              "Tests known points against a free network of the observations, before they bend it"};
   List<plumbline::SurveyObservations> observations{
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};
   Optional<Points> control{"control", frame("frame=?S"), "points known beforehand, with or without covariance"};
+  Optional<Points> measured{"measured", frame("frame=?S"),
+                            "measured_control of the survey.adjust that has these observations and this control: with "
+                            "it nothing is adjusted once more"};
   Param<std::vector<std::string>> same_stations{"same_stations", std::vector<std::string>{},
                                                 "as in survey.adjust: stations of several files that are one mark"};
-  Param<bool> remove_blunders{"remove_blunders", false, "data snooping cleans the free network first"};
+  Param<bool> remove_blunders{"remove_blunders", false,
+                              "data snooping cleans the free network first; then `measured` is not used"};
   Param<double> alpha{"alpha", 0.01, "1", between(1e-6, 0.5), "error of the first kind of the global test"};
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
   Param<double> power{"power", 0.80, "1", between(0.5, 0.999), "power that the detectable difference refers to"};

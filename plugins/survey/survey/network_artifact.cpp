@@ -154,6 +154,28 @@ PointsT to_points_artifact(const NetworkResult& r, bool joint) {
   return points;
 }
 
+PointsT to_artifact(const MeasuredControl& measured) {
+  PointsT points;
+  for (std::size_t i = 0; i < measured.ids.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(3 * i);
+    auto point = std::make_unique<PointT>();
+    point->id = measured.ids[i];
+    point->position = measured.coordinates.segment<3>(row);
+    point->sigma = measured.covariance.diagonal().segment<3>(row).cwiseSqrt();
+    points.points.push_back(std::move(point));
+  }
+  points.covariance = pack_symmetric(measured.covariance);
+  points.statistics = std::make_unique<StatisticsT>();
+  points.statistics->datum_defect = measured.defect;
+  return points;
+}
+
+MeasuredControl measured_control(const PointsT& points) {
+  ControlPoints all = control_from_artifact(points);
+  return {std::move(all.ids), std::move(all.coordinates), std::move(all.covariance),
+          points.statistics ? points.statistics->datum_defect : 0};
+}
+
 void add_covariances(const NetworkResult& r, const std::vector<std::pair<std::size_t, std::size_t>>& pairs,
                      SurveyNetworkT& network) {
   const auto add = [&](const std::string& from, const std::string& to, const Eigen::Matrix3d& covariance) {

@@ -17,7 +17,7 @@ constexpr const char* kStyle =
     "table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem .7rem;text-align:right;border-bottom:1px solid "
     "#ddd}td:first-child,th:first-child,.l{text-align:left}.box{border-left:6px solid #2a7d3f;padding:.6rem 1rem;"
     "background:#f2f7f3}.box.bad{border-color:#b3261e;background:#fbf1f0}section{margin:2rem 0;break-inside:avoid}"
-    "svg{max-width:100%;height:auto}.n{color:#555}";
+    "svg{max-width:100%;height:auto}.n{color:#555}@media print{section{break-before:page}}";
 constexpr const char* kColours[] = {"#1f5fa8", "#2a7d3f", "#b3261e"};
 
 std::string place_in_chart(double value) { return fixed_digits(value, 1); }
@@ -30,6 +30,9 @@ class Chart {
       for (int k = 0; k < 3; ++k)
         if (std::isfinite(at.movement[k]))
           reach_ = std::max(reach_, 1000 * (std::abs(at.movement[k]) + 2 * at.sigma[k]));
+    // A level that is far beyond what moved would flatten the chart: it is drawn where it is within three times that.
+    for (const double level : {text.options.warning_level, text.options.alarm_level})
+      if (1000 * level < 3 * reach_) reach_ = std::max(reach_, 1000 * level);
     reach_ *= 1.1;
   }
 
@@ -39,16 +42,32 @@ class Chart {
                       "stroke=\"#bbb\"/>";
     for (const double v : {-reach_ / 1.1, 0.0, reach_ / 1.1})
       out += line(60, y(v), 700, y(v), "#ddd", "") + label(54, y(v) + 5, fixed_digits(v, 1), "end");
-    out += label(8, 60, "mm", "start");
+    out += label(8, 60, "mm", "start") + level(text_.options.warning_level, "warning", "#b26a00") +
+           level(text_.options.alarm_level, "alarm", "#b3261e");
     for (size_t k = p_.first; k < text_.times.size(); ++k)
       out += line(x(text_.times[k]), 210, x(text_.times[k]), 215, "#888", "");
-    out += label(x(text_.times[p_.first]), 230, text_.labels[p_.first], "start") +
-           label(x(text_.times.back()), 230, text_.labels.back(), "end");
+    // Names of epochs that would overlap are left out; the first and the last are there.
+    constexpr double kWidth = 90;
+    double free_from = 0;
+    const double last = x(text_.times.back());
+    for (size_t k = p_.first; k < text_.times.size(); ++k) {
+      const double at = x(text_.times[k]);
+      const bool is_first = k == p_.first, is_last = k + 1 == text_.times.size();
+      if (!is_first && !is_last && (at - kWidth / 2 < free_from || at + kWidth / 2 > last - kWidth)) continue;
+      out += label(at, 230, text_.labels[k], is_first ? "start" : is_last ? "end" : "middle");
+      free_from = at + (is_first ? kWidth : kWidth / 2);
+    }
     for (int k = 0; k < 3; ++k) out += component(k);
     return out + "</svg>";
   }
 
  private:
+  std::string level(double metres, const char* name, const char* colour) const {
+    const double v = 1000 * metres;
+    if (!(v > 0) || v > reach_) return "";
+    return line(60, y(v), 700, y(v), colour, "2 3") + line(60, y(-v), 700, y(-v), colour, "2 3") +
+           label(696, y(v) - 3, name, "end");
+  }
   double x(double time) const {
     const double first = text_.times.front(), last = text_.times.back();
     return 70 + 620 * (time - first) / std::max(1e-12, last - first);
@@ -90,6 +109,13 @@ class Chart {
   double reach_ = 0.1;  ///< [mm]
 };
 
+/// Of the part of the page that a point has for itself; printed, it is a sheet.
+std::string anchor_of(const SeriesPoint& p) {
+  std::string id = "point-" + xml_escaped(p.id);
+  std::replace(id.begin(), id.end(), ' ', '_');
+  return id;
+}
+
 std::string html_row(const std::vector<std::string>& cells, const char* tag) {
   std::string out = "<tr>";
   for (const std::string& cell : cells)
@@ -130,7 +156,9 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
          "</strong>";
   if (!told.empty()) {
     out += "<ul>";
-    for (const SeriesPoint* p : told) out += "<li>" + xml_escaped(in_words(*p, text)) + "</li>";
+    for (const SeriesPoint* p : told)
+      out += "<li><a href=\"#" + anchor_of(*p) + "\">" + xml_escaped(p->id) + "</a>" +
+             xml_escaped(in_words(*p, text).substr(p->id.size())) + "</li>";
     out += "</ul>";
   }
   out += "</div><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>The datum is carried by " +
@@ -156,7 +184,7 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
       "line is the velocity where it is significant (error of the first kind " +
       fixed_digits(100 * text.options.alpha0, 1) + " %).</p>";
   const auto section = [&](const SeriesPoint& p) {
-    out += "<section><h2>" + xml_escaped(p.id) + "</h2>";
+    out += "<section id=\"" + anchor_of(p) + "\"><h2>" + xml_escaped(p.id) + "</h2>";
     if (const std::string words = in_words(p, text); !words.empty()) out += "<p>" + xml_escaped(words) + ".</p>";
     out += Chart(p, text).svg() + movements_of(p, text) + "</section>";
   };

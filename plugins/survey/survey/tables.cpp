@@ -14,6 +14,7 @@
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/relative_points.hpp"
 #include "least_squares/problem/reliability.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::survey {
 
@@ -212,6 +213,7 @@ std::string observation_table(const SurveyNetworkT& network, const TableFormat& 
                  "redundancy_number", "w", "mdb_milli", "effect_mm", "effect_on", "control", "flag", "file", "line"});
   table.end_row();
   for (const auto& o : network.observations) {
+    stop_point();
     const bool angular =
         o->kind == "direction" || o->kind == "zenith_angle" || o->kind == "angle" || o->kind == "azimuth";
     const double unit = angular ? 200 / std::numbers::pi : 1;
@@ -260,6 +262,7 @@ std::string relative_table(const SurveyNetworkT& network, const PointsT& points,
                  "cov_hh_mm2"});
   table.end_row();
   for (const auto& [a, b] : chosen_pairs(network, points, wanted, neighbour_count, covariances)) {
+    stop_point();
     const PointT &from = *points.points[a], &to = *points.points[b];
     const Eigen::Vector3d d = to.position - from.position;
     const Eigen::Matrix3d c = covariances.relative(a, b);

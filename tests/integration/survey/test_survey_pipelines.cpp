@@ -176,6 +176,12 @@ TEST(SurveyPipelines, ThreeFilesAreASeries) {
   const std::string page = read_file(plumbline.work() / "out/series.html");
   EXPECT_TRUE(contains(page, "No point moves, and none has moved, beyond chance.")) << page.substr(0, 2000);
   EXPECT_TRUE(contains(page, "<svg"));
+  EXPECT_TRUE(contains(page, "<section id=\"point-")) << "a place of its own for each, and a sheet where it is printed";
+  EXPECT_FALSE(contains(page, ">alarm</text>")) << "50 mm would flatten charts of a millimetre";
+  const Answer near = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_5arcsec",
+                                 "movements.with.days=[0, 30, 60]", "alarm_level=0.002", "--out", "near"});
+  ASSERT_EQ(near.code, 0) << near.err;
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "near/series.html"), ">alarm</text>"));
 }
 
 /// docs/examples/before.csv as directions and horizontal distances, with circles that were set up `turn` gon on and

@@ -121,6 +121,68 @@ TEST(CheckControl, APointThatIsGivenTwiceCountsOnceAsControl) {
   EXPECT_EQ(c.comparison.movements.size(), 4u);
 }
 
+/// The same comparison, from an adjustment on the control and from a free network of its own.
+void expect_same(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions options,
+                 const std::string& what) {
+  SCOPED_TRACE(what);
+  const ControlCheck alone = check_control(survey, control, options, {});
+  options.measure_control = true;
+  const NetworkResult r = adjust_network(survey, options, control);
+  ASSERT_GE(r.measured_control.ids.size(), 3u);
+  const ControlCheck shared = check_control(survey, control, options, {}, r.measured_control);
+  ASSERT_EQ(alone.problem, "");
+  ASSERT_EQ(shared.problem, "");
+  EXPECT_EQ(shared.free_motions, alone.free_motions);
+  EXPECT_EQ(shared.comparison.rank, alone.comparison.rank);
+  // Coordinates are those of the minimum; the covariance is that of where the network lies, by what its points moved
+  // over the length of its sights.
+  EXPECT_NEAR(shared.comparison.statistic, alone.comparison.statistic, 1e-3 * alone.comparison.statistic);
+  ASSERT_EQ(shared.comparison.movements.size(), alone.comparison.movements.size());
+  ASSERT_EQ(shared.comparison.excluded.size(), alone.comparison.excluded.size());
+  for (size_t k = 0; k < alone.comparison.excluded.size(); ++k)
+    EXPECT_EQ(shared.comparison.excluded[k].id, alone.comparison.excluded[k].id);
+  for (size_t k = 0; k < alone.comparison.movements.size(); ++k) {
+    const Movement &a = alone.comparison.movements[k], &b = shared.comparison.movements[k];
+    EXPECT_EQ(b.id, a.id);
+    EXPECT_LT((b.movement - a.movement).norm(), 1e-9) << a.id;
+    EXPECT_LT((b.sigma - a.sigma).norm(), 1e-3 * a.sigma.norm()) << a.id;
+    EXPECT_EQ(b.moved, a.moved) << a.id;
+  }
+}
+
+TEST(CheckControl, FromTheNetworkOnControlItIsThatOfAFreeNetwork) {
+  const auto network = test::simulate({}, 17);
+  ControlPoints control = corners(network, 18);
+  expect_same(network.survey, control, without_curvature(), "weighted");
+  ControlPoints wrong = control;
+  wrong.coordinates[3 * 2 + 2] += 0.008;
+  expect_same(network.survey, wrong, without_curvature(), "one is wrong");
+  wrong.covariance.resize(0, 0);
+  expect_same(network.survey, wrong, without_curvature(), "held");
+  SurveyObservations keyed = network.survey;
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) keyed.points[i].known.fill(true);
+  keyed.points[3].coordinates.x() += 0.004;
+  expect_same(keyed, {}, without_curvature(), "keyed in");
+  SurveyObservations fixed = network.survey;
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}})
+    fixed.points[i].roles.fill(CoordinateRole::fixed);
+  expect_same(fixed, {}, without_curvature(), "fixed");
+}
+
+/// Two parts that share nothing but control are no free network: what the network with control has is not compared.
+TEST(CheckControl, PartsThatShareOnlyControlAreNotCompared) {
+  const auto network = test::simulate({}, 17);
+  const ControlPoints control = corners(network, 18);
+  SurveyObservations apart = network.survey;
+  std::erase_if(apart.observations, [](const Observation& o) {
+    return (o.to == "M00" || o.to == "M20") == (o.from == "S1") ||
+           (o.to != "M00" && o.to != "M03" && o.to != "M20" && o.to != "M23");
+  });
+  AdjustOptions options = without_curvature();
+  options.measure_control = true;
+  EXPECT_TRUE(adjust_network(apart, options, control).measured_control.ids.empty());
+}
+
 TEST(CheckControl, PointsThatAFileHoldsFixedAreControl) {
   PLUMBLINE_REQUIRE_DATA("survey/gama/2020-barta-phase_1-2TK.gkf");
   SurveyObservations survey = read_gama_xml(
@@ -129,6 +191,7 @@ TEST(CheckControl, PointsThatAFileHoldsFixedAreControl) {
   ASSERT_EQ(c.problem, "");
   EXPECT_EQ(c.comparison.movements.size(), 8u);
   EXPECT_EQ(c.comparison.rank, 8 * 3 - 4);
+  expect_same(survey, {}, {}, "barta");
   for (Point& p : survey.points)
     if (p.id == "103") p.coordinates.z() += 0.01;
   const ControlCheck wrong = check_control(survey, {}, {}, {});

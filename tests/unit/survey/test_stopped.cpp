@@ -9,7 +9,10 @@
 #include "plumbline/stop.hpp"
 #include "simulated_network.hpp"
 #include "survey/epochs/check_control.hpp"
+#include "survey/files/gama.hpp"
+#include "survey/files/starnet.hpp"
 #include "survey/plan/plan_survey.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
 namespace {
@@ -95,6 +98,33 @@ TEST(Stopped, AControlCheckStopsWhereverItIs) {
   AdjustOptions options;
   options.curvature = Switch::off;
   expect_to_stop_everywhere([&] { check_control(network.survey, control, options, {}); });
+}
+
+TEST(Stopped, AnAdjustmentThatMeasuresControlToo) {
+  SurveyObservations survey = test::simulate({}, 17).survey;
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) survey.points[i].known.fill(true);
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  options.measure_control = true;
+  expect_to_stop_everywhere([&] { adjust_network(survey, options); });
+}
+
+/// Files are read and joined reading by reading, epochs compared point by point.
+TEST(Stopped, ReadersMergingAndComparisons) {
+  const SurveyObservations survey = network_with_a_blunder(true);
+  const std::string gama = write_gama_xml(survey), starnet = write_starnet(survey);
+  expect_to_stop_everywhere([&] { read_gama_xml(gama, "a.gkf"); });
+  expect_to_stop_everywhere([&] { read_starnet(starnet, "a.dat"); });
+  SurveyObservations other = test::simulate({}, 6).survey;
+  for (SetUp& s : other.set_ups) s.id += "b";
+  expect_to_stop_everywhere([&] { merge_surveys({survey, other}); });
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  options.datum = DatumMode::inner;
+  const Epoch first = epoch_of(adjust_network(survey, options)), second = epoch_of(adjust_network(other, options));
+  ComparisonOptions comparison;
+  comparison.free_motions = 4;
+  expect_to_stop_everywhere([&] { compare_epochs(first, second, comparison); });
 }
 
 TEST(Stopped, APlanStopsWhereverItIs) {

@@ -52,6 +52,36 @@ TEST(Krumm, TheStandardDeviationOfARefusedLineIsNotHandedDown) {
   }
 }
 
+/// Two corners of Leick's network (GPS Satellite Surveying, 2nd ed., ch. 5.3): where a series to the sixth order of its
+/// own draws them.
+TEST(Krumm, LatitudesAndLongitudesAreDrawnOnThePlaneOfTheEllipsoid) {
+  const std::string ellipsoid =
+      "[Ellipsoid,dms]\n6378137.000 0.00669438002 291\xC2\xB0"
+      "0'0\" 0.9996\n";
+  const std::string rest =
+      "[Coordinates,Bdms,Ldms]\nSix#Mile@1 44\xC2\xB0"
+      "51'42.44\" 291\xC2\xB0"
+      "10'03.11\"  % 3.030\n"
+      "Trav-14@15 44\xC2\xB0"
+      "49'35.50\" 291\xC2\xB0"
+      "13'53.52\"\n[Datum]\nfix\nxSix#Mile, ySix#Mile, xTrav-14\n"
+      "%  {sigma=sigma_c + s[m]*sigma_s}\n[HorizontalDistances]\nTrav-14 Six#Mile 6399.312 0.002 0.05\n";
+  const SurveyObservations s = read_krumm(ellipsoid + rest, "l.dat");
+  EXPECT_TRUE(s.skipped.empty());
+  const Point &a = point(s, "Six#Mile"), &b = point(s, "Trav-14");
+  EXPECT_NEAR(a.coordinates.x(), 13235.6760, 6e-5);
+  EXPECT_NEAR(a.coordinates.y(), 4967610.7338, 6e-5);
+  EXPECT_NEAR(b.coordinates.x(), 18303.3487, 6e-5);
+  EXPECT_EQ(a.roles, (std::array{CoordinateRole::fixed, CoordinateRole::fixed, CoordinateRole::unused}));
+  EXPECT_EQ(b.roles[1], CoordinateRole::free);
+  EXPECT_DOUBLE_EQ(s.observations.at(0).sigma, 0.002 + 0.05 * 6.399312);
+  EXPECT_EQ(s.warnings.size(), 1u) << "what is assumed of the observations";
+  EXPECT_FALSE(read_krumm(rest, "l.dat").skipped.empty()) << "no ellipsoid";
+  EXPECT_FALSE(
+      read_krumm("[Ellipsoid,dms]\n6377397.155 0.00667437 291\xC2\xB0 0.9996\n" + rest, "l.dat").skipped.empty())
+      << "Bessel's";
+}
+
 TEST(Krumm, ReadsTheNetworkOfBlankenbachAndWillert) {
   const std::string name = "survey/BlankenbachWillert3D_Distance_fix.dat";
   PLUMBLINE_REQUIRE_DATA(name);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
@@ -93,6 +96,37 @@ TEST(Rw5, ABacksightWithoutAzimuthIsAtItsCoordinates) {
   EXPECT_NEAR(oriented("BK,OP100,BP101,BS200.0000,BC0.0000\n"), 200 * std::numbers::pi / 180, 1e-12)
       << "what is stated wins";
   EXPECT_TRUE(std::isnan(oriented("BK,OP100,BP102,BC0.0000\n"))) << "of a point nobody knows";
+}
+
+/// What MO says of azimuths and of the instrument is applied, or said.
+TEST(Rw5, AzimuthsFromTheSouthAndAnOffsetOfTheInstrument) {
+  const auto read = [](const std::string& modes) {
+    return read_rw5("JB,NMx\nMO," + modes +
+                        "\nSP,PN1,N 0.0,E 0.0,EL0.0\nOC,OP1,N 0.0,E 0.0,EL0.0\nBK,OP1,BP2,BS90.0000,BC0.0\n"
+                        "LS,HI1.5,HR1.5\nSS,OP1,FP3,AR10.0000,ZE90.0000,SD50.0\n",
+                    "s.rw5");
+  };
+  const auto north = read("AD0,UN1,SF1.0,EC0,EO0.0,AU0"), south = read("AD1,UN1,SF1.0,EC0,EO0.0,AU0");
+  EXPECT_NEAR(north.set_ups.back().stated_orientation, std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(std::remainder(south.set_ups.back().stated_orientation + std::numbers::pi / 2, 2 * std::numbers::pi), 0,
+              1e-12);
+  EXPECT_TRUE(north.warnings.empty());
+  const auto offset = read("AD0,UN1,SF1.0,EC0,EO30.0,AU0");
+  ASSERT_EQ(offset.warnings.size(), 1u);
+  EXPECT_NE(offset.warnings[0].find("EO30 is not applied"), std::string::npos) << offset.warnings[0];
+  EXPECT_EQ(read("AD2,UN1,AU0").skipped.size(), 1u);
+  EXPECT_EQ(read("AD0,UN1,AU7").skipped.size(), 1u);
+}
+
+/// "HI1,55" would be an instrument height of 1 m and a field that nobody reads.
+TEST(Rw5, ADecimalCommaIsNoField) {
+  const auto survey = read_rw5(
+      "JB,NMx\nMO,AD0,UN1,SF1.0,AU0\nOC,OP1,N 0.0,E 0.0,EL0.0\nLS,HI1,55,HR1,60\n"
+      "SS,OP1,FP3,AR10.0000,ZE90.0000,SD50.0\n",
+      "c.rw5");
+  ASSERT_EQ(survey.skipped.size(), 1u);
+  EXPECT_EQ(survey.skipped[0].source.line, 4);
+  EXPECT_EQ(survey.skipped[0].found, "55");
 }
 
 TEST(Rw5, OtherTextIsRefused) {
