@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/text/text.hpp"
+#include "plumbline/stop.hpp"
 #include "survey/files/gama.hpp"
 #include "survey/files/gama_reader.hpp"
 
@@ -132,6 +133,7 @@ ClusterItem GamaReader::add(pugi::xml_node node, Observation o) {
   o.sigma = number(node, "stdev", sigma) * item.sigma_unit;
   item.observation = static_cast<int>(builder_.survey.observations.size());
   ensure_points({o.from, o.to, o.second_to}, o.source);
+  stop_point();
   builder_.survey.observations.push_back(std::move(o));
   return item;
 }

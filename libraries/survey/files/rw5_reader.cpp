@@ -298,8 +298,9 @@ SurveyObservations Rw5Reader::read() {
     const std::string_view text = text::trim(line.text);
     if (text.empty() || text.starts_with("--")) continue;
     const Record record = parse(line.text);
-    static const std::set<std::string_view> kRead = {"OC", "LS", "SP", "BK", "SS", "TR", "BD", "BR", "FD", "FR", "MO"};
-    if (record.stray.column > 0 && kRead.contains(record.type))
+    static const std::set<std::string_view> kReadRecords = {"OC", "LS", "SP", "BK", "SS", "TR",
+                                                            "BD", "BR", "FD", "FR", "MO"};
+    if (record.stray.column > 0 && kReadRecords.contains(record.type))
       reject(record.stray,
              "fields that begin with their head, such as HI1.55: is there a comma in a number or a name?");
     else

@@ -11,9 +11,9 @@ namespace plumbline::survey {
 
 namespace {
 
-constexpr double kSamePlace = 0.01;                 // [m]
+constexpr double kSameMark = 0.01;                  // [m]
 constexpr const char* kInvented = "free-station-";  // SurveyBuilder::start_unnamed_set_up
-constexpr size_t most_named = 8;
+constexpr size_t kMostNamedPoints = 8;
 
 /// "monday" of "survey/monday.gsi": short enough to stand in front of a point's name.
 std::string stem(const std::string& file) {
@@ -83,7 +83,7 @@ void MergedNames::decide_station(const std::string& station, const std::vector<s
   const auto names = [&](const std::vector<size_t>& group) {
     std::vector<std::string> list;
     for (const size_t file : group) list.push_back(files_[file]);
-    return text::join(list, most_named);
+    return text::join(list, kMostNamedPoints);
   };
   for (size_t g = 0; g < groups.size(); ++g)
     if (groups[g].size() > 1)
@@ -100,7 +100,7 @@ void MergedNames::decide_station(const std::string& station, const std::vector<s
   }
   find(Finding::Severity::warning,
        "station " + station + " is occupied in " + names(files) + ", and nothing shows that it is the same mark (" +
-           doubt + "): they are points of their own, " + text::join(now, most_named) +
+           doubt + "): they are points of their own, " + text::join(now, kMostNamedPoints) +
            (station.starts_with(kInvented) ? "" : "; if it is one mark, name it in same_stations"),
        now);
 }
@@ -135,7 +135,7 @@ void MergedNames::decide_stations() {
     if (!elsewhere.empty())
       find(Finding::Severity::note,
            "station " + station + " of " + files_[files.front()] + " is the target of that name in " +
-               text::join(elsewhere, most_named),
+               text::join(elsewhere, kMostNamedPoints),
            {station});
   }
 }
@@ -152,7 +152,7 @@ void MergedNames::decide_targets() {
     if (std::find(options_.known.begin(), options_.known.end(), id) != options_.known.end()) return true;
     const auto one = given[a].find(id), other = given[b].find(id);
     return one != given[a].end() && other != given[b].end() &&
-           (one->second - other->second).head<2>().norm() < kSamePlace;
+           (one->second - other->second).head<2>().norm() < kSameMark;
   };
   for (size_t b = 1; b < surveys_.size(); ++b)
     for (size_t a = 0; a < b; ++a) {
@@ -166,8 +166,8 @@ void MergedNames::decide_targets() {
       std::vector<std::string> now;
       for (const std::string& id : reused) now.push_back(renamed_[b][id] = files_[b] + ":" + id);
       find(Finding::Severity::warning,
-           "the names " + text::join(reused, most_named) + " stand for other marks in " + files_[b] + " than in " +
-               files_[a] +
+           "the names " + text::join(reused, kMostNamedPoints) + " stand for other marks in " + files_[b] +
+               " than in " + files_[a] +
                " (their places do not fit each other): numbering began again. They are points of their own, " +
                text::join(now, 3) + "; where it is one mark after all, the sights to it are wrong",
            now);

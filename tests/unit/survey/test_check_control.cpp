@@ -175,8 +175,7 @@ TEST(CheckControl, PartsThatShareOnlyControlAreNotCompared) {
   const ControlPoints control = corners(network, 18);
   SurveyObservations apart = network.survey;
   std::erase_if(apart.observations, [](const Observation& o) {
-    return (o.to == "M00" || o.to == "M20") == (o.from == "S1") ||
-           (o.to != "M00" && o.to != "M03" && o.to != "M20" && o.to != "M23");
+    return !(o.from == "S1" ? o.to == "M00" || o.to == "M03" : o.to == "M20" || o.to == "M23");
   });
   AdjustOptions options = without_curvature();
   options.measure_control = true;

@@ -116,7 +116,7 @@ TEST(Stopped, ReadersMergingAndComparisons) {
   expect_to_stop_everywhere([&] { read_gama_xml(gama, "a.gkf"); });
   expect_to_stop_everywhere([&] { read_starnet(starnet, "a.dat"); });
   SurveyObservations other = test::simulate({}, 6).survey;
-  for (SetUp& s : other.set_ups) s.id += "b";
+  for (auto& s : other.set_ups) s.id += "b";
   expect_to_stop_everywhere([&] { merge_surveys({survey, other}); });
   AdjustOptions options;
   options.curvature = Switch::off;

@@ -126,7 +126,7 @@ TEST(Rw5, ADecimalCommaIsNoField) {
       "c.rw5");
   ASSERT_EQ(survey.skipped.size(), 1u);
   EXPECT_EQ(survey.skipped[0].source.line, 4);
-  EXPECT_EQ(survey.skipped[0].found, "55");
+  EXPECT_EQ(survey.skipped[0].found, "'55'");
 }
 
 TEST(Rw5, OtherTextIsRefused) {
