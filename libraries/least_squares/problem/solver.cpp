@@ -66,7 +66,8 @@ Solution start(Problem& problem, const SolverOptions& options) {
   const Eigen::MatrixXd null_space = find_null_space(normal, options.rank_tolerance);
   InnerConstraints datum(normal, null_space, options.datum_unknowns);
   if (before && before->datum.defect() == datum.defect()) datum = before->datum;
-  Solution solution{std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}, false, 0, nullptr};
+  Solution solution{
+      std::move(unknowns), std::move(lin), std::move(normal), std::move(datum), {}, {}, false, 0, nullptr};
   solution.change = before ? before->change : Eigen::VectorXd::Zero(solution.unknowns.count());
   solution.sums_of_squares.push_back(solution.linearisation.sum_of_squares);
   return solution;

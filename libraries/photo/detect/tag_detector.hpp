@@ -31,10 +31,10 @@ struct DetectorOptions {
   double min_decision_margin = 25;  ///< mean contrast of the bits against the threshold [grey values]
   Refinement refinement = Refinement::edges;
   EdgeFitOptions edge = {.gamma = 0, .grid = std::nullopt};  ///< the transfer curve is estimated from the image
-  /// Added in quadrature to the fit's sigma [px]: lens blur that is not symmetric, print edges, JPEG blocks. Not derived,
-  /// and little hangs on it where an adjustment estimates the corners' variance factor: on printed tags before real
-  /// lenses that is 1.53, 1.43, 1.09 with 0, 0.02, 0.05 px (aruco_grid) and 1.15, 1.13, 1.04 (charuco_lifecam_1280).
-  /// 0.05 would make it 1 there and be seven times the errors of drawn photographs (0.007 px).
+  /// Added in quadrature to the fit's sigma [px]: lens blur that is not symmetric, print edges, JPEG blocks. Not
+  /// derived, and little hangs on it where an adjustment estimates the corners' variance factor: on printed tags before
+  /// real lenses that is 1.53, 1.43, 1.09 with 0, 0.02, 0.05 px (aruco_grid) and 1.15, 1.13, 1.04
+  /// (charuco_lifecam_1280). 0.05 would make it 1 there and be seven times the errors of drawn photographs (0.007 px).
   double sigma_floor = 0.02;
   /// Standard deviation that libapriltag's own corners get [px], with `apriltag` and where the edge fit fails.
   double apriltag_sigma = 0.25;

@@ -8,6 +8,6 @@
 
 using namespace plumbline::loop;
 
-PLUMBLINE_PLUGIN("loop", PLUMBLINE_BUILD_ID, "MIT", GateGuardBand, GateJoint, PlanCentred, PlanInstallation, ReadActuals,
-                 ReadReports, ReadState, ReadVda5050, ReleaseState, SimulateFitters, SimulateRobots, SimulateSite,
-                 UpdateState, WriteJob, WriteVda5050)
+PLUMBLINE_PLUGIN("loop", PLUMBLINE_BUILD_ID, "MIT", GateGuardBand, GateJoint, PlanCentred, PlanInstallation,
+                 ReadActuals, ReadReports, ReadState, ReadVda5050, ReleaseState, SimulateFitters, SimulateRobots,
+                 SimulateSite, UpdateState, WriteJob, WriteVda5050)

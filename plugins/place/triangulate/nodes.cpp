@@ -168,4 +168,5 @@ struct Triangulate : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("triangulate", PLUMBLINE_BUILD_ID, "MIT", Triangulate<Dlt>, Triangulate<Midpoint>, Triangulate<Angular>)
+PLUMBLINE_PLUGIN("triangulate", PLUMBLINE_BUILD_ID, "MIT", Triangulate<Dlt>, Triangulate<Midpoint>,
+                 Triangulate<Angular>)

@@ -9,5 +9,5 @@
 
 using namespace plumbline::survey;
 
-PLUMBLINE_PLUGIN("survey", PLUMBLINE_BUILD_ID, "MIT", AdjustNode, BriefNode, CompareEpochsNode, CheckControlNode, EpochSeriesNode,
-                 FileAxesNode, PlanNode, SimulateSurveyNode, TablesNode)
+PLUMBLINE_PLUGIN("survey", PLUMBLINE_BUILD_ID, "MIT", AdjustNode, BriefNode, CompareEpochsNode, CheckControlNode,
+                 EpochSeriesNode, FileAxesNode, PlanNode, SimulateSurveyNode, TablesNode)

@@ -16,7 +16,7 @@ using namespace plumbline::bundle;
 class Lenses : public testing::TestWithParam<Lens> {};
 std::string name_of_lens(const testing::TestParamInfo<Lens>& lens) {
   const char* names[] = {"brown", "balanced", "correcting", "fisheye"};
-  return names[lens.param];
+  return names[static_cast<size_t>(lens.param)];
 }
 INSTANTIATE_TEST_SUITE_P(All, Lenses, testing::Values(Lens::brown, Lens::balanced, Lens::correcting, Lens::fisheye),
                          name_of_lens);
