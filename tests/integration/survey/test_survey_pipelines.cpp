@@ -290,7 +290,7 @@ TEST(SurveyPipelines, ShowTellsAnyPairRelativeToEachOther) {
   };
   EXPECT_TRUE(contains(message("out", "F01-C01-R1", "F01-C01-R7"), "did you mean 'F01-C01-R1'"));
   EXPECT_TRUE(contains(message("out", "S1", "S1"), "expected two different points"));
-  EXPECT_TRUE(contains(message("out/run.jsonl:network.network", "S1", "S2"), "it has network.points"));
+  EXPECT_TRUE(contains(message("out/run.jsonl:network.network", "S1", "S2"), "network.points"));
   fs::remove_all(plumbline.work() / "out" / "run.jsonl");
   EXPECT_TRUE(contains(message("out", "S1", "S2"), "run.jsonl"));
 }
