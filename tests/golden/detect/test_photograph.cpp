@@ -1,8 +1,12 @@
-// A photograph from AprilRobotics' own tests, with the corners that they publish for it.
+// A photograph from AprilRobotics' own tests, with the corners that they publish for it; photographs of a field of the
+// FIRST Robotics Competition, whose tags are 1 to 16.
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <regex>
 
 #include "photo/detect/tag_detector.hpp"
+#include "photo/detect/tag_pyramid.hpp"
 #include "photo/images/grey_image.hpp"
 #include "test_support.hpp"
 
@@ -73,6 +77,35 @@ TEST_F(Photograph, RefinementMovesCornersByLessThanThePublishedOnesScatter) {
   int refined = 0;
   for (const auto& tag : found) refined += tag.refined;
   EXPECT_GE(refined, 6);  // the others' cells are below 3.5 px wide, or foreshortened to 1.5 px
+}
+
+/// Ids of one photograph of the field.
+std::vector<int> ids_on_the_field(const std::string& name, const std::string& family = "tag36h11") {
+  const detect::TagPyramid detector({detect::square_family(family)}, {});
+  std::vector<int> ids;
+  for (const auto& tag : detector.detect(read_grey_image(test::data_file("images/field2024/" + name))).tags)
+    ids.push_back(tag.id);
+  return ids;
+}
+
+TEST(Field, ATagWhoseWhiteIsOverexposedIsRead) {
+  PLUMBLINE_REQUIRE_DATA("images/field2024/GeneralField4.jpg");
+  const std::vector<int> ids = ids_on_the_field("GeneralField4.jpg");
+  EXPECT_EQ(std::count(ids.begin(), ids.end(), 6), 1);
+}
+
+TEST(Field, OverexposedWhiteIsNoTagOfAnotherFamily) {
+  PLUMBLINE_REQUIRE_DATA("images/field2024");
+  int photographs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(test::data_file("images/field2024"))) {
+    if (entry.path().extension() != ".jpg") continue;
+    const std::string name = entry.path().filename().string();
+    ++photographs;
+    for (const int id : ids_on_the_field(name)) EXPECT_TRUE(id >= 1 && id <= 16) << name << ": " << id;
+    for (const char* other : {"tag25h9", "tag16h5"})
+      EXPECT_TRUE(ids_on_the_field(name, other).empty()) << name << other;
+  }
+  EXPECT_EQ(photographs, 15);
 }
 
 }  // namespace
