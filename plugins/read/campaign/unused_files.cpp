@@ -101,14 +101,15 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
 }
 
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
-                      const fs::path& root, CampaignUse use) {
-  const bool wants_photographs =
-      use != CampaignUse::survey && use != CampaignUse::measured && description.observations.empty();
+                      const fs::path& root, CampaignUse use, bool understood) {
+  const bool wants_photographs = use != CampaignUse::survey && use != CampaignUse::measured &&
+                                 description.observations.empty() && (understood || !description.images.empty());
+  const bool wants_readings = understood || !description.survey.empty();
   std::vector<std::string> photographs, readings;
   for (const UnusedFile& file : unused) {
     if (file.set_aside) continue;
     if (file.looks_like == "photograph" && wants_photographs) photographs.push_back(file.path);
-    if (file.looks_like == "survey") readings.push_back(file.path);
+    if (file.looks_like == "survey" && wants_readings) readings.push_back(file.path);
   }
   if (photographs.empty() && readings.empty()) return;
   std::string text, all;

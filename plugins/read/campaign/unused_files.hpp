@@ -26,8 +26,9 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
 
 /// Throws CampaignError that names the photographs and survey files which nothing uses or sets aside, and what to write
 /// into campaign.yaml. With CampaignUse::survey photographs may lie there, and where tags were measured already, too.
+/// Where campaign.yaml has mistakes (not `understood`) only kinds of which it names some are told.
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
-                      const std::filesystem::path& root, CampaignUse use);
+                      const std::filesystem::path& root, CampaignUse use, bool understood);
 
 /// Whether the file holds readings of an instrument. Tables may hold anything: they count if they can be read and have
 /// some. Instruments' files count even where they are damaged.

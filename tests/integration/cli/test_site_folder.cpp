@@ -104,6 +104,13 @@ TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
                            "1 survey file (survey/dienstag.txt)", "that nothing names", "'images' and 'survey'",
                            "unused: [images/neu.JPG, images/nachtrag/F01-04.jpg, survey/dienstag.txt]"})
     EXPECT_TRUE(contains(refused.err, word)) << word << "\n" << refused.err;
+  // Beside another mistake, too.
+  const std::string sound = read_file(site() / "campaign.yaml");
+  append("campaign.yaml", "\ntoleranz: 5\n");
+  const Answer both = process("out");
+  for (const char* word : {"unknown key 'toleranz'", "1 survey file (survey/dienstag.txt)"})
+    EXPECT_TRUE(contains(both.err, word)) << word << "\n" << both.err;
+  write("campaign.yaml", sound);
   append("campaign.yaml", "\nunused: [images/neu.JPG, \"images/nachtrag/**\", survey/dienstag.txt]\n");
   const Answer answer = process("out");
   EXPECT_TRUE(contains(answer.out, "Took part: 3 photographs, ")) << answer.out << answer.err;
