@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <map>
@@ -53,14 +54,21 @@ void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::p
 }
 
 std::string metrics_text(const runtime::NodeResult& node) {
-  constexpr size_t most = 6;
+  constexpr size_t most = 8;
   std::string text;
   size_t shown = 0;
   for (const auto& metric : node.metrics) {
     if (metric.name == "invalid" && !(metric.value > 0)) continue;
     if (shown++ == most) return text + ", ...";
-    const std::string value = fmt::format("{:.6g}", metric.value);
-    text += (text.empty() ? "" : ", ") + metric.name + " " + value + (metric.unit == "1" ? "" : " " + metric.unit);
+    // Lengths below a decimetre are of the kind that people read in millimetres; counts are shown whole.
+    const bool small = metric.unit == "m" && std::abs(metric.value) < 0.1;
+    const double value = small ? 1e3 * metric.value : metric.value;
+    text += (text.empty() ? "" : ", ") + metric.name + " " +
+            (value == std::round(value) && std::abs(value) < 1e9 ? fmt::format("{:.0f}", value)
+                                                                 : fmt::format("{:.4g}", value)) +
+            (metric.unit == "1" ? ""
+             : small            ? " mm"
+                                : " " + metric.unit);
   }
   return text;
 }

@@ -12,8 +12,8 @@ namespace plumbline::control {
 inline constexpr const char* kExpectedColumns =
     "id, E, N, H (or x, y, z) and optionally sigma (or sigma_E, sigma_N, sigma_H) and role";
 inline constexpr const char* kShortened =
-    ", which a spreadsheet has shortened: its last digit stands for metres. Give the column a number format with "
-    "decimals there and save the table again";
+    ", which a spreadsheet has shortened: its last digit stands for a metre or more. Give the column a number format "
+    "with decimals there and save the table again";
 
 struct TableSource {
   std::string file;

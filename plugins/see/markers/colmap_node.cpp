@@ -193,6 +193,26 @@ std::string table_text(const ControlResult& result) {
   return text;
 }
 
+/// How far control was moved; without check points it is all there is, and no evidence.
+void tell_control(const ControlResult& result, Context& context) {
+  double squares = 0, largest = 0;
+  int count = 0;
+  for (const auto& point : result.points) {
+    if (!point.used || point.check || point.aside) continue;
+    const double square = (point.position - point.surveyed).squaredNorm();
+    squares += square, largest = std::max(largest, square), ++count;
+  }
+  context.metric("control_points", count, "1");
+  if (count) {
+    context.metric("control_rms_3d", std::sqrt(squares / count), "m");
+    context.metric("control_largest_3d", std::sqrt(largest), "m");
+  }
+  if (!result.checks)
+    context.warn(
+        "no check points: what control points were moved by says how well they fit, not how accurate the "
+        "model is. A control point with the role check takes no part and judges it");
+}
+
 }  // namespace
 
 void AdjustColmapControl::run(Context& context) {
@@ -224,6 +244,9 @@ void AdjustColmapControl::run(Context& context) {
   for (const auto& text : result.warnings) context.warn(text);
   for (const auto& text : result.left_out) context.warn("left out: " + text);
   context.metric("rms", result.rms, "px");
+  context.metric("sigma0", result.sigma0, "1");
+  context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
+  tell_control(result, context);
   if (result.checks) {
     double squares = 0;
     for (const auto& point : result.checks->points) squares += point.difference.squaredNorm();
