@@ -102,10 +102,12 @@ void AsBuiltWriter::write_judgement() {
     if (!request->not_judged.empty()) not_judged.push_back(request->asked + ": " + request->not_judged);
   PropertySet set(appender_);
   set.choice("Verdict", label_of(deviation_.verdict), verdicts_, "PASS: ready to install");
-  set.integer("AnchorsPassed", deviation_.passed);
-  set.integer("AnchorsUndecided", deviation_.undecided);
-  set.integer("AnchorsFailed", deviation_.failed);
-  set.integer("AnchorsNotMeasured", deviation_.not_measured);
+  if (!deviation_.anchors.empty() || !deviation_.surfaces) {  // a scan measures none
+    set.integer("AnchorsPassed", deviation_.passed);
+    set.integer("AnchorsUndecided", deviation_.undecided);
+    set.integer("AnchorsFailed", deviation_.failed);
+    set.integer("AnchorsNotMeasured", deviation_.not_measured);
+  }
   if (const auto& surfaces = deviation_.surfaces) {
     set.integer("SurfacesPassed", surfaces->passed, "Quantities of panels' surfaces and joints that keep their limits");
     set.integer("SurfacesUndecided", surfaces->undecided);

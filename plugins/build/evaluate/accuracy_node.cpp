@@ -16,6 +16,8 @@
 #include "build/evaluate/metrics.hpp"
 #include "build/evaluate/point_input.hpp"
 #include "build/evaluate/poses_node.hpp"
+#include "build/evaluate/surface_deviation_node.hpp"
+#include "build/evaluate/surface_errors_node.hpp"
 #include "building/judgement/accuracy.hpp"
 #include "plumbline/node.hpp"
 
@@ -153,4 +155,5 @@ PLUMBLINE_PLUGIN("evaluate", PLUMBLINE_BUILD_ID, "MIT", plumbline::judgement::Ev
                  plumbline::judgement::EvaluateErrors, plumbline::judgement::EvaluatePoses,
                  plumbline::judgement::EvaluateCrlb, plumbline::judgement::PlanImages,
                  plumbline::judgement::EvaluateWithhold, plumbline::judgement::EvaluateLengths,
-                 plumbline::judgement::EvaluateDeviation, plumbline::judgement::EvaluateEpochs)
+                 plumbline::judgement::EvaluateDeviation, plumbline::judgement::EvaluateEpochs,
+                 plumbline::judgement::EvaluateSurfaces, plumbline::judgement::SurfaceDeviation)

@@ -1,5 +1,5 @@
 // simulate.facade: photographs of a facade of panels, their orientations with errors of a known joint covariance, the
-// design, and the truth beside them.
+// design, and the truth beside them; simulate.scan: what a scanner sees of it.
 #include <fmt/core.h>
 
 #include <Eigen/Cholesky>
@@ -15,7 +15,9 @@
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/random.hpp"
 #include "panelled_facade.hpp"
+#include "planted_surfaces.hpp"
 #include "plumbline/node.hpp"
+#include "scan_node.hpp"
 
 namespace {
 
@@ -60,6 +62,7 @@ struct SimulateFacade : Node {
   Out<Camera> camera{"camera", "that took them, exact"};
   Out<Poses> poses{"poses", frame("frame=survey"), "the orientations with their errors and joint covariance"};
   Out<File> truth{"truth", "panels and joints as they are, CSV: what no processing may see"};
+  Out<Surfaces> planted{"planted", frame("frame=survey"), "the same as panels and joints, without errors"};
 
   void run(Context& context) override {
     if (*plain + *glass > *columns * *rows)
@@ -77,6 +80,7 @@ struct SimulateFacade : Node {
     camera.commit(artifact);
     poses.commit(with_errors(stations, context.seed()));
     truth.commit(truth_of(facade));
+    planted.commit(simulate::planted_surfaces(facade, *columns, *joint));
   }
 
  private:
@@ -261,4 +265,4 @@ struct SimulateFacade : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("simulate_facade", PLUMBLINE_BUILD_ID, "MIT", SimulateFacade)
+PLUMBLINE_PLUGIN("simulate_facade", PLUMBLINE_BUILD_ID, "MIT", SimulateFacade, plumbline::simulate::SimulateScan)

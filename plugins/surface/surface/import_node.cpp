@@ -173,7 +173,22 @@ std::string file_name(size_t tile) { return fmt::format("{:06}.points", tile); }
 
 }  // namespace
 
+std::string ImportCloud::cloud_path(Context& context) const {
+  if (!by_reference && file->path.empty())
+    throw std::runtime_error("there is no cloud: set 'file' to its path, or connect 'scan'");
+  if (!by_reference) return file->path;
+  if (!file->path.empty())
+    throw std::runtime_error(
+        "'file' is set and 'scan' is connected: which of them is the cloud? Take one of them away");
+  const FileT given = by_reference.unpack();
+  if (given.uri.empty())
+    throw std::runtime_error("input 'scan' holds the bytes of " + given.name +
+                             "; a cloud is taken by reference: set 'file' to its path");
+  return context.resolve(given.uri);
+}
+
 void ImportCloud::run(Context& context) {
+  const std::string path = cloud_path(context);
   if (!design && !points)
     throw std::runtime_error("connect 'design', whose panels are measured, or 'points', whose plane is");
   const auto stations = stations_of(*seen_from);
@@ -193,7 +208,7 @@ void ImportCloud::run(Context& context) {
           "the registration scales the plan only, as a map does; a scan needs one that scales heights too, or none");
     to_faces.frame = fit->to_from_from, to_faces.scale = std::isfinite(fit->scale) ? fit->scale : 1;
   }
-  const cloud::CloudSummary before = cloud::look_at_cloud(file->path);
+  const cloud::CloudSummary before = cloud::look_at_cloud(path);
   const UnitOfFile chosen = unit_of(before, *unit, context);
   to_faces.unit = chosen.metres;
 
@@ -213,7 +228,7 @@ void ImportCloud::run(Context& context) {
   context.reserve_memory(tiles.tiles().size() * 1024 * sizeof(MeasuredPoint) + (8u << 20));
   Sample sample;
   const cloud::CloudSummary read =
-      cloud::read_cloud(file->path, [&](const std::vector<Eigen::Vector3d>& some, double done, int scan) {
+      cloud::read_cloud(path, [&](const std::vector<Eigen::Vector3d>& some, double done, int scan) {
         if (context.cancelled()) throw Stopped();
         context.progress(done, "points");
         for (const auto& point : some) {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "artifacts/design.hpp"
+#include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/surface_points.hpp"
@@ -18,7 +19,8 @@ struct ImportCloud : Node {
   static constexpr Info info{
       "dense.import", "depth", 4,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
-  Param<FilePath> file{"file", required, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
+  Param<FilePath> file{"file", FilePath{}, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
+  Optional<File> by_reference{"scan", "the cloud by reference, in the place of 'file'"};
   Optional<Design> design{"design", frame("frame=?F"), "whose panels are measured"};
   Optional<Points> points{"points", frame("frame=?F"), "without a design: the plane of these points is measured"};
   Optional<Transform> registration{
@@ -56,6 +58,7 @@ struct ImportCloud : Node {
   void run(Context& context) override;
 
  private:
+  std::string cloud_path(Context& context) const;
   /// `common`: places that all scans share; `own`: of each by itself.
   void commit(Context& context, const Faces& faces, const ScanTiles& tiles, const std::vector<ScanPlace>& common,
               const std::optional<ScanPlace>& own, const std::string& folder, const std::string& uri) const;

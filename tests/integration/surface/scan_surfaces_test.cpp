@@ -9,6 +9,7 @@
 #include "program.hpp"
 #include "small_building.hpp"
 #include "test_paths.hpp"
+#include "unzipped.hpp"
 
 namespace plumbline::test {
 namespace {
@@ -51,6 +52,13 @@ class ScanOfAPanel : public testing::Test {
     more.insert(more.end(), {"--out", "out"});
     return plumbline(more);
   }
+  /// What the topics of the issues say.
+  std::string topics() const {
+    std::string text;
+    for (const auto& [name, content] : unzipped(read_file(plumbline.work() / "out/issues.bcf")))
+      if (name.find("markup.bcf") != std::string::npos) text += content;
+    return text;
+  }
   /// The panel's line of a table, by the names of its columns.
   std::map<std::string, std::string> row(const std::string& table) const {
     std::istringstream lines(read_file(plumbline.work() / "out" / table));
@@ -80,6 +88,25 @@ TEST_F(ScanOfAPanel, IsMeasuredAndJudged) {
   const std::string verdicts = read_file(plumbline.work() / "out/surface_verdicts.csv");
   EXPECT_NE(verdicts.find("Facade,,flatness(1m),PASS"), std::string::npos) << verdicts;
   EXPECT_NE(verdicts.find("Facade,,bow,PASS"), std::string::npos) << verdicts;
+}
+
+/// The verdicts of a scan stand where those of photographs do: in the as-built model, and as an issue where one fails.
+TEST_F(ScanOfAPanel, IsInTheModelAndInTheIssues) {
+  write_scan(points(0.004));
+  EXPECT_EQ(run({"rule=*: flatness(1m)=8mm, bow=3mm", "measured=2026-05-12T10:30:00"}).code, 0);
+  std::string model = read_file(plumbline.work() / "out/as_built.ifc");
+  for (const char* part : {"ASB_PanelSurface", "'SurfacesPassed'", "laser scan", "2026-05-12T10:30:00"})
+    EXPECT_NE(model.find(part), std::string::npos) << part;
+  EXPECT_EQ(model.find("'AnchorsPassed'"), std::string::npos) << "nobody looked for anchors";
+  const step::File read(model, "as_built.ifc");
+  EXPECT_EQ(ifc::read_design(read, {}).elements.size(),
+            ifc::read_design(step::File(small_building("IFC4"), "design.ifc"), {}).elements.size());
+  EXPECT_EQ(topics(), "");
+  EXPECT_EQ(run({"rule=*: bow=1mm"}).code, 0) << "judged, and out of tolerance";
+  model = read_file(plumbline.work() / "out/as_built.ifc");
+  EXPECT_NE(model.find("'SurfacesFailed',$,IFCINTEGER(2)"), std::string::npos)
+      << read_file(plumbline.work() / "out/surface_verdicts.csv");
+  EXPECT_NE(topics().find("Facade"), std::string::npos) << topics();
 }
 
 TEST_F(ScanOfAPanel, RulesWithoutAnAnswerEndWithExitCode3) {
@@ -123,6 +150,14 @@ TEST_F(ScanOfAPanel, StandsInForPhotographsByOneWord) {
                                     "depth.with.pitch=~", "depth.in.scans=site.images"});
   EXPECT_EQ(unknown.code, 1) << "what no kind of the role takes is still refused";
   EXPECT_NE(unknown.err.find("has no input 'scans'"), std::string::npos) << unknown.err;
+}
+
+/// The bench's own pipeline: photographs and a scanner's cloud of the same facade, taken by whichever kind.
+TEST_F(ScanOfAPanel, BothAreConnectedToOneDepth) {
+  const std::string pipeline = std::string(source_dir()) + "/benchmarks/surfaces/facade_kinds.yaml";
+  EXPECT_EQ(plumbline({"validate", pipeline}).code, 0);
+  const Answer scanned = plumbline({"validate", pipeline, "depth.use=dense.import", "depth.with.pitch=~"});
+  EXPECT_EQ(scanned.code, 0) << scanned.err;
 }
 
 TEST_F(ScanOfAPanel, CoarseStepsAreRefused) {

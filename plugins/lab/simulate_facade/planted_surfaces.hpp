@@ -1,0 +1,13 @@
+// The truth of a simulated facade in the words of what measures it.
+#pragma once
+
+#include "artifacts/surfaces.hpp"
+#include "panelled_facade.hpp"
+
+namespace plumbline::simulate {
+
+/// Panels as they hang, row by row of `columns`, each on the design's plane at its own place along it, and the joints
+/// between neighbours, every 10 mm. A panel that no photograph can measure says what it is in `not_measured`.
+SurfacesT planted_surfaces(const PanelledFacade& facade, std::int64_t columns, double nominal_joint);
+
+}  // namespace plumbline::simulate
