@@ -268,7 +268,7 @@ ServedRuns::Json ServedRuns::run(const std::string& id) {
   json["plumbline"] = run.start.value("plumbline", "");
   json["nodes"] = Json::array();
   for (const std::string& name : run.order) json["nodes"].push_back(run.nodes.at(name));
-  for (const char* words : {"verdict.txt", "summary.txt"})
+  for (const char* words : {"verdict.txt", "summary.txt", "next.txt"})
     if (const std::string text = text_of(joined(id, words), longest_text); !text.empty()) {
       json["words"] = text;
       break;

@@ -43,8 +43,14 @@ CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, co
     if (!result.inputs.empty()) record.inputs[name] = hash_of_inputs(result);
     if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;
   }
-  for (const RunResult::EarlierRound& node : run.earlier)
-    record.seconds[cell.graph->graph.nodes[node.node].name] += node.result.item_seconds;
+  std::set<size_t> in_first_round;
+  for (const RunResult::EarlierRound& node : run.earlier) {
+    const std::string& name = cell.graph->graph.nodes[node.node].name;
+    record.seconds[name] += node.result.item_seconds;
+    // What a loop starts from is what its first round gets; later ones get what it made of that.
+    if (in_first_round.insert(node.node).second && !node.result.inputs.empty())
+      record.inputs[name] = hash_of_inputs(node.result);
+  }
   if (run.rounds.rounds > 0) {
     record.metrics["rounds.number"] = {"number", static_cast<double>(run.rounds.rounds), "1"};
     record.metrics["rounds.finished"] = {"finished", run.rounds.finished ? 1.0 : 0.0, "1"};

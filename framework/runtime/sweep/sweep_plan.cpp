@@ -61,7 +61,9 @@ void add_rounds(const Graph& graph, const GraphNode& node, KeyFields& fields) {
   for (const auto& [port, name] : node.carried) fields["carried " + port] = name;
   for (const auto& [port, name] : node.collected) fields["collected " + port] = name;
   if (node.carried.empty() && node.collected.empty()) return;
-  std::string text = std::to_string(graph.rounds.most) + (graph.rounds.until ? "\n" + graph.rounds.until->text : "");
+  // Named: what is kept of a cell has the inputs of the first round.
+  std::string text = "first inputs, at most " + std::to_string(graph.rounds.most) +
+                     (graph.rounds.until ? "\n" + graph.rounds.until->text : "");
   for (const Carry& carry : graph.rounds.carry) {
     text += "\n" + carry.name + " " + graph.nodes[carry.next.node].name + "." + carry.next.port;
     if (carry.first) text += " " + graph.nodes[carry.first->node].name + "." + carry.first->port;

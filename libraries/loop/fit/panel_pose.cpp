@@ -28,6 +28,7 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
       if (hook.holds[k] && brackets[hook.bracket].measured()) pose.held.push_back({hook.bracket, panel.axes.col(k)});
   const auto h = static_cast<Eigen::Index>(pose.held.size());
   pose.hooks.resize(h, 6), pose.solve.setZero(6, h), pose.open = Eigen::MatrixXd::Identity(6, 6);
+  pose.strain.resize(h, 0);
   if (h == 0) return pose;
   for (Eigen::Index i = 0; i < h; ++i) {
     const PanelPose::Held& held = pose.held[i];
@@ -40,6 +41,7 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
   pose.solve = svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
                svd.matrixU().leftCols(rank).transpose();
   pose.open = svd.matrixV().rightCols(6 - rank);
+  pose.strain = svd.matrixU().rightCols(h - rank);
   return pose;
 }
 

@@ -15,6 +15,8 @@ struct PanelPose {
   Eigen::MatrixXd hooks;  ///< h x 6: movement of the held directions from the twist
   Eigen::MatrixXd solve;  ///< 6 x h
   Eigen::MatrixXd open;   ///< 6 x f: twists that no hook tells; f = 0 for a panel that hangs as it should
+  /// h x g: movements of the hooks that a rigid panel does not follow (four hooks that hold it out of plane: g = 1).
+  Eigen::MatrixXd strain;
   struct Held {
     std::size_t bracket;
     Eigen::Vector3d direction;  ///< unit vector, in the frame

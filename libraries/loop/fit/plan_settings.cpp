@@ -17,6 +17,9 @@ namespace {
 constexpr double kLargestGuard = 0.9;
 /// Limits broken by less are kept [mm].
 constexpr double kBroken = 1e-5;
+/// Limits that the last optimum kept by less [mm] are known to the next one, which would break some of them: one
+/// solution less.
+constexpr double kNear = 0.5;
 /// An excess above this is told [mm].
 constexpr double kTold = 0.01;
 
@@ -48,19 +51,22 @@ ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit
     const ConvexOptimum optimum = minimise(program.with(working));
     ++solves;
     bool complete = true;
+    std::vector<Limit> next;
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const double at = program.at(limits[i], optimum.x);
+      const double below = known[i][0] ? -infinity : limits[i].low - at;
+      const double above = known[i][1] ? -infinity : at - limits[i].high;
+      const double broken = std::max(below, above);
+      // Without any limit, what is near says nothing yet.
+      if (broken <= (solves == 1 ? kBroken : -kNear)) continue;
+      complete = complete && broken <= kBroken;
       Limit side = limits[i];
-      if (at < limits[i].low - kBroken && !known[i][0]) {
-        side.high = infinity, known[i][0] = true;
-      } else if (at > limits[i].high + kBroken && !known[i][1]) {
-        side.low = -infinity, known[i][1] = true;
-      } else {
-        continue;
-      }
-      working.push_back(side), complete = false;
+      (below >= above ? side.high : side.low) = below >= above ? infinity : -infinity;
+      known[i][below >= above ? 0 : 1] = true;
+      next.push_back(side);
     }
     if (complete) return optimum;
+    working.insert(working.end(), next.begin(), next.end());
   }
 }
 

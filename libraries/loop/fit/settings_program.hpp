@@ -1,6 +1,8 @@
 // The quadratic program of plan_settings() in millimetres, with the limits that were asked for.
 #pragma once
 
+#include <array>
+
 #include "loop/fit/plan_settings.hpp"
 
 namespace plumbline::loop {
@@ -12,6 +14,9 @@ struct Limit {
   double low = 0, high = 0;  ///< [mm]; one of them infinite for with()
 };
 
+/// Unknowns are the settings that some hook holds; the panels' twists follow from them. Beside them only what a rigid
+/// panel does not follow is an equation, one for a panel on four hooks: of 1000 panels 4300 unknowns and 1000
+/// equations, where twists as unknowns need 6000 and 2700.
 class SettingsProgram {
  public:
   SettingsProgram(const Facade& facade, const std::vector<PanelPose>& poses, const std::vector<JudgedValue>& judged,
@@ -27,29 +32,27 @@ class SettingsProgram {
   bool is_set(std::size_t bracket) const { return is_set_[bracket]; }
 
  private:
-  using Row = std::vector<std::pair<Eigen::Index, double>>;
-  /// A setting of a bracket in one of its directions [mm]: an unknown, or what the first hook that holds it makes of
-  /// its panel's twist. Fewer unknowns and equations: of 1000 panels 6000 instead of 12 100, and 2900 instead of 7000.
+  /// A length as a sum over unknowns and a constant [mm].
   struct Term {
-    Row row;
+    std::vector<std::pair<Eigen::Index, double>> row;
     double constant = 0;
-    bool is_told = false;
+    void add(double factor, const Term& other);
+    double value(const Eigen::VectorXd& x) const;
   };
-  /// A value as a row over the unknowns and a constant [mm].
-  std::pair<Row, double> row_of(const JudgedValue& value) const;
-  void add_square(const Row& row, double constant, double weight);
   void choose_settings();
-  void add_hook(std::size_t panel, Eigen::Index held);
-  double value_of(const Term& term, const Eigen::VectorXd& x) const;
+  void add_hooks(std::size_t panel);
+  void add_equation(const Term& term);
+  void add_square(const Term& term, double weight);
   void add_squares(const std::vector<JudgedValue>& judged, const FitWeights& weights);
+  Term term_of(std::size_t panel, const Eigen::Matrix<double, 1, 6>& row) const;
+  const Term& term_of(const Limit& limit) const;
 
   const Facade& facade_;
   const std::vector<PanelPose>& poses_;
-  std::vector<Eigen::Index> twist_at_;  ///< first unknown; -1: none
-  std::vector<bool> is_set_;            ///< by bracket: still to be set
+  std::vector<bool> is_set_;  ///< by bracket: still to be set
   std::vector<std::array<Term, 3>> settings_;
-  std::vector<Eigen::Matrix<double, 6, 1>> known_;  ///< twist of a panel that hangs already [mm]
-  std::vector<std::pair<Row, double>> value_rows_;
+  std::vector<std::vector<Term>> hooks_;  ///< by panel: movement of each held direction
+  std::vector<Term> values_;              ///< of what is judged
   std::vector<Eigen::Triplet<double>> squares_, equations_;
   std::vector<double> right_sides_, linear_;
   Eigen::Index unknowns_ = 0;

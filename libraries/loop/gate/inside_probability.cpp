@@ -9,7 +9,11 @@
 
 namespace plumbline::loop {
 
-double normal_below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+double normal_below(double x) {
+  constexpr double kFar = 9;  // less than 1e-18 is left there
+  if (std::abs(x) > kFar) return x < 0 ? 0 : 1;
+  return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
 
 namespace {
 
@@ -70,7 +74,7 @@ double normal_quantile(double p) {
 
 namespace {
 
-constexpr int kPoints = 32, kBlocks = 80, kFewestBlocks = 4;  ///< of the lattice
+constexpr int kPoints = 16, kBlocks = 160, kFewestBlocks = 4;  ///< of the lattice
 constexpr double kCloseBounds = 0.001;
 /// Of the precision, what those values may be outside with together that are left to themselves.
 constexpr double kFarInside = 0.2;
