@@ -26,6 +26,10 @@ BracketRule parse_bracket_rule(const std::string& text) {
       throw std::runtime_error("bracket rule '" + text + "': '" + name +
                                "' is not known; expected right, up, out, step_right, step_up or step_out");
   }
+  for (int k = 0; k < 3; ++k)
+    if (rule.type.step[k] > std::max(rule.type.high[k], -rule.type.low[k]))
+      throw std::runtime_error("bracket rule '" + text + "': its step " + kDirections[k] +
+                               " is longer than its range: it could not be set at all");
   return rule;
 }
 

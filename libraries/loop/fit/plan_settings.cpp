@@ -17,9 +17,11 @@ namespace {
 constexpr double kLargestGuard = 0.9;
 /// Limits broken by less are kept [mm].
 constexpr double kBroken = 1e-5;
-/// Limits that the last optimum kept by less [mm] are known to the next one, which would break some of them: one
-/// solution less.
-constexpr double kNear = 0.5;
+/// Limits that the last optimum kept by more [mm] are forgotten: the first solutions break thousands of which hundreds
+/// hold at the end. So many solutions may forget: each optimum is above the one before, because all that holds is kept,
+/// but where settings cost next to nothing not by much.
+constexpr double kNear = 0.1;
+constexpr int kForgetful = 20;
 /// An excess above this is told [mm].
 constexpr double kTold = 0.01;
 
@@ -54,19 +56,18 @@ ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit
     std::vector<Limit> next;
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const double at = program.at(limits[i], optimum.x);
-      const double below = known[i][0] ? -infinity : limits[i].low - at;
-      const double above = known[i][1] ? -infinity : at - limits[i].high;
-      const double broken = std::max(below, above);
-      // Without any limit, what is near says nothing yet.
-      if (broken <= (solves == 1 ? kBroken : -kNear)) continue;
-      complete = complete && broken <= kBroken;
-      Limit side = limits[i];
-      (below >= above ? side.high : side.low) = below >= above ? infinity : -infinity;
-      known[i][below >= above ? 0 : 1] = true;
-      next.push_back(side);
+      for (const int side : {0, 1}) {
+        const double broken = side == 0 ? limits[i].low - at : at - limits[i].high;
+        complete = complete && (known[i][side] || broken <= kBroken);
+        const bool stays = known[i][side] && (broken > -kNear || solves > kForgetful);
+        known[i][side] = stays || broken > kBroken;
+        if (!known[i][side]) continue;
+        next.push_back(limits[i]);
+        (side == 0 ? next.back().high : next.back().low) = side == 0 ? infinity : -infinity;
+      }
     }
     if (complete) return optimum;
-    working.insert(working.end(), next.begin(), next.end());
+    working = std::move(next);
   }
 }
 

@@ -118,27 +118,77 @@ std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPo
   return text + "0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n" + entities + "0\nENDSEC\n0\nEOF\n";
 }
 
-ActualsT read_actuals_json(const std::string& text, const std::string& source) {
-  const auto parsed = nlohmann::json::parse(text, nullptr, false);
+namespace {
+
+using Json = nlohmann::json;
+
+Json parsed_actuals(const std::string& text, const std::string& source) {
+  static const char* const kExpected = "expected {\"items\": [{\"item\": \"F01-C01-R1\", \"outcome\": \"done\"}]}";
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw std::runtime_error(source + ": is empty; " + kExpected);
+  Json parsed;
+  try {
+    parsed = Json::parse(text);
+  } catch (const Json::exception& error) {
+    const std::string words = error.what();  // "[json.exception.parse_error.101] parse error at line 1, column 29: ..."
+    const auto begin = words.find("] ");
+    throw std::runtime_error(source +
+                             ": is no JSON: " + (begin == std::string::npos ? words : words.substr(begin + 2)));
+  }
+  if (parsed.is_object() && parsed.contains("jobId"))
+    throw std::runtime_error(source + ": is a job, what is to be done; expected reports of what was done");
   if (!parsed.is_object() || !parsed.contains("items") || !parsed["items"].is_array())
-    throw std::runtime_error(source + ": expected a JSON object with a list 'items'");
+    throw std::runtime_error(source + ": has no list 'items'; " + kExpected);
+  return parsed;
+}
+
+/// Throws std::runtime_error that says which key is wrong, and how.
+std::unique_ptr<ActualT> actual_of(const Json& entry) {
+  if (!entry.is_object()) throw std::runtime_error("is no object with 'item' and 'outcome'");
+  auto actual = empty_actual();
+  const auto wrong = [&](const char* key, const char* expected) {
+    throw std::runtime_error(std::string("'") + key + "' is " + entry.at(key).dump() + ", expected " + expected);
+  };
+  const auto take_text = [&](const char* key, std::string& text, bool needed) {
+    if (!entry.contains(key) && needed) throw std::runtime_error(std::string("has no '") + key + "'");
+    if (!entry.contains(key)) return;
+    if (!entry[key].is_string()) wrong(key, "text");
+    text = entry[key].get<std::string>();
+  };
+  take_text("item", actual->item, true), take_text("outcome", actual->outcome, true);
+  take_text("job", actual->job, false), take_text("by", actual->by, false), take_text("at", actual->at, false);
+  take_text("note", actual->note, false);
+  if (entry.contains("revision")) {
+    if (!entry["revision"].is_number_integer()) wrong("revision", "a whole number");
+    actual->revision = entry["revision"].get<int>();
+  }
+  const auto take_three = [&](const char* key, Eigen::Vector3d& place, const char* expected, bool by_direction) {
+    if (!entry.contains(key)) return;
+    for (int k = 0; k < 3; ++k) {
+      const Json::json_pointer at(by_direction ? std::string("/") + kDirections[k] : "/" + std::to_string(k));
+      const bool has = entry[key].is_structured() && entry[key].is_object() == by_direction && entry[key].contains(at);
+      if (!has || !entry[key][at].is_number()) wrong(key, expected);
+      place[k] = entry[key][at].get<double>();
+    }
+  };
+  take_three("measured", actual->measured, "[E, N, H] in metres", false);
+  take_three("sigma", actual->sigma, "three standard deviations in metres", false);
+  take_three("setting", actual->setting, "{\"right\": 0.002, \"up\": 0, \"out\": -0.001} in metres", true);
+  return actual;
+}
+
+}  // namespace
+
+ActualsT read_actuals_json(const std::string& text, const std::string& source) {
+  const Json parsed = parsed_actuals(text, source);
   ActualsT out;
   out.sources.push_back(source);
   std::size_t index = 0;
-  for (const auto& entry : parsed["items"]) {
+  for (const Json& entry : parsed["items"]) {
     const std::string place = source + ": items[" + std::to_string(index++) + "]: ";
     try {
-      auto actual = empty_actual();
-      actual->item = entry.at("item").get<std::string>(), actual->outcome = entry.at("outcome").get<std::string>();
-      actual->job = entry.value("job", ""), actual->revision = entry.value("revision", 0);
-      actual->by = entry.value("by", ""), actual->at = entry.value("at", ""), actual->note = entry.value("note", "");
-      for (int k = 0; k < 3; ++k) {
-        if (entry.contains("measured")) actual->measured[k] = entry["measured"].at(k).get<double>();
-        if (entry.contains("sigma")) actual->sigma[k] = entry["sigma"].at(k).get<double>();
-        if (entry.contains("setting")) actual->setting[k] = entry["setting"].at(kDirections[k]).get<double>();
-      }
-      out.items.push_back(std::move(actual));
-    } catch (const nlohmann::json::exception& error) {
+      out.items.push_back(actual_of(entry));
+    } catch (const std::runtime_error& error) {
       out.refused.push_back(place + error.what());
     }
   }

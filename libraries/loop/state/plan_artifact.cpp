@@ -170,6 +170,9 @@ std::string installation_words(const InstallationPlanT& plan) {
   part("HOLD", waiting);
   part("Campaigns beside each other", plan.consistency);
   part("Not planned", plan.notes);
+  part("Taken of who sets brackets",
+       {fmt::format("{:.2f} mm each bracket and direction (setting_sigma), {:.2f} mm common to a floor (station_sigma)",
+                    1e3 * plan.setting_sigma, 1e3 * plan.station_sigma)});
   return text;
 }
 

@@ -210,7 +210,8 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     check_items(state);
     return state;
   } catch (const nlohmann::json::exception& error) {
-    throw std::runtime_error(source + ": is no state of a loop, or a torn one: " + error.what());
+    throw std::runtime_error(source + ": is no state of a loop, or a torn one: " +
+                             std::string(error.what()).substr(std::string(error.what()).find("] ") + 1));
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(source + ": " + error.what());
   }

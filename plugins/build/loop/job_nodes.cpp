@@ -5,11 +5,28 @@
 #include "loop/job/job.hpp"
 #include "loop/job/layout_files.hpp"
 #include "loop/job/signature.hpp"
+#include "loop/state/date.hpp"
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
 
+namespace {
+
+/// Robots refuse what they cannot read or what is over: better said before the job is out.
+void check_dates(const std::string& created_at, const std::string& valid_until) {
+  for (const auto& [name, date] : {std::pair{"created_at", created_at}, {"valid_until", valid_until}})
+    if (!date.empty() && !seconds_of(date))
+      throw std::runtime_error(std::string(name) + " is '" + date +
+                               "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  if (!created_at.empty() && !valid_until.empty() && *seconds_of(valid_until) <= *seconds_of(created_at))
+    throw std::runtime_error("the job would be valid until " + valid_until + ", and it is made at " + created_at +
+                             ": every robot would refuse it");
+}
+
+}  // namespace
+
 void WriteJob::run(Context& context) {
+  check_dates(*created_at, *valid_until);
   const InstallationPlanT planned = plan.unpack();
   const Job made = make_job(planned, state.unpack(), static_cast<int>(*floor), *created_at, *valid_until);
   const std::string text = job_json(made);

@@ -1,5 +1,6 @@
 #include "build/loop/robot_models.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "geometry/random.hpp"
@@ -19,8 +20,13 @@ void SimulateRobots::run(Context& context) {
   if (static_cast<bool>(believed) != static_cast<bool>(standing))
     throw std::runtime_error("'believed' and 'standing' go together: where robots believe to stand, and where they do");
   if (believed) believed_ = believed.unpack(), standing_ = standing.unpack();
+  if (!believed)
+    context.info("where robots stand is drawn, station_sigma for each floor and round: none has found its place");
   RobotNode::run(context);
 }
+
+/// Where robots find their place, the plan has it from the same poses.
+RobotErrors SimulateRobots::errors() const { return {*repeatability, believed ? 0.0 : *station_sigma}; }
 
 Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, const JobItem& item, std::uint64_t seed) const {
   if (!believed) return Random(seed, "station", static_cast<std::uint64_t>(item.floor)).normal3(*station_sigma);
@@ -67,6 +73,9 @@ Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed
   }
   return deed;
 }
+
+/// What is rounded to a division is off by up to half of it either way, each place as likely.
+RobotErrors SimulateFitters::errors() const { return {std::hypot(*hand_sigma, *division / std::sqrt(12.0)), 0}; }
 
 Deed SimulateFitters::work(const Job& todo, std::size_t index, std::uint64_t seed) {
   const JobItem& item = todo.items[index];

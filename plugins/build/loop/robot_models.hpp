@@ -31,6 +31,7 @@ struct SimulateRobots : RobotNode {
  protected:
   void run(Context& context) override;
   Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
+  RobotErrors errors() const override;
 
  private:
   /// By the base, along the item's right, up and out [m].
@@ -46,6 +47,7 @@ struct SimulateFitters : RobotNode {
 
  protected:
   Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
+  RobotErrors errors() const override;
 };
 
 }  // namespace plumbline::loop

@@ -1,5 +1,7 @@
 #include "build/loop/robot_node.hpp"
 
+#include <fmt/core.h>
+
 #include "build/loop/file_content.hpp"
 #include "loop/fit/facade.hpp"
 
@@ -13,8 +15,23 @@ Deed RobotNode::asked(const JobItem& item) {
   return deed;
 }
 
+void RobotNode::tell_of_what_the_plan_took(const Job& todo, Context& context) const {
+  constexpr double kAsGood = 1.1;  // less changes p by less than what it is rounded to
+  const RobotErrors own = errors();
+  const auto tell = [&](const char* parameter, const char* what, double is, double taken) {
+    if (!todo.items.empty() && is > kAsGood * taken)
+      context.warn(
+          fmt::format("{} is {:.2f} mm here (standard deviation, each direction), and the plan of this job "
+                      "took {:.2f} mm: its probabilities are too high; give the planner {}={:.5f}",
+                      what, 1e3 * is, 1e3 * taken, parameter, is));
+  };
+  tell("setting_sigma", "what a bracket is set off by", own.setting, todo.setting_sigma);
+  tell("station_sigma", "what all brackets of a floor are set off by", own.station, todo.station_sigma);
+}
+
 void RobotNode::run(Context& context) {
   const Job todo = read_job(content_of(*job, context));
+  tell_of_what_the_plan_took(todo, context);
   PointsT site = truth.unpack();
   std::map<std::string, PointT*> point;
   for (const auto& p : site.points) point[p->id] = p.get();

@@ -23,6 +23,12 @@ struct Deed {
   bool is_fault = false;                            ///< not what was asked for, and not told
 };
 
+/// Standard deviations of what is set against what was asked for, each direction [m], without slips and faults.
+struct RobotErrors {
+  double setting = 0;  ///< of each bracket by itself
+  double station = 0;  ///< common to what is set from one place
+};
+
 struct RobotNode : Node {
   In<File> job{"job", "job.json"};
   In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are"};
@@ -35,6 +41,11 @@ struct RobotNode : Node {
   static Deed asked(const JobItem& item);
   /// `seed`: of the node, for Random(seed, stream).
   virtual Deed work(const Job& todo, std::size_t item, std::uint64_t seed) = 0;
+  /// What a plan has to take of them for its probabilities to be true; where it took less, that is told.
+  virtual RobotErrors errors() const = 0;
+
+ private:
+  void tell_of_what_the_plan_took(const Job& todo, Context& context) const;
 };
 
 }  // namespace plumbline::loop

@@ -34,6 +34,9 @@ void ReadState::run(Context& context) {
 }
 
 void ReadReports::take(ActualsT read, ActualsT& into) {
+  // Of another tool, or of a day on which nothing was done.
+  if (read.items.empty() && read.refused.empty() && !read.sources.empty())
+    into.refused.push_back(read.sources.front() + ": has no report or point in it");
   for (auto& item : read.items) {
     if (item->at.empty()) item->at = *at;
     into.items.push_back(std::move(item));

@@ -353,7 +353,33 @@ TEST(Actuals, SingleEntriesThatAreWrongAreRefusedByName) {
   EXPECT_EQ(actuals.items[0]->measured, Eigen::Vector3d(1, 2, 3));
   ASSERT_EQ(actuals.refused.size(), 1u);
   EXPECT_EQ(actuals.refused[0].substr(0, 17), "a.json: items[1]:");
-  EXPECT_THROW(read_actuals_json("[]", "a.json"), std::runtime_error);
+  EXPECT_EQ(actuals.refused[0], "a.json: items[1]: 'item' is 7, expected text");
+  const auto refused = [](const std::string& entry) {
+    return read_actuals_json(R"({"items": [)" + entry + "]}", "a.json").refused.at(0);
+  };
+  EXPECT_EQ(refused(R"({"itme": "A", "outcome": "done"})"), "a.json: items[0]: has no 'item'");
+  EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "revision": "1"})"),
+            "a.json: items[0]: 'revision' is \"1\", expected a whole number");
+  EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "measured": [1, 2]})"),
+            "a.json: items[0]: 'measured' is [1,2], expected [E, N, H] in metres");
+  EXPECT_NE(refused(R"({"item": "A", "outcome": "done", "setting": [1, 2, 3]})").find("\"right\""), std::string::npos);
+}
+
+TEST(Actuals, WhatIsNoFileOfReportsIsSaid) {
+  const auto words = [](const std::string& text) {
+    try {
+      read_actuals_json(text, "a.json");
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(words("").find("a.json: is empty"), std::string::npos);
+  EXPECT_NE(words("[]").find("has no list 'items'"), std::string::npos);
+  EXPECT_NE(words("{\"items\": [\n{\"item\": }]}").find("is no JSON: parse error at line 2, column 10"),
+            std::string::npos)
+      << words("{\"items\": [\n{\"item\": }]}");
+  EXPECT_NE(words(R"({"jobId": "1", "items": []})").find("is a job"), std::string::npos);
 }
 
 }  // namespace
