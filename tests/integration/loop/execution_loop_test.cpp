@@ -131,7 +131,7 @@ TEST(ExecutionLoop, ABenchComparesPlannersOverWholeLoops) {
     bench.replace(bench.find(from), from.size(), to);
   };
   put("../../pipelines", std::string(source_dir()) + "/pipelines");
-  put("seeds: 1-8", "seeds: 1-2");
+  put("seeds: 1-16", "seeds: 1-2");
   put("{floors: 3}", "{floors: 1, columns: 2}");
   plumbline.write("bench.yaml", bench);
   const Answer answer = plumbline({"bench", "bench.yaml", "--out", "out"});

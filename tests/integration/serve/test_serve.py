@@ -194,6 +194,19 @@ class Served(unittest.TestCase):
         going = json.loads(self.ask("/api/run?id=going")[2])
         self.assertEqual((going["status"], going["nodes"]), ("ended without a word", []))
 
+    def test_that_it_was_computed_does_not_say_that_the_building_is_in_order(self):
+        out = self.out / "loop"
+        out.mkdir()
+        start = {"event": "run_start", "time": "2026-01-01T00:00:00Z", "start": 1.0, "pipeline": "site_loop.yaml", "arguments": [], "process": 1}
+        (out / "run.jsonl").write_text(json.dumps(start) + '\n{"event":"run_end","status":"ok","seconds":2.0,"outputs":{}}\n')
+        (out / "next.txt").write_text("0 of 2 panels hang and are verified\nnext: give the job to the robots\n")
+        self.assertEqual(self.ask("/api/runs")[0], 200)
+        run = json.loads(self.ask("/api/run?id=loop")[2])
+        self.assertEqual((run["status"], run["words"].splitlines()[0]), ("ok", "0 of 2 panels hang and are verified"))
+        page = self.ask("/")[2]
+        self.assertIn(b"ok:'computed'", page)
+        self.assertNotIn(b"ok:'done'", page)
+
 
 if __name__ == "__main__":
     unittest.main()
