@@ -60,6 +60,9 @@ Chain read_chain(const std::string& path) {
     expected = line.hash;
     chain.lines.push_back(std::move(line));
   }
+  if (!chain.lines.empty() &&
+      std::none_of(chain.lines.begin(), chain.lines.end(), [](const Line& line) { return line.entry.is_object(); }))
+    throw UsageError(path + " is no journal: none of its lines is a JSON object; expected journal.jsonl of a round");
   if (!whole && chain.fault.empty())
     chain.broken_at = chain.lines.size(), chain.fault = "has no end: its writer was killed, or it is cut off";
   return chain;

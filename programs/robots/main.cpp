@@ -57,7 +57,11 @@ Job job_to_do(const Arguments& arguments) {
         !fault.empty())
       throw std::runtime_error(arguments.job + ": " + fault);
   }
-  return read_job(text);
+  try {
+    return read_job(text);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(arguments.job + ": " + error.what());
+  }
 }
 
 /// What began within its time is followed to its end, however late; what did not is not begun.
@@ -129,7 +133,8 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Carries a job to a robot of VDA 5050 through an MQTT broker, and what it says back. Exit code 0: all was done, "
       "4: "
-      "the robot failed on something, 3: a person is needed, or it is not at its end, 1: an error"};
+      "the robot failed on something, 3: a person is needed, or it is not at its end, 1: an error, 2: these words are "
+      "wrong"};
   app.add_option("--job", arguments.job, "job.json of write.job")->required();
   app.add_option("--robot", arguments.robot, "MANUFACTURER/SERIAL-NUMBER, as the robot names itself")->required();
   app.add_option("--folder", arguments.folder, "sent.jsonl and states.jsonl of this robot; the same each time")
@@ -147,7 +152,11 @@ int main(int argc, char** argv) {
   app.add_option("--certificate", arguments.broker.certificate, "of this client, where the broker asks for one");
   app.add_option("--key", arguments.broker.key, "of that certificate");
   app.add_option("--longest", arguments.longest, "stop after so many seconds; 0: never");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;  // as of plumbline: the command is wrong
+  }
   std::signal(SIGINT, [](int) { stopped = 1; });
   std::signal(SIGTERM, [](int) { stopped = 1; });
   try {

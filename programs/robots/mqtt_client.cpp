@@ -112,7 +112,8 @@ void MqttClient::poll(double seconds) {
   // A first attempt that failed knows the address all the same: the next is a reconnection.
   tried_ = true;
   if (code != MOSQ_ERR_SUCCESS) {
-    trouble_ = std::string("the broker is away: ") + mosquitto_strerror(code);
+    trouble_ = "the broker at " + options_.host + ":" + std::to_string(options_.port) +
+               " is away: " + mosquitto_strerror(code) + "; tried again until it is there (--host, --port)";
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   }
 }

@@ -57,6 +57,9 @@ void SimulateSite::run(Context&) {
   const std::size_t n = 3 * known.points.size();
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j <= i; ++j) known.covariance.push_back(i == j ? *control_sigma * *control_sigma : 0.0);
+  for (const std::string& mark : *knocked)
+    if (std::none_of(known.points.begin(), known.points.end(), [&](const auto& point) { return point->id == mark; }))
+      throw std::runtime_error("'knocked' names " + mark + ", and the control marks are K1 to K6");
   SurveyObservationsT plan;
   plan.info = std::make_unique<SurveyInfoT>();
   const double width = high.x() - low.x(), at = low.y() - *distance;

@@ -4,6 +4,7 @@
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
+#include "loop/state/setting_scatter.hpp"
 #include "loop/state/state_file.hpp"
 
 namespace plumbline::loop {
@@ -43,6 +44,8 @@ void ReleaseState::run(Context& context) {
     throw std::runtime_error("measured_at is '" + options.measured_at +
                              "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
   const InstallationPlanT planned = plan.unpack();
+  const SettingScatter scatter = setting_scatter(state, planned, options.measured_at);
+  if (const std::string words = scatter_words(scatter, planned); !words.empty()) context.warn(words);
   apply_plan(state, planned, options);
   note_jobs(planned, state);
   close_round(state);
@@ -64,6 +67,10 @@ void ReleaseState::run(Context& context) {
   context.metric("released", released, "1");
   context.metric("given_up", state.given_up, "1");
   context.metric("reworks", reworks, "1");
+  if (scatter.brackets > 0) {
+    context.metric("brackets_set", scatter.brackets, "1");
+    context.metric("setting_scatter", scatter.setting(), "m");
+  }
   std::string lines;
   for (const std::string& line : state.journal) lines += line + "\n";
   journal.commit(text_file("journal.jsonl", "application/jsonl", lines));

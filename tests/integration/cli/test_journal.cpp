@@ -65,6 +65,10 @@ TEST(JournalCommand, NamesTheFirstLineThatIsChangedMissingOrCutOff) {
   EXPECT_TRUE(contains(fault(kFirst + "\nnonsense\n" + kThird + "\n"), ":2: this line is no JSON object"));
   EXPECT_TRUE(contains(fault(kFirst + "\n" + kSecond), ":2: this line has no end"));
   EXPECT_TRUE(contains(fault("{\"previous\":1}\n"), ":1: this line lacks 'item'"));
+  plumbline.write("job.json", "{\n \"jobId\": 1\n}\n");
+  const Answer other = plumbline({"journal", "job.json"});
+  EXPECT_EQ(other.code, 2);
+  EXPECT_TRUE(contains(other.err, "job.json is no journal")) << other.err;
   const Answer missing = plumbline({"journal", "nothing.jsonl"});
   EXPECT_EQ(missing.code, 2);
   EXPECT_TRUE(contains(missing.err, "cannot read the journal nothing.jsonl")) << missing.err;

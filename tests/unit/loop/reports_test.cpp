@@ -3,8 +3,10 @@
 
 #include <functional>
 
+#include "geometry/random.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/place_doubts.hpp"
+#include "loop/state/setting_scatter.hpp"
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
@@ -118,6 +120,53 @@ TEST(NextWords, ADoubtfulMeasurementIsToBeMended) {
   next_plan(state, make_plan("third"));
   close_round(state);
   EXPECT_EQ(next_step(state), "nothing: every panel hangs within its limits");
+}
+
+/// Forty brackets that were to be moved by 4 mm and stand `sigma` from there, in a frame of their own, each measured
+/// with 0.3 mm between two campaigns.
+std::pair<LoopStateT, InstallationPlanT> set_to(double sigma) {
+  LoopStateT state;
+  InstallationPlanT plan;
+  Random random(5, "set");
+  for (int i = 0; i < 40; ++i) {
+    auto bracket = std::make_unique<BracketSettingT>();
+    auto item = std::make_unique<LoopItemT>();
+    item->id = bracket->id = "b" + std::to_string(i), item->kind = "bracket", item->status = ItemStatus::executed;
+    bracket->basis = "<second>", item->basis = "<first>";
+    bracket->axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
+    item->expected = {2.0 * i, 0, 0}, item->pending = {0, 0.004, 0};
+    bracket->sigma.setConstant(0.0004), bracket->difference_sigma.setConstant(0.0003);
+    bracket->measured = item->expected + Eigen::Vector3d(0, 0, 0.004) + random.normal3(sigma) + random.normal3(0.0003);
+    state.items.push_back(std::move(item)), plan.brackets.push_back(std::move(bracket));
+  }
+  plan.setting_sigma = 0.0003, plan.station_sigma = 0;
+  return {std::move(state), std::move(plan)};
+}
+
+TEST(SettingScatter, FindsHowWellBracketsAreSetAndTellsWhereThePlanTookLess) {
+  for (const double sigma : {0.0003, 0.001}) {
+    auto [state, plan] = set_to(sigma);
+    plan.brackets[3]->measured.x() += 0.008, plan.brackets[4]->measured.z() -= 0.008;  // slipped, and wrongly set
+    const SettingScatter scatter = setting_scatter(state, plan, "");
+    EXPECT_EQ(scatter.brackets, 40);
+    EXPECT_NEAR(scatter.setting(), sigma, 0.3 * sigma);
+    EXPECT_EQ(scatter_words(scatter, plan).empty(), sigma < 0.0005) << scatter_words(scatter, plan);
+    plan.setting_sigma = sigma;
+    EXPECT_EQ(scatter_words(scatter, plan), "");
+  }
+}
+
+TEST(SettingScatter, WhatWasNotMeasuredSinceOrIsNotReportedTellsNothing) {
+  auto [state, plan] = set_to(0.001);
+  for (auto& bracket : plan.brackets) bracket->basis = "<first>";
+  EXPECT_EQ(setting_scatter(state, plan, "").brackets, 0);
+  for (auto& bracket : plan.brackets) bracket->basis = "<second>";
+  for (auto& item : state.items) item->status = ItemStatus::released;
+  EXPECT_EQ(setting_scatter(state, plan, "").brackets, 0);
+  for (std::size_t i = 0; i < 5; ++i) state.items[i]->status = ItemStatus::executed;
+  const SettingScatter five = setting_scatter(state, plan, "");
+  EXPECT_EQ(five.brackets, 5);
+  EXPECT_EQ(scatter_words(five, plan), "");  // too few to say so
 }
 
 }  // namespace
