@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "semi_global.hpp"
-#include "surface/dense/facet.hpp"
+#include "surface/dense/facet_sigmas.hpp"
+#include "surface/dense/facet_tile.hpp"
 
 namespace plumbline::surface {
 
@@ -41,6 +42,7 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
                      const std::vector<char>& wanted = {}) {
   Heights result;
   result.height.assign(grid.size(), kNan), result.sigma = result.height;
+  std::vector<Facet> facets(grid.size());
   result.seconds = seconds_of([&] {
     for (size_t cell = 0; cell < grid.size(); ++cell) {
       if (!wanted.empty() && !wanted[cell]) continue;
@@ -60,11 +62,24 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
       }
       if (two && best.outcome == FacetOutcome::measured) best.outcome = FacetOutcome::ambiguous;
       ++result.outcomes[static_cast<size_t>(best.outcome)];
-      if (best.outcome == FacetOutcome::measured)
-        result.height[cell] = best.height,
-        result.sigma[cell] = best.sigma * std::sqrt(best.neighbours > 1.8 ? best.neighbours : 1);
+      facets[cell] = std::move(best);
     }
   });
+  // Tiles of the node: 0.5 m, or here so many cells.
+  constexpr int tile = 11;
+  for (int row = 0; row < grid.rows; row += tile)
+    for (int column = 0; column < grid.columns; column += tile) {
+      std::vector<const Facet*> some;
+      std::vector<size_t> cells;
+      for (int r = row; r < std::min(row + tile, static_cast<int>(grid.rows)); ++r)
+        for (int c = column; c < std::min(column + tile, static_cast<int>(grid.columns)); ++c)
+          cells.push_back(static_cast<size_t>(r) * static_cast<size_t>(grid.columns) + static_cast<size_t>(c)),
+              some.push_back(&facets[cells.back()]);
+      const std::vector<double> sigmas = stated_sigmas(some);
+      for (size_t i = 0; i < cells.size(); ++i)
+        if (some[i]->outcome == FacetOutcome::measured)
+          result.height[cells[i]] = some[i]->height, result.sigma[cells[i]] = sigmas[i];
+    }
   return result;
 }
 

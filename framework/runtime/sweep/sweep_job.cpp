@@ -16,16 +16,31 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string hash_of_inputs(const NodeResult& result) {
+std::string hash_of(const std::map<std::string, Hashes>& inputs) {
   Sha256 hash;
-  for (const auto& [port, hashes] : result.inputs) {
+  for (const auto& [port, hashes] : inputs) {
     hash.add_field(port);
     for (const std::string& item : hashes) hash.add_field(item);
   }
   return hash.hex().substr(0, 16);
 }
 
-CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, const RunResult& run) {
+/// What a node got, in one hash; inputs that kinds of its role may lack each by itself, as `node.port`.
+void add_inputs_of(const std::string& name, const plumbline_node& kind, const Roles& roles, const NodeResult& result,
+                   CellRecord& record) {
+  if (result.inputs.empty()) return;
+  std::map<std::string, Hashes> all_have;
+  for (const auto& input : result.inputs) {
+    if (roles.may_lack(kind, input.first))
+      record.inputs[name + "." + input.first] = hash_of({input});
+    else
+      all_have.insert(input);
+  }
+  record.inputs[name] = hash_of(all_have);
+}
+
+CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, const RunResult& run,
+                     const Roles& roles) {
   CellRecord record;
   record.host = this_host();
   for (size_t i = 0; i < nodes.size(); ++i) {
@@ -40,7 +55,7 @@ CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, co
     }
     for (const Metric& metric : result.metrics) record.metrics[name + "." + metric.name] = metric;
     for (const std::string& warning : result.warnings) record.warnings.push_back(name + ": " + warning);
-    if (!result.inputs.empty()) record.inputs[name] = hash_of_inputs(result);
+    add_inputs_of(name, *cell.graph->graph.nodes[i].kind.node, roles, result, record);
     if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;
   }
   std::set<size_t> in_first_round;
@@ -48,8 +63,8 @@ CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, co
     const std::string& name = cell.graph->graph.nodes[node.node].name;
     record.seconds[name] += node.result.item_seconds;
     // What a loop starts from is what its first round gets; later ones get what it made of that.
-    if (in_first_round.insert(node.node).second && !node.result.inputs.empty())
-      record.inputs[name] = hash_of_inputs(node.result);
+    if (in_first_round.insert(node.node).second)
+      add_inputs_of(name, *cell.graph->graph.nodes[node.node].kind.node, roles, node.result, record);
   }
   if (run.rounds.rounds > 0) {
     record.metrics["rounds.number"] = {"number", static_cast<double>(run.rounds.rounds), "1"};
@@ -131,7 +146,7 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
     const RunResult run = execute(merged.graph, registry, thrown_away ? *thrown_away : store, options, silent);
     for (size_t c = 0; c < merged.cells.size(); ++c) {
       answer.nodes += merged.nodes[c].size();
-      done.emplace_back(merged.cells[c], record_of(*merged.cells[c], merged.nodes[c], run));
+      done.emplace_back(merged.cells[c], record_of(*merged.cells[c], merged.nodes[c], run, registry.roles()));
     }
     answer.merged += merged.graph.nodes.size();
     answer.executed += run.count(NodeStatus::executed);

@@ -96,6 +96,8 @@ struct Normal {
   int residuals = 0;
   Eigen::ArrayXXd
       pull;  ///< what each place, all photographs together, pulls the height by (its gradient times residual)
+  std::vector<Eigen::Vector3d> of_view;  ///< what each photograph, all places together, pulls height and slopes by
+  std::vector<FacetPull> pulls;          ///< of each photograph, without `height`
 };
 
 Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
@@ -105,17 +107,21 @@ Normal linearise(const std::vector<Share>& shares, int half, double spacing) {
   gradients(mean, half, by_u, by_v);
   const int n = 2 * half + 1;
   normal.pull = Eigen::ArrayXXd::Zero(n - 2, n - 2);
+  normal.of_view.assign(shares.size(), Eigen::Vector3d::Zero());
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   for (const Share& share : shares) middle += share.parallax / static_cast<double>(shares.size());
+  for (const Share& share : shares) normal.pulls.push_back({0, share.parallax - middle, Eigen::Vector2d::Zero()});
   for (int j = 1; j + 1 < n; ++j)
     for (int i = 1; i + 1 < n; ++i) {
       const int at = j * n + i;
       const Eigen::Vector2d gradient = Eigen::Vector2d(by_u(at), by_v(at)) / spacing;
       const Eigen::Vector3d place(1, (i - half) * spacing, (j - half) * spacing);
       normal.texture += gradient * gradient.transpose();
-      for (const Share& share : shares) {
-        const Eigen::Vector3d row = gradient.dot(share.parallax - middle) * place;
-        const double residual = static_cast<double>(share.patch.values(at) - mean(at));
+      for (size_t k = 0; k < shares.size(); ++k) {
+        const Eigen::Vector3d row = gradient.dot(shares[k].parallax - middle) * place;
+        const double residual = static_cast<double>(shares[k].patch.values(at) - mean(at));
+        normal.of_view[k] -= row * residual;
+        normal.pulls[k].moved += gradient * residual;
         normal.matrix += row * row.transpose();
         normal.right -= row * residual;
         normal.pull(i - 1, j - 1) += row(0) * residual;
@@ -152,7 +158,18 @@ double of_neighbours(const Eigen::ArrayXXd& pull) {
   return together / alone;
 }
 
-void settle(const Normal& normal, const std::vector<Share>& shares, double spacing, Facet& facet) {
+/// Sigma, `neighbours` and `pulls`. `held`: the slopes' own information, `weight`: the height's, noise apart.
+void state_errors(const Normal& normal, const Eigen::Matrix3d& held, double variance, double weight, Facet& facet) {
+  const Eigen::Vector3d by = (normal.matrix + held).inverse().col(0);
+  const double of_noise = normal.matrix(0, 0) / weight;  // noise of the mean patch is in `matrix`, and holds no height
+  facet.sigma = std::sqrt(variance * of_noise * by(0));
+  facet.neighbours = of_neighbours(normal.pull);
+  facet.pulls = normal.pulls, facet.texture = normal.texture;
+  for (size_t k = 0; k < facet.pulls.size(); ++k) facet.pulls[k].height = of_noise * by.dot(normal.of_view[k]);
+}
+
+void settle(const Normal& normal, const Eigen::Matrix3d& held, const std::vector<Share>& shares, double spacing,
+            Facet& facet) {
   const double variance = variance_of(normal, shares.size());
   const double inner = normal.residuals / static_cast<double>(shares.size());
   // Noise of the mean patch looks like texture: each gradient has the variance of half a grey value's, over K.
@@ -169,8 +186,7 @@ void settle(const Normal& normal, const std::vector<Share>& shares, double spaci
     facet.outcome = FacetOutcome::no_texture;
     return;
   }
-  facet.sigma = std::sqrt(variance / weight);
-  facet.neighbours = of_neighbours(normal.pull);
+  state_errors(normal, held, variance, weight, facet);
   for (const Share& share : shares) {
     facet.views.push_back(share.number);
     facet.by_shift.push_back(-(texture * (share.parallax - middle)) / weight);
@@ -295,7 +311,7 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
     for (const Share& share : agreeing)
       facet.correlation += correlation(share, mean, agreeing.size()) / static_cast<double>(agreeing.size());
     facet.outcome = FacetOutcome::measured;
-    settle(normal, agreeing, spacing, facet);
+    settle(normal, matrix - normal.matrix, agreeing, spacing, facet);
     if (facet.outcome != FacetOutcome::measured) return facet;
     if (!(facet.sigma <= options.max_sigma)) facet.outcome = FacetOutcome::no_texture;
     if (std::abs(facet.height) > options.search) facet.outcome = FacetOutcome::outside_search;

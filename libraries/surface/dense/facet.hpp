@@ -40,6 +40,13 @@ struct FacetView {
   const Pyramid* image = nullptr;
 };
 
+/// What one photograph says of a facet against the others.
+struct FacetPull {
+  double height = 0;                                   ///< by which it pulls the height; zero of all together [m]
+  Eigen::Vector2d parallax = Eigen::Vector2d::Zero();  ///< of its rays against the mean of all: by height [m/m]
+  Eigen::Vector2d moved = Eigen::Vector2d::Zero();     ///< `texture` times the shift of its pattern against the mean
+};
+
 struct Facet {
   FacetOutcome outcome = FacetOutcome::too_few_views;
   double height = 0;  ///< [m]
@@ -52,6 +59,8 @@ struct Facet {
   std::vector<int> views;                           ///< those, numbers into the list given
   /// What a shift of the pattern by 1 m in each of `views` does to the height: by u and v [m/m].
   std::vector<Eigen::Vector2d> by_shift;
+  std::vector<FacetPull> pulls;                       ///< of each of `views`; empty where they were not matched at once
+  Eigen::Matrix2d texture = Eigen::Matrix2d::Zero();  ///< what fixes a shift of the pattern: Σ g gᵀ of its slopes
 };
 
 /// Heights that fit at the coarsest level, the best first; at most `most`. `spacing`: of the samples at full

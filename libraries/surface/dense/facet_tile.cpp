@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "plumbline/stop.hpp"
+#include "surface/dense/facet_sigmas.hpp"
 
 namespace plumbline::surface {
 namespace {
@@ -108,18 +109,17 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
   tile.measured.centre = plane.world({tile.place.x(), tile.place.y(), 0});
   tile.sensitivity = Eigen::MatrixXd::Zero(3, orientations.size());
   TileSensitivity sensitivity;
-  // Of one facet it is too noisy to weight points by.
-  double neighbours = 0, count = 0;
-  for (const auto& [at, facet] : facets)
-    if (facet.outcome == FacetOutcome::measured) neighbours += facet.neighbours, count += 1;
-  const double larger = std::sqrt(std::max(1.0, neighbours / std::max(count, 1.0)));
-  for (const auto& [at, facet] : facets) {
+  std::vector<const Facet*> all;
+  for (const auto& [at, facet] : facets) all.push_back(&facet);
+  const std::vector<double> sigmas = stated_sigmas(all);
+  for (size_t i = 0; i < facets.size(); ++i) {
+    const auto& [at, facet] = facets[i];
     ++tile.outcomes[static_cast<size_t>(facet.outcome)];
     if (facet.outcome != FacetOutcome::measured) continue;
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
-        {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(larger * facet.sigma)});
-    sensitivity.add(at - tile.place, 1 / (facet.sigma * facet.sigma),
+        {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(sigmas[i])});
+    sensitivity.add(at - tile.place, 1 / (sigmas[i] * sigmas[i]),
                     by_orientations(plane, place, facet, views, orientations));
   }
   if (!tile.measured.points.empty() && orientations.size() > 0)

@@ -36,8 +36,8 @@ struct TileOptions {
 FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const std::vector<FacetView>& views,
                        const OrientationCovariance& orientations, const TileOptions& options);
 
-/// A tile of facets, each at its place (u, v), with the share of the orientations in their heights. Standard deviations
-/// are enlarged by what neighbouring places of facets are off together, on average over the tile.
+/// A tile of facets, each at its place (u, v), with the share of the orientations in their heights; standard deviations
+/// as stated_sigmas says.
 FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
                   const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
                   const OrientationCovariance& orientations);

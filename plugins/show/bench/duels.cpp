@@ -99,6 +99,15 @@ class DuelBuilder {
     });
   }
 
+  /// Inputs that kinds of a role may lack: one takes photographs, the other a scan of the same facade.
+  static bool same_where_both_have_them(const std::string& node, const Cell& a, const Cell& b) {
+    return std::all_of(a.inputs.begin(), a.inputs.end(), [&](const auto& input) {
+      if (input.first.rfind(node + ".", 0) != 0) return true;
+      const auto other = b.inputs.find(input.first);
+      return other == b.inputs.end() || other->second == input.second;
+    });
+  }
+
   void refuse_other_starts(const Cell& a, const Cell& b, Duel& duel) const {
     if (!duel.refused.empty()) return;
     const double start_a = a.measure("start_cost"), start_b = b.measure("start_cost");
@@ -114,7 +123,7 @@ class DuelBuilder {
       const auto of_a = a.inputs.find(node), of_b = b.inputs.find(node);
       if (of_a == a.inputs.end() || of_b == b.inputs.end()) continue;
       known = true;
-      same |= of_a->second == of_b->second;
+      same |= of_a->second == of_b->second && same_where_both_have_them(node, a, b);
     }
     if (known && !same)
       duel.refused = "what they started from differs in seed " + std::to_string(a.seed) + ": their node '" +

@@ -1,0 +1,111 @@
+// What photographs pull facets apart by, against the heights' errors that really come of it.
+#include "surface/dense/facet_sigmas.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace plumbline::surface {
+namespace {
+
+constexpr size_t kViews = 6;
+
+/// Facets of one tile as least squares leave them, if the pattern of each photograph is moved by `alike` on all facets
+/// and by `own` on each by itself [m]. Source: the normal equations of heights with shifted patterns, written out.
+class MovedPatterns {
+ public:
+  explicit MovedPatterns(std::uint64_t seed) : engine_(seed) {
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (Eigen::Vector2d& parallax : parallaxes_) parallax = 0.4 * drawn(), mean += parallax / kViews;
+    for (Eigen::Vector2d& parallax : parallaxes_) parallax -= mean;
+  }
+  std::vector<Facet> facets(size_t count, double alike, double own) {
+    std::vector<Eigen::Vector2d> common;
+    for (size_t k = 0; k < kViews; ++k) common.push_back(alike * drawn());
+    std::vector<Facet> made;
+    for (size_t f = 0; f < count; ++f) made.push_back(one(common, own));
+    return made;
+  }
+
+ private:
+  Eigen::Vector2d drawn() { return {normal_(engine_), normal_(engine_)}; }
+  Facet one(const std::vector<Eigen::Vector2d>& common, double own) {
+    Facet facet;
+    facet.outcome = FacetOutcome::measured, facet.sigma = 1e-4;
+    const Eigen::Vector2d a = drawn(), b = drawn();
+    facet.texture = 1e6 * (a * a.transpose() + b * b.transpose() + 0.5 * Eigen::Matrix2d::Identity());
+    std::vector<Eigen::Vector2d> shifts;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    double weight = 0;
+    for (size_t k = 0; k < kViews; ++k) {
+      shifts.push_back(common[k] + own * drawn()), mean += shifts.back() / kViews;
+      weight += parallaxes_[k].dot(facet.texture * parallaxes_[k]);
+    }
+    // Of the shifts that this facet alone has; the height that all of them together make is what is to be stated.
+    for (size_t k = 0; k < kViews; ++k) facet.height -= parallaxes_[k].dot(facet.texture * shifts[k]) / weight;
+    for (size_t k = 0; k < kViews; ++k) {
+      FacetPull pull;
+      pull.moved = facet.texture * (shifts[k] - mean + parallaxes_[k] * facet.height);
+      pull.height = -parallaxes_[k].dot(pull.moved) / weight;
+      pull.parallax = parallaxes_[k];
+      facet.pulls.push_back(pull), facet.views.push_back(static_cast<int>(k));
+      facet.by_shift.push_back(-(facet.texture * parallaxes_[k]) / weight);
+    }
+    return facet;
+  }
+
+  std::array<Eigen::Vector2d, kViews> parallaxes_;
+  std::mt19937_64 engine_;
+  std::normal_distribution<double> normal_{0, 1};
+};
+
+std::vector<const Facet*> listed(const std::vector<Facet>& facets) {
+  std::vector<const Facet*> list;
+  for (const Facet& facet : facets) list.push_back(&facet);
+  return list;
+}
+
+/// The variance that is stated is that of the heights about what all of them are off by: that, the orientations'
+/// covariance states.
+TEST(FacetSigmas, VariancesAreThoseOfTheHeightsAboutTheirMean) {
+  for (const double alike : {0.0, 3e-4, 2e-3}) {
+    double variance = 0, stated = 0;
+    constexpr int trials = 60;
+    for (std::uint64_t trial = 0; trial < trials; ++trial) {
+      const std::vector<Facet> facets = MovedPatterns(trial).facets(40, alike, 3e-4);
+      const ViewScatter scatter = view_scatter(listed(facets));
+      double sum = 0, squares = 0, own = 0;
+      for (const Facet& facet : facets) sum += facet.height, squares += facet.height * facet.height;
+      for (size_t i = 0; i < 40; ++i) own += scatter.apart[i] * 1e-8 / 40 + std::pow(scatter.uneven[i], 2) / 39;
+      variance += (squares - sum * sum / 40) / 39 / trials, stated += own / trials;
+    }
+    EXPECT_NEAR(stated / variance, 1, 0.15) << alike;
+  }
+}
+
+TEST(FacetSigmas, WhatAllFacetsShareMovesThemUnevenlyAndPullsNothingApart) {
+  const std::vector<Facet> facets = MovedPatterns(1).facets(40, 2e-3, 0);
+  const ViewScatter scatter = view_scatter(listed(facets));
+  double uneven = 0;
+  for (const double one : scatter.uneven) uneven += one * one / 40;
+  for (const double apart : scatter.apart) EXPECT_LT(apart * 1e-8, 0.02 * uneven);
+  EXPECT_GT(uneven, 1e-8);
+  // Of a facet alone nobody can tell, and the larger is stated.
+  const std::vector<Facet> alone = MovedPatterns(1).facets(1, 2e-3, 0);
+  EXPECT_GT(stated_sigmas(listed(alone))[0], 2e-4);
+}
+
+TEST(FacetSigmas, OfFewPhotographsOrNoneItIsNotKnown) {
+  Facet bare;
+  bare.outcome = FacetOutcome::measured, bare.sigma = 2e-4, bare.neighbours = 4, bare.views = {0, 1, 2};
+  Facet hole;
+  const std::vector<const Facet*> both = {&bare, &hole};
+  EXPECT_EQ(view_scatter(both).apart, (std::vector<double>{1, 1}));
+  EXPECT_NEAR(stated_sigmas(both)[0], 4e-4, 1e-12) << "by its neighbouring places alone";
+  EXPECT_EQ(stated_sigmas(both)[1], 0);
+}
+
+}  // namespace
+}  // namespace plumbline::surface
