@@ -334,10 +334,11 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
     if (!is_measured && earlier) item.verdict = earlier->verdict, item.limits = earlier->limits;
     if (!is_measured && earlier) item.value = earlier->value;
   }
-  // A panel without a measured anchor is not judged, and not forgotten either.
+  // A panel without a measured anchor is not judged, and not forgotten either; nor is what was open and is not in the
+  // design: it may be a part of the building's, and the topic of BCF stays open too.
   if (before)
     for (const EpochItem& item : before->items)
-      if (!met.contains(&item) && !has_left(item, design)) record.items.push_back(item);
+      if (!met.contains(&item) && (item.open() || !has_left(item, design))) record.items.push_back(item);
   return record;
 }
 
@@ -370,6 +371,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   if (met.empty())
     throw BadInput("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) + " of " +
                    before.design_file + ") is in this one; 'before' is as_built.json of another building");
+  std::vector<std::string> open_elsewhere;
   for (const EpochItem& item : before.items) {
     if (met.contains(&item)) continue;
     EpochItem gone = item;
@@ -377,8 +379,13 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     // Panels are judged only where an anchor was measured, surfaces where somebody looked at them.
     gone.value = std::numeric_limits<double>::quiet_NaN();
     const bool left_out = item.kind == "anchor" || has_left(item, design);
+    if (left_out && item.open()) open_elsewhere.push_back(item.kind + " " + item.id);
     out.changes.push_back(change_between(&item, gone, left_out ? ChangeKind::left_out : ChangeKind::unseen));
   }
+  if (!open_elsewhere.empty())
+    out.warnings.push_back("open in the campaign before and not in the design or the plate table of this one: " +
+                           list_of(open_elsewhere, 20) +
+                           "; they stay open in as_built.json and in BCF until a design that has them is judged");
   test_movements(pairs, out);
   compare_judgements(before, after, other_design, other_limits, out);
   return out;

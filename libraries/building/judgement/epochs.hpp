@@ -47,7 +47,7 @@ struct DesignElements {
 /// because its neighbour was not measured. What the campaign did not measure keeps the verdict that `before` knew
 /// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
 /// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
-/// What the design no longer has is forgotten, and a joint to it is no joint.
+/// What the design no longer has is forgotten unless it was open, and a joint to it is no joint.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr,
                       const DesignElements* design = nullptr);
 

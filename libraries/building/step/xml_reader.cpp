@@ -50,6 +50,9 @@ std::string text_of(pugi::xml_node node) {
   return text;
 }
 
+/// "xs:double": a type of XML Schema, which says nothing of IFC.
+bool is_of_xml(std::string_view type) { return type.starts_with("xs:") || type.starts_with("xsd:"); }
+
 std::string_view without_wrapper(std::string_view name) {
   constexpr std::string_view end = "-wrapper";
   return name.ends_with(end) ? name.substr(0, name.size() - end.size()) : name;
@@ -161,12 +164,19 @@ class Converter {
 
   std::string_view type_said(pugi::xml_node node) const {
     for (const pugi::xml_attribute attribute : node.attributes())
-      if (has_prefix(attribute.name()) && local(attribute.name()) == "type") return local(attribute.value());
+      if (has_prefix(attribute.name()) && local(attribute.name()) == "type" && !is_of_xml(attribute.value()))
+        return local(attribute.value());
     return {};
   }
+  /// Null where it says none, or a type of values. What it says and the schema does not have is no leave to take the
+  /// declared type.
   const XmlSchema::Entity* entity_said(pugi::xml_node node) {
     const std::string_view type = type_said(node);
-    return type.empty() ? nullptr : schema_->entity(type);
+    if (type.empty()) return nullptr;
+    const XmlSchema::Entity* said = schema_->entity(type);
+    if (!said && schema_->defined_type(type).empty())
+      fail(node, "found xsi:type=" + text::quoted(type, 60), "an entity or a type of " + schema_->name());
+    return said;
   }
 
   /// The entity that stands in an element, with all that stands in it; its number.
@@ -265,7 +275,15 @@ class Converter {
     const auto position = [](pugi::xml_node one) { return one.attribute("pos").as_int(); };
     std::stable_sort(items.begin(), items.end(), [&](auto a, auto b) { return position(a) < position(b); });
     std::vector<std::string> arguments;
-    for (const pugi::xml_node one : items) arguments.push_back(item(one, inner, attribute));
+    for (const pugi::xml_node one : items) {
+      arguments.push_back(item(one, inner, attribute));
+      if (arguments.back() == null)
+        fail(one, "found " + text::quoted(text_of(one), 60) + " in the list " + std::string(attribute),
+             "a value for each item");
+    }
+    if (const std::size_t size = size_of_list(kind); size > 0 && arguments.size() != size)
+      fail(node, "found " + std::to_string(arguments.size()) + " items as " + std::string(attribute),
+           std::to_string(size) + " of them");
     return list(arguments);
   }
 
@@ -275,12 +293,26 @@ class Converter {
     const std::string_view name = without_wrapper(local(node)), kind = schema_->resolved(type);
     if (refers(node)) return reference(reference_or(node, [] { return std::uint64_t{0}; }));
     if (const auto* entity = schema_->entity(name)) return reference(define(node, *entity));
-    if (is_list(kind)) return list_value(node, kind, attribute);
+    if (is_list(kind)) {
+      if (is_scalar(name) && elements_of(node).empty())
+        fail(node, "found a single value in " + std::string(attribute) + ", a list of lists",
+             "each inner list in an element of its own, or all values as one text");
+      return list_value(node, kind, attribute);
+    }
     if (const std::string_view named = schema_->defined_type(name); !named.empty() && kind == "?")
       return typed_value(node, named, attribute);
     if (schema_->entity(kind) || kind == "?")
       fail(node, "found this element in " + std::string(attribute), "an entity or a value of " + schema_->name());
     return simple_value(node, type, text_of(node), attribute);
+  }
+
+  /// Whether an element of this name holds one value: a defined type that is no list, or "double" and the like of
+  /// ISO 10303-28.
+  bool is_scalar(std::string_view name) const {
+    static const std::set<std::string_view> of_part_28 = {"double",  "decimal", "integer", "long",
+                                                          "boolean", "logical", "string"};
+    const std::string_view type = schema_->defined_type(name);
+    return type.empty() ? of_part_28.contains(name) : schema_->resolved(type).size() == 1;
   }
 
   std::string simple_value(pugi::xml_node node, std::string_view type, std::string_view text,

@@ -12,10 +12,15 @@
 namespace plumbline::step {
 namespace {
 
+/// What exporters write where they have no number: "NaN", "NAN(SNAN)", "-inf".
+bool is_no_number(std::string_view lower) {
+  if (lower.starts_with('-') || lower.starts_with('+')) lower.remove_prefix(1);
+  return lower == "nan" || (lower.starts_with("nan(") && lower.ends_with(')')) || lower == "inf" || lower == "infinity";
+}
+
 /// The digits as they were written, with the point that STEP demands.
 std::optional<std::string> number(std::string_view text, bool whole) {
-  const std::string lower = text::to_lower(text);
-  if (text.empty() || lower.starts_with("nan") || lower == "inf" || lower == "-inf") return null;
+  if (text.empty() || is_no_number(text::to_lower(text))) return null;
   if (!text::parse_number(text)) return std::nullopt;
   if (text.front() == '+') text.remove_prefix(1);
   const std::size_t exponent = std::min(text.find_first_of("eE"), text.size());
@@ -79,14 +84,12 @@ std::optional<std::string> argument_of(std::string_view text, std::string_view k
   // "[0][3]r": the sizes from outside in, then what the innermost hold.
   std::vector<std::size_t> sizes;
   while (kind[0] == '[') {
-    std::size_t size = 0;
-    std::from_chars(kind.data() + 1, kind.data() + kind.find(']'), size);
-    sizes.push_back(size), kind = resolve(kind.substr(kind.find(']') + 1));
+    sizes.push_back(size_of_list(kind)), kind = resolve(kind.substr(kind.find(']') + 1));
   }
   std::vector<std::string> items;
   for (const std::string_view word : text::split_blanks(text)) {
     const auto one = argument_of(word, kind, resolve);
-    if (!one) return std::nullopt;
+    if (!one || *one == null) return std::nullopt;  // a list has no gaps
     items.push_back(*one);
   }
   for (std::size_t level = sizes.size(); level-- > 1;) {
@@ -94,7 +97,14 @@ std::optional<std::string> argument_of(std::string_view text, std::string_view k
     if (!groups) return std::nullopt;
     items = *groups;
   }
+  if (sizes[0] > 0 && items.size() != sizes[0]) return std::nullopt;
   return list(items);
+}
+
+std::size_t size_of_list(std::string_view kind) {
+  std::size_t size = 0;
+  if (kind.starts_with('[')) std::from_chars(kind.data() + 1, kind.data() + kind.find(']'), size);
+  return size;
 }
 
 std::string words_of_kind(std::string_view kind) {

@@ -12,10 +12,13 @@ namespace plumbline::step {
 
 /// The argument that a text is: of a simple kind (s r i b l x e, as XmlSchema has them) or of a list of them, whose
 /// items stand one after the other with blanks between; a list of lists is cut where the inner ones all have one
-/// length. `resolve` gives what a type comes down to. Nothing where the text is no such value. Numbers that are none
-/// (NAN, INF) and empty ones are values that are not given.
+/// length. `resolve` gives what a type comes down to. Nothing where the text is no such value, or has more or fewer
+/// items than such lists have. Numbers that are none (NAN, INF) and empty ones are values that are not given, and in a
+/// list no value.
 std::optional<std::string> argument_of(std::string_view text, std::string_view kind,
                                        const std::function<std::string_view(std::string_view)>& resolve);
+/// Of "[3]r"; 0 where lists of that kind have any number of items, or it is no list.
+std::size_t size_of_list(std::string_view kind);
 /// "a number", "true or false", …
 std::string words_of_kind(std::string_view kind);
 

@@ -1,5 +1,7 @@
 #include "show/report/anchor_photographs.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -156,14 +158,25 @@ AnchorPhotographs photographs_of(const DeviationT& deviation, const PhotographSo
       ++anchors;
   }
   std::map<std::size_t, AnchorPhotograph> parts;  // by place
+  const auto not_cut = [&](const Wanted& one, const std::string& reason) {
+    result.not_cut.try_emplace(one.anchor->id, one.view.image->path + reason);
+  };
   for (const auto& [path, wanted] : by_photograph) try {
       const GreyImage photograph = read_grey_image(sources.files.at(path));
       for (const Wanted& one : wanted)
-        if (auto part = cut(photograph, one, project)) parts.emplace(one.place, std::move(*part));
+        if (auto part = cut(photograph, one, project))
+          parts.emplace(one.place, std::move(*part));
+        else
+          not_cut(one, fmt::format(" has {} × {} pixels, and its marker was detected outside of them", photograph.width,
+                                   photograph.height));
     } catch (const ImageFileError& error) {
       result.not_read[path] = error.what();
+      for (const Wanted& one : wanted) not_cut(one, " cannot be read");
     }
-  for (auto& [at, part] : parts) result.parts.push_back(std::move(part));
+  for (auto& [at, part] : parts) {
+    result.not_cut.erase(part.anchor);  // another photograph shows it
+    result.parts.push_back(std::move(part));
+  }
   return result;
 }
 

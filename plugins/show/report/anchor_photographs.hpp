@@ -30,7 +30,9 @@ struct AnchorPhotographs {
   std::vector<AnchorPhotograph> parts;          ///< in the order of worst_first()
   std::vector<std::string> not_shown;           ///< anchors that are not in order and that no photograph at hand shows
   std::map<std::string, std::string> not_read;  ///< photographs that cannot be opened, with the reason
-  std::size_t left_out = 0;                     ///< anchors above the number that a page takes
+  /// Anchors that a photograph at hand shows and of which no part could be cut out, with the reason.
+  std::map<std::string, std::string> not_cut;
+  std::size_t left_out = 0;  ///< anchors above the number that a page takes
 };
 
 /// What is known of a campaign's photographs.

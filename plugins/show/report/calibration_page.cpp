@@ -7,6 +7,7 @@
 
 #include "show/report/format.hpp"
 #include "show/report/image_block_drawing.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 
 namespace plumbline::report {
@@ -79,7 +80,7 @@ void write_parameters(Markup& html, const Json& c) {
     for (const auto& [name, value] : c["parameters"].items()) {
       const double sigma = number(c["sigmas"], name.c_str());
       Scope row(html, "tr");
-      html.element("th", name);
+      html.element("th", verbatim(name));
       html.element("td", rounded(value.get<double>(), sigma));
       html.element("td", sigma > 0 ? rounded(sigma, sigma) : "held");
       html.element("td", name[0] == 'f' || name[0] == 'c' ? "px" : "1");
@@ -97,13 +98,13 @@ void write_parameters(Markup& html, const Json& c) {
     Scope thead(html, "thead");
     Scope row(html, "tr");
     html.element("th", "");
-    for (const Json& name : names) html.element("th", name.get<std::string>());
+    for (const Json& name : names) html.element("th", verbatim(name.get<std::string>()));
   }
   Scope body(html, "tbody");
   const Json& correlations = list(c, "correlations");
   for (size_t i = 0; i < correlations.size(); ++i) {
     Scope row(html, "tr");
-    html.element("th", names[i].get<std::string>());
+    html.element("th", verbatim(names[i].get<std::string>()));
     for (size_t j = 0; j < correlations[i].size(); ++j) {
       const double value = correlations[i][j].get<double>();
       html.open("td");
@@ -185,7 +186,7 @@ void write_images(Markup& html, const Json& c) {
     Scope body(html, "tbody");
     for (const Json& image : list(c, "images")) {
       Scope row(html, "tr");
-      html.element("th", text(image, "path"));
+      html.element("th", verbatim(text(image, "path")));
       const bool used = image.value("used", false);
       html.element("td", used ? fixed(number(image, "points"), 0) : unknown);
       html.element("td", used ? fixed(number(image, "rms_px"), 3) : unknown);
@@ -234,21 +235,20 @@ void write_rig(Markup& html, const Json& rig) {
       html.element("th", name);
   }
   Scope body(html, "tbody");
-  const auto triple = [](const Json& v, double unit, int digits) {
-    return fixed(unit * v[0].get<double>(), digits) + ", " + fixed(unit * v[1].get<double>(), digits) + ", " +
-           fixed(unit * v[2].get<double>(), digits);
+  const auto triple = [](const Json& v) {
+    return mm(v[0].get<double>(), 2) + ", " + mm(v[1].get<double>(), 2) + ", " + mm(v[2].get<double>(), 2);
   };
   for (const Json& pose : rig) {
     Scope row(html, "tr");
     const double w = std::clamp(std::abs(list(pose, "rotation")[0].get<double>()), 0.0, 1.0);
     double turn_variance = 0;
     for (const Json& v : list(pose, "rotation_sigma")) turn_variance += std::pow(v.get<double>(), 2) / 3;
-    html.element("th", text(pose, "camera"));
-    html.element("td", text(pose, "reference"));
+    html.element("th", verbatim(text(pose, "camera")));
+    html.element("td", verbatim(text(pose, "reference")));
     html.element("td", fixed(number(pose, "shared"), 0));
     html.element("td", std::to_string(list(pose, "left_out").size()));
-    html.element("td", triple(list(pose, "translation"), 1e3, 2));
-    html.element("td", triple(list(pose, "translation_sigma"), 1e3, 2));
+    html.element("td", triple(list(pose, "translation")));
+    html.element("td", triple(list(pose, "translation_sigma")));
     html.element("td", fixed(2 * std::acos(w) * 180 / M_PI, 3));
     html.element("td", fixed(std::sqrt(turn_variance) * 180 / M_PI, 4));
     html.element("td", fixed(number(pose, "rms_px"), 3) + ", " + fixed(number(pose, "separate_rms_px"), 3));
@@ -265,8 +265,8 @@ void write_calibration(Markup& html, const Json& c, const std::string& title, co
   {
     const std::string board = text(several && !list(c, "cameras").empty() ? c["cameras"][0] : c, "board");
     Scope header(html, "header");
-    html.element("h1", title);
-    html.element("p", {{"class", "subtitle"}}, subtitle.empty() ? board : board + " · " + subtitle);
+    html.element("h1", title_spoken(title));
+    html.element("p", {{"class", "subtitle"}}, verbatim(subtitle.empty() ? board : board + " · " + subtitle));
     if (!several) write_verdict(html, c);
   }
   if (!several) {
@@ -275,7 +275,7 @@ void write_calibration(Markup& html, const Json& c, const std::string& title, co
   }
   write_rig(html, list(c, "rig"));
   for (const Json& camera : list(c, "cameras")) {
-    html.element("h1", text(camera, "id"));
+    html.element("h1", verbatim(text(camera, "id")));
     write_verdict(html, camera);
     write_camera(html, camera);
   }

@@ -4,6 +4,7 @@
 
 #include "base/text/words.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/plot.hpp"
@@ -63,7 +64,7 @@ void write_exclusions(Markup& html, const SurveyComparisonT& c, const std::strin
   Scope body(html, "tbody");
   for (std::size_t i = 0; i < c.excluded.size(); ++i) {
     const PointExclusionT& e = *c.excluded[i];
-    table_row(html, {std::to_string(i + 1), left(e.id), fixed(e.statistic, 1), fixed(e.critical, 1),
+    table_row(html, {std::to_string(i + 1), left(verbatim(e.id)), fixed(e.statistic, 1), fixed(e.critical, 1),
                      left(e.alternatives.empty() ? unknown : text::join(e.alternatives))});
   }
 }
@@ -81,9 +82,9 @@ void write_movements(Markup& html, const SurveyComparisonT& c, const std::string
   });
   Scope body(html, "tbody");
   for (const auto* p : order)
-    table_row(html, {p->id, signed_mm(p->movement.x()), signed_mm(p->movement.y()), signed_mm(p->movement.z()),
-                     mm(p->sigma.x()), mm(p->sigma.y()), mm(p->sigma.z()), fixed(p->statistic, 1),
-                     mm(p->detectable_height), left(p->moved ? found : "")});
+    table_row(html, {verbatim(p->id), signed_mm(p->movement.x()), signed_mm(p->movement.y()),
+                     signed_mm(p->movement.z()), mm(p->sigma.x()), mm(p->sigma.y()), mm(p->sigma.z()),
+                     fixed(p->statistic, 1), mm(p->detectable_height), left(p->moved ? found : "")});
 }
 
 NetworkPage drawing_of(const SurveyComparisonT& c) {

@@ -6,6 +6,7 @@
 
 #include "photo/images/grey_image.hpp"
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 
 namespace plumbline::report {
@@ -68,9 +69,9 @@ void draw_view(Markup& html, const View& view, const std::vector<DrawnCamera>& c
     for (const auto& p : points)
       html.empty("circle", {{"cx", px(x(p.position))}, {"cy", px(y(p.position))}, {"r", "2.2"}, {"class", "dot"}});
     if (points.size() <= 120)
-      for (const auto& p : points) labels.place(html, x(p.position), y(p.position), 4, p.name, "small halo");
+      for (const auto& p : points) labels.place(html, x(p.position), y(p.position), 4, verbatim(p.name), "small halo");
     if (cameras.size() <= 20)
-      for (const auto& c : cameras) labels.place(html, x(c.centre), y(c.centre), 6, c.name, "small halo");
+      for (const auto& c : cameras) labels.place(html, x(c.centre), y(c.centre), 6, verbatim(c.name), "small halo");
     const double bar = round_down(0.3 * (width - 2 * margin) * extent);
     line(html, margin, height - 10, margin + bar / extent, height - 10, "axis");
     label(html, margin + bar / extent + 6, height - 6,

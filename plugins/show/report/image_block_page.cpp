@@ -10,6 +10,7 @@
 #include "show/report/format.hpp"
 #include "show/report/image_block_drawing.hpp"
 #include "show/report/image_block_tables.hpp"
+#include "show/report/language.hpp"
 
 namespace plumbline::report {
 namespace {
@@ -203,7 +204,7 @@ void write_worst(Markup& html, const Json& block, const PhotographFiles& files) 
         html.element("div", {{"class", "more"}}, "the photograph cannot be read any more");
       }
     }
-    html.element("div", {{"class", "name"}}, text(*seen, "point") + " in " + path);
+    html.element("div", {{"class", "name"}}, verbatim(text(*seen, "point") + " in " + path));
     html.element("div", {{"class", "more"}}, what);
   }
 }
@@ -216,8 +217,8 @@ void write_image_block(Markup& html, const Json& block, const std::string& title
   Scope main(html, "main");
   {
     Scope header(html, "header");
-    html.element("h1", title);
-    if (!subtitle.empty()) html.element("p", {{"class", "subtitle"}}, subtitle);
+    html.element("h1", title_spoken(title));
+    if (!subtitle.empty()) html.element("p", {{"class", "subtitle"}}, verbatim(subtitle));
     write_verdict(html, block, summary);
     write_messages(html, "What needs attention", list(block, "warnings"));
     write_messages(html, "Left out", list(block, "left_out"));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "show/report/image_block_page.hpp"
+#include "show/report/language.hpp"
 #include "show/report/sections.hpp"
 #include "show/report/tag_block_json.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 FileT page_of(const nlohmann::ordered_json& json, const PhotographFiles& files, const std::string& title,
               const std::string& subtitle, const std::string& name) {
   const std::string page =
-      render_page(title, [&](Markup& html) { write_image_block(html, json, title, subtitle, files); });
+      render_page(title_spoken(title), [&](Markup& html) { write_image_block(html, json, title, subtitle, files); });
   FileT file;
   file.name = name, file.media_type = "text/html";
   file.content.assign(page.begin(), page.end());
@@ -39,10 +40,12 @@ PhotographFiles files_of(const Images& images, Context& context) {
 }  // namespace
 
 void ReportImageBlock::run(Context& context) {
+  const Speaking speaking(speech_of(*language, *units));
   out.commit(page_of(json_of(*block), files_of(images, context), *title, *subtitle, *name));
 }
 
 void ReportModelBlock::run(Context&) {
+  const Speaking speaking(speech_of(*language, *units));
   namespace fs = std::filesystem;
   PhotographFiles files;
   if (!photographs->path.empty())
@@ -53,12 +56,14 @@ void ReportModelBlock::run(Context&) {
 }
 
 void ReportTagBlock::run(Context& context) {
+  const Speaking speaking(speech_of(*language, *units));
   TagBlockInput input{block.unpack(), points.unpack(), poses.unpack(), camera.unpack(), plates.unpack(), {}};
   for (size_t i = 0; i < observations.size(); ++i) input.observations.push_back(observations.unpack(i));
   out.commit(page_of(tag_block_json(input), files_of(images, context), *title, *subtitle, *name));
 }
 
 void ReportTargetBlock::run(Context&) {
+  const Speaking speaking(speech_of(*language, *units));
   out.commit(page_of(target_block_json(block.unpack(), measured.unpack()), {}, *title, *subtitle, *name));
 }
 

@@ -9,6 +9,7 @@
 #include "show/report/block_json.hpp"
 #include "show/report/format.hpp"
 #include "show/report/image_block_drawing.hpp"
+#include "show/report/language.hpp"
 
 namespace plumbline::report {
 namespace {
@@ -41,7 +42,7 @@ std::string pixels_and_micrometres(double value, double pitch_um) {
 }
 
 void write_camera(Markup& html, const Json& camera, const Json& block) {
-  html.element("h3", text(camera, "id"));
+  html.element("h3", verbatim(text(camera, "id")));
   html.element("p", fixed(number(camera, "width"), 0) + " × " + fixed(number(camera, "height"), 0) + " px, " +
                         count(static_cast<long>(number(camera, "images")), "photograph", "photographs") +
                         ", residuals " +
@@ -56,7 +57,7 @@ void write_camera(Markup& html, const Json& camera, const Json& block) {
       const std::string name = text(p, "name");
       const double sigma = number(p, "sigma");
       Scope row(html, "tr");
-      html.element("th", name);
+      html.element("th", verbatim(name));
       cell(html, rounded(number(p, "value"), sigma));
       cell(html, flag(p, "estimated") ? rounded(sigma, sigma) : "held");
       cell(html, !text(p, "unit").empty() ? text(p, "unit") : name[0] == 'f' || name[0] == 'c' ? "px" : "1");
@@ -126,7 +127,7 @@ void write_images(Markup& html, const Json& block) {
   Scope body(html, "tbody");
   for (const Json& image : list(block, "images")) {
     Scope row(html, "tr");
-    html.element("th", text(image, "path"));
+    html.element("th", verbatim(text(image, "path")));
     if (!flag(image, "oriented")) {
       for (int k = 0; k < 6; ++k) cell(html, unknown);
       words(html, "not oriented: " + text(image, "reason"));
@@ -173,7 +174,7 @@ void write_points(Markup& html, const Json& block) {
     const Json& point = points[i];
     const Eigen::Vector3d at = vector(point, "position"), sigma = vector(point, "sigma");
     Scope row(html, "tr");
-    html.element("th", text(point, "id"));
+    html.element("th", verbatim(text(point, "id")));
     cell(html, fixed(number(point, "rays"), 0));
     cell(html, percent(number(point, "rays") / oriented, 0));
     cell(html, fixed(number(point, "largest_angle_deg"), 0));
@@ -234,10 +235,10 @@ void write_control(Markup& html, const Json& block) {
   for (const Json* point : surveyed) {
     const Eigen::Vector3d d = vector(*point, "difference"), given = vector(*point, "surveyed_sigma");
     Scope row(html, "tr");
-    html.element("th", text(*point, "id"));
+    html.element("th", verbatim(text(*point, "id")));
     cell(html, text(*point, "role"));
     cell(html, fixed(number(*point, "rays"), 0));
-    for (int k = 0; k < 3; ++k) cell(html, signed_fixed(1e3 * d(k), 2));
+    for (int k = 0; k < 3; ++k) cell(html, signed_mm(d(k), 2));
     cell(html, given.allFinite() ? triple(given, 1) : unknown);
     cell(html, triple(vector(*point, "sigma"), 1));
     const Eigen::Vector3d w = vector(*point, "w");
@@ -263,8 +264,8 @@ void write_rejected(Markup& html, const Json& block) {
   Scope body(html, "tbody");
   for (size_t i = 0; i < std::min(most, rejected.size()); ++i) {
     Scope row(html, "tr");
-    html.element("th", text(rejected[i], "image"));
-    cell(html, text(rejected[i], "point"));
+    html.element("th", verbatim(text(rejected[i], "image")));
+    cell(html, verbatim(text(rejected[i], "point")));
     words(html, text(rejected[i], "reason"));
   }
 }

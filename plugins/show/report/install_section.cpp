@@ -1,8 +1,6 @@
 // The first screen: can we install, where not and what to do, how sure.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
@@ -222,36 +220,6 @@ void write_tasks(Markup& html, const std::vector<Task>& tasks, std::size_t from,
   }
 }
 
-void write_floors_overview(Markup& html, const DeviationT& deviation) {
-  const bool with_panels = !deviation.panels.empty();
-  html.element("h3", "Floor by floor");
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table");
-  std::vector<Cell> heads = {"Floor",     left("Storey"), left("Verdict"), "Anchors pass",
-                             "undecided", "fail",         "not measured"};
-  if (with_panels) heads.insert(heads.end(), {"Panels pass", "undecided", "fail"});
-  if (deviation.surfaces) heads.insert(heads.end(), {"Surfaces open", "fail"});
-  heads.push_back("All at once, at least");
-  table_head(html, heads);
-  Scope body(html, "tbody");
-  for (auto floor = deviation.floors.rbegin(); floor != deviation.floors.rend(); ++floor) {
-    const FloorDeviationT& f = **floor;
-    Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, f.floor > 0 ? std::to_string(f.floor) : "unknown");
-    html.element("td", {{"class", "text"}}, f.storey.empty() ? unknown : verbatim(f.storey));
-    {
-      Scope td(html, "td", {{"class", "text"}});
-      verdict_badge(html, f.verdict);
-    }
-    for (const int n : {f.passed, f.undecided, f.failed, f.not_measured}) html.element("td", std::to_string(n));
-    if (with_panels)
-      for (const int n : {f.panels_passed, f.panels_undecided, f.panels_failed}) html.element("td", std::to_string(n));
-    if (deviation.surfaces)
-      for (const int n : {f.surfaces_open, f.surfaces_failed}) html.element("td", std::to_string(n));
-    html.element("td", std::isfinite(f.pass_together) ? percent(f.pass_together) : std::string(unknown));
-  }
-}
-
 /// "2 anchors, 1 panel and 1 surface or joint"; those of which there are none are left out.
 std::string counted_words(int anchors, int panels, int surfaces) {
   std::vector<std::string> parts;
@@ -262,32 +230,6 @@ std::string counted_words(int anchors, int panels, int surfaces) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
   return text;
-}
-
-/// Of a building of several facades: how each of them stands.
-void write_facades_overview(Markup& html, const DeviationT& deviation) {
-  if (deviation.facades.size() < 2) return;
-  std::map<std::string, std::array<int, 8>> counts;  // anchors, then panels: pass, undecided, fail, not measured
-  const auto count = [&](const auto& element, std::size_t first) {
-    const std::size_t at = element.verdict == ToleranceVerdict::pass        ? 0
-                           : element.verdict == ToleranceVerdict::undecided ? 1
-                           : element.verdict == ToleranceVerdict::fail      ? 2
-                                                                            : 3;
-    if (element.facade) ++counts[element.facade->facade][first + at];
-  };
-  for (const auto& anchor : deviation.anchors) count(*anchor, 0);
-  for (const auto& panel : deviation.panels) count(*panel, 4);
-  html.element("h3", "Facade by facade");
-  Scope wide(html, "div", {{"class", "wide"}});
-  Scope table(html, "table");
-  table_head(html,
-             {left("Facade"), "Anchors pass", "undecided", "fail", "not measured", "Panels pass", "undecided", "fail"});
-  Scope body(html, "tbody");
-  for (const auto& facade : deviation.facades) {
-    Scope row(html, "tr");
-    html.element("th", {{"scope", "row"}}, verbatim(facade->name));
-    for (std::size_t k = 0; k < 7; ++k) html.element("td", std::to_string(counts[facade->name][k]));
-  }
 }
 
 std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) {
@@ -430,8 +372,7 @@ void write_installation(Markup& html, const ReportInput& input) {
              [&] { write_tasks(html, tasks, kFirstRows, listed); });
     }
   }
-  write_floors_overview(html, d);
-  write_facades_overview(html, d);
+  write_overview(html, d);
 }
 
 }  // namespace plumbline::report

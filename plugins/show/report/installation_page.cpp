@@ -6,6 +6,7 @@
 #include <set>
 
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
 
@@ -255,11 +256,11 @@ void write_reworks(Markup& html, const std::vector<LoopChange>& changes) {
   }
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
-  table_head(html, {"Round", left("Item"), left("From"), left("To"), left("Why")});
+  table_head(html, {"Round", left("Item"), left("Before"), left("Now"), left("Why")});
   Scope body(html, "tbody");
   for (const LoopChange* change : wrong)
-    table_row(html, {std::to_string(change->round + 1), left(change->item), left(change->from), left(change->to),
-                     sentence(change->why)});
+    table_row(html, {std::to_string(change->round + 1), left(verbatim(change->item)), left(change->from),
+                     left(change->to), sentence(change->why)});
 }
 
 /// What the anchors' heights would be without what was set, and are: by floor, so that drift shows.
@@ -325,7 +326,7 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
       if (found == items.end()) continue;
       const LoopItemT& item = *found->second;
       const char* gate = panel->gate == GateDecision::go ? "GO" : panel->gate == GateDecision::no_go ? "NO_GO" : "HOLD";
-      table_row(html, {panel->id, floor_word(panel->floor), left(word_of(item.status)), left(gate),
+      table_row(html, {verbatim(panel->id), floor_word(panel->floor), left(word_of(item.status)), left(gate),
                        std::isfinite(panel->p_in) ? fixed(panel->p_in, 3) : std::string(unknown),
                        sentence(panel->decided_by), std::to_string(item.reworks), sentence(item.why)});
     }
@@ -340,7 +341,7 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
     if (found == items.end() || bracket->axes.size() != 3) continue;
     const LoopItemT& item = *found->second;
     const Eigen::Vector3d off = bracket->measured - bracket->design;
-    table_row(html, {bracket->id, floor_word(bracket->floor), left(word_of(item.status)),
+    table_row(html, {verbatim(bracket->id), floor_word(bracket->floor), left(word_of(item.status)),
                      signed_mm(bracket->axes[0].dot(off), 1), signed_mm(bracket->axes[1].dot(off), 1),
                      signed_mm(bracket->axes[2].dot(off), 1), signed_mm(item.setting.x(), 1),
                      signed_mm(item.setting.y(), 1), signed_mm(item.setting.z(), 1),

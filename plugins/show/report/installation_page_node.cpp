@@ -1,6 +1,7 @@
 #include "show/report/installation_page_node.hpp"
 
 #include "show/report/installation_page.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/sections.hpp"
 
@@ -20,17 +21,18 @@ std::map<int, std::string> ReportInstallation::robots_by_floor() const {
 }
 
 void ReportInstallation::run(Context&) {
+  const Speaking speaking(speech_of(*language, *units));
   const InstallationPlanT planned = plan.unpack();
   const LoopStateT reached = state.unpack();
   const auto by_floor = robots_by_floor();
   SurveyComparisonT control;
   if (control_check) control = control_check.unpack();
-  const std::string page = render_page(*title, [&](Markup& html) {
+  const std::string page = render_page(title_spoken(*title), [&](Markup& html) {
     Scope main(html, "main");
     {
       Scope header(html, "header");
-      html.element("h1", *title);
-      if (!subtitle->empty()) html.element("p", {{"class", "subtitle"}}, *subtitle);
+      html.element("h1", title_spoken(*title));
+      if (!subtitle->empty()) html.element("p", {{"class", "subtitle"}}, verbatim(*subtitle));
       if (control_check) write_control_warning(html, control);
     }
     write_next(html, planned, reached, by_floor);

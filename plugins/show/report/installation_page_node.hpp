@@ -15,7 +15,7 @@ namespace plumbline::report {
 
 struct ReportInstallation : Node {
   static constexpr Info info{
-      "report.installation", "", 1,
+      "report.installation", "", 2,
       "One offline HTML file about an execution loop: what to do next by floor and robot, states "
       "over rounds, what was done again and why"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan of the last round"};
@@ -31,6 +31,8 @@ struct ReportInstallation : Node {
                                          "which robot works where: '3=robot-b', a floor each"};
   Param<std::string> name{"name", "loop.html", "name of the file"};
   Param<std::string> pipeline{"pipeline", "", "what ran, for the end of the page, as ${pipeline} gives it"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "the page"};
   void run(Context& context) override;
 

@@ -67,7 +67,9 @@ void draw_part(Markup& html, const AnchorPhotograph& part) {
 }  // namespace
 
 void write_photographs(Markup& html, const AnchorPhotographs& photographs) {
-  if (photographs.parts.empty() && photographs.not_shown.empty() && photographs.not_read.empty()) return;
+  if (photographs.parts.empty() && photographs.not_shown.empty() && photographs.not_read.empty() &&
+      photographs.not_cut.empty())
+    return;
   Scope section(html, "section", {{"id", "photographs"}});
   html.element("h2", "Photographs of what is not in order");
   const bool projected = std::any_of(photographs.parts.begin(), photographs.parts.end(),
@@ -95,6 +97,12 @@ void write_photographs(Markup& html, const AnchorPhotographs& photographs) {
     html.element("p", "No photograph at hand shows the marker of " + text::join(photographs.not_shown, 12) + ".");
   for (const auto& [path, reason] : photographs.not_read)
     html.element("p", verbatim(path) + " cannot be shown: " + verbatim(reason));
+  if (!photographs.not_cut.empty()) {
+    html.element("p", "Of these no part of a photograph could be cut out:");
+    Scope list(html, "ul");
+    for (const auto& [anchor, reason] : photographs.not_cut)
+      html.element("li", "Anchor " + verbatim(anchor) + ": " + reason);
+  }
 }
 
 }  // namespace plumbline::report

@@ -79,10 +79,12 @@ void ReportPhotographs::run(Context& context) {
                          {"parts", parts},
                          {"not_shown", found.not_shown},
                          {"not_read", found.not_read},
+                         {"not_cut", found.not_cut},
                          {"left_out", found.left_out}};
   write(kListing, document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
   std::sort(listing.files.begin(), listing.files.end(), [](const auto& a, const auto& b) { return a->path < b->path; });
   for (const auto& [path, reason] : found.not_read) context.warn(path + " cannot be shown: " + reason);
+  for (const auto& [anchor, reason] : found.not_cut) context.warn("anchor " + anchor + " is not shown: " + reason);
   context.info(std::to_string(found.parts.size()) + " parts of photographs of what is not in order");
   folder.commit(listing);
 }
@@ -106,6 +108,7 @@ AnchorPhotographs read_photographs(const Context& context, const FolderT& folder
   }
   photographs.not_shown = document.at("not_shown").get<std::vector<std::string>>();
   photographs.not_read = document.at("not_read").get<std::map<std::string, std::string>>();
+  photographs.not_cut = document.at("not_cut").get<std::map<std::string, std::string>>();
   photographs.left_out = document.at("left_out");
   return photographs;
 }

@@ -14,7 +14,7 @@
 namespace plumbline::report {
 
 struct ReportPhotographs : Node {
-  static constexpr Info info{"report.photographs", "", 1,
+  static constexpr Info info{"report.photographs", "", 2,
                              "Of each failing or undecided anchor the part of the photograph around its marker"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   List<Image> images{"images", "the photographs"};

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "show/report/format.hpp"
+#include "show/report/language.hpp"
 #include "show/report/network_drawing.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/plot.hpp"
@@ -49,11 +50,11 @@ void write_verdict_box(Markup& html, const SurveyPlanT& plan) {
   Scope words(html, "div");
   html.element("strong", broken == 0 ? std::string("The plan keeps all rules.")
                                      : count(broken, "rule is broken.", "rules are broken."));
-  html.element("p", count(static_cast<long>(plan.sights.size()), "sight", "sights") +
-                        (plan.profile.empty() ? std::string() : " with the instrument profile " + plan.profile) + ", " +
-                        count(plan.sets, "set", "sets") +
-                        " in both faces. Nothing was measured yet: precision is what " +
-                        "the adjustment will have if the instrument keeps its profile.");
+  html.element(
+      "p", count(static_cast<long>(plan.sights.size()), "sight", "sights") +
+               (plan.profile.empty() ? std::string() : " with the instrument profile " + verbatim(plan.profile)) +
+               ", " + count(plan.sets, "set", "sets") + " in both faces. Nothing was measured yet: precision is what " +
+               "the adjustment will have if the instrument keeps its profile.");
 }
 
 void write_rules(Markup& html, const SurveyPlanT& plan) {
@@ -145,8 +146,8 @@ void write_markers(Markup& html, const SurveyPlanT& plan) {
     double length = 0, incidence = 0;
     for (const PlannedSightT* s : seen->second)
       length = std::max(length, s->length), incidence = std::max(incidence, s->incidence);
-    table_row(html, {p->id, mm(p->sigma.x()), mm(p->sigma.y()), mm(p->sigma.z()), std::to_string(seen->second.size()),
-                     fixed(length, 1), fixed(incidence * 180 / M_PI, 0)});
+    table_row(html, {verbatim(p->id), mm(p->sigma.x()), mm(p->sigma.y()), mm(p->sigma.z()),
+                     std::to_string(seen->second.size()), fixed(length, 1), fixed(incidence * 180 / M_PI, 0)});
   }
 }
 

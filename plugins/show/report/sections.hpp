@@ -74,6 +74,8 @@ void write_filter(Markup& html, const DeviationT& deviation);
 
 /// First screen: can we install, where not and what to do, how sure. Nothing without a design.
 void write_installation(Markup& html, const ReportInput& input);
+/// How floors, and facades where there are several, stand.
+void write_overview(Markup& html, const DeviationT& deviation);
 /// Anchors and panels in space, and the numbers that the slider and the view recompute from.
 void write_view(Markup& html, const ReportInput& input);
 /// Is the model right: the check anchors against the survey.

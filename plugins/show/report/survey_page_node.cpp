@@ -1,5 +1,6 @@
 #include "show/report/survey_page_node.hpp"
 
+#include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/sections.hpp"
 
@@ -14,16 +15,17 @@ NetworkPage ReportSurvey::page_of_network() const {
 }
 
 void ReportSurvey::run(Context&) {
+  const Speaking speaking(speech_of(*language, *units));
   if (!plan && !epochs && !network)
     throw std::runtime_error("none of the inputs plan, epochs and network is connected");
   SurveyComparisonT control;
   if (control_check) control = control_check.unpack();
-  const std::string page = render_page(*title, [&](Markup& html) {
+  const std::string page = render_page(title_spoken(*title), [&](Markup& html) {
     Scope main(html, "main");
     {
       Scope header(html, "header");
-      html.element("h1", *title);
-      if (!subtitle->empty()) html.element("p", {{"class", "subtitle"}}, *subtitle);
+      html.element("h1", title_spoken(*title));
+      if (!subtitle->empty()) html.element("p", {{"class", "subtitle"}}, verbatim(*subtitle));
       if (control_check) write_control_warning(html, control);
     }
     if (plan) write_plan(html, plan.unpack());

@@ -13,7 +13,7 @@
 namespace plumbline::report {
 
 struct ReportSurvey : Node {
-  static constexpr Info info{"report.survey", "", 2,
+  static constexpr Info info{"report.survey", "", 3,
                              "One offline HTML file about a survey: plan, network, control points, epochs"};
   Optional<SurveyPlan> plan{"plan", frame("frame=?F"), "a judged plan"};
   Optional<SurveyComparison> epochs{"epochs", frame("frame=?F"), "two epochs compared"};
@@ -33,6 +33,8 @@ struct ReportSurvey : Node {
       "pipeline", "",
       "what ran, for the end of the page: a line 'node: kind parameter=value' for each node, as "
       "${pipeline} gives it"};
+  Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
+  Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "the page"};
   void run(Context& context) override;
 

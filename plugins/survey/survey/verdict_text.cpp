@@ -63,7 +63,10 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
   const auto say = [&](const std::string& what) {
     if (std::find(again.begin(), again.end(), what) == again.end()) again.push_back(what);
   };
-  const double by_chance = normal_quantile(1 - 0.5 * 0.01 / std::max(1.0, static_cast<double>(n.observations.size())));
+  // All that took part were tested, of which a brief result (survey.brief) holds some.
+  const auto tested = std::max<long>(
+      {1, static_cast<long>(n.observations.size()), n.statistics ? static_cast<long>(n.statistics->observations) : 0});
+  const double by_chance = normal_quantile(1 - 0.5 * 0.01 / static_cast<double>(tested));
   for (const NetworkObservationT* o : worst)
     if (o->removed || (o->flagged && std::abs(o->w) > by_chance))
       say("sight " + o->to + (o->set_up.empty() ? "" : " from set-up " + o->set_up));

@@ -124,6 +124,23 @@ TEST(XmlReader, NamesLineAndElementOfAMistake) {
          "IfcObjectDefinition is abstract, expected xsi:type");
   expect(ifc4("<IfcPropertySingleValue><NominalValue>5</NominalValue></IfcPropertySingleValue>"),
          "NominalValue: found '5' without its type");
+  expect(ifc4("<IfcRelAggregates><RelatingObject xsi:type='IfcSitte' id='s'/></IfcRelAggregates>"),
+         "RelatingObject 's': found xsi:type='IfcSitte', expected an entity or a type of IFC4");
+  expect(ifc4("<IfcWall xsi:type='IfcHouse'/>"), "IfcWall: found xsi:type='IfcHouse'");
+  expect(ifc4("<IfcCartesianPoint Coordinates='0 NaN 1'/>"), "found '0 NaN 1' as Coordinates");
+  expect(ifc4("<IfcSite RefElevation='nanometre'/>"), "found 'nanometre' as RefElevation, expected a number");
+  const auto points = [](const std::string& list) {
+    return ifc4("<IfcCartesianPointList3D><CoordList>" + list + "</CoordList></IfcCartesianPointList3D>");
+  };
+  const std::string value = "<IfcLengthMeasure>1</IfcLengthMeasure>";
+  expect(points(value + value + value), "found a single value in CoordList, a list of lists");
+  expect(points("<ex:double-wrapper>1</ex:double-wrapper><ex:double-wrapper>2</ex:double-wrapper>"),
+         "found a single value in CoordList, a list of lists");
+  expect(points("<Seq>1 2</Seq>"), "found '1 2' as CoordList");
+  expect(points("<Seq>" + value + value + "</Seq>"), "found 2 items as CoordList, expected 3 of them");
+  expect(ifc2x3("<IfcCartesianPoint><Coordinates><IfcLengthMeasure>0</IfcLengthMeasure><IfcLengthMeasure>NAN"
+                "</IfcLengthMeasure></Coordinates></IfcCartesianPoint>"),
+         "found 'NAN' in the list Coordinates, expected a value for each item");
   expect("<html><body/></html>", "html: found this element, expected ifcXML");
   expect("<ifcXML xmlns='http://example.org/IFC2x2'/>", "expected IFC2x3, IFC4 or IFC4x3");
   expect(ifc4("<IfcWall>"), "found XML that is damaged");

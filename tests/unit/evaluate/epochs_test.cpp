@@ -228,9 +228,39 @@ TEST(AsBuiltEpochs, AJointOfWhichOneSideWasMeasuredAgainIsNotMended) {
       << of(gone, "P").note;
   EXPECT_EQ(of(gone, "Q").change, ChangeKind::left_out);
   const EpochRecord third = record_of(one_side, "July", &second, &without);
-  ASSERT_EQ(third.items.size(), 2u) << "A and P";
+  ASSERT_EQ(third.items.size(), 3u) << "A and P, and Q, which was open and which nobody has closed";
+  EXPECT_EQ(third.items[2].id, "Q");
+  EXPECT_TRUE(third.items[2].open());
   EXPECT_EQ(third.items[1].verdict, kPass);
   EXPECT_TRUE(third.items[1].open_joints.empty());
+}
+
+/// A model of one storey: what is open elsewhere is named, each time, and known again when the whole is judged.
+TEST(AsBuiltEpochs, WhatIsOpenAndNotInAPartOfTheDesignIsNamedAndNotForgotten) {
+  const auto part = [](const std::vector<std::string>& panels, ToleranceVerdict verdict) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", kPass, kThere));
+    DeviationT deviation = campaign(std::move(anchors));
+    for (const std::string& name : panels) deviation.panels.push_back(panel(name, verdict));
+    return deviation;
+  };
+  const DesignElements whole{{"guid-A", "guid-P", "guid-Q"}, {"A", "P", "Q"}}, storey{{"guid-A", "guid-P"}, {"A", "P"}};
+  const EpochRecord may = record_of(part({"P", "Q"}, kFail), "May");
+  const DeviationT of_storey = part({"P"}, kPass);
+  EpochRecord before = may;
+  for (const char* month : {"June", "July"}) {
+    const AsBuiltChangesT changes = compare_epochs(before, of_storey, month, &storey);
+    EXPECT_EQ(of(changes, "Q").change, ChangeKind::left_out);
+    ASSERT_EQ(changes.warnings.size(), 1u) << month;
+    EXPECT_NE(changes.warnings[0].find("of this one: panel Q; they stay open"), std::string::npos)
+        << changes.warnings[0];
+    before = record_of(of_storey, month, &before, &storey);
+  }
+  EXPECT_EQ(of(compare_epochs(before, part({"P", "Q"}, kPass), "August", &whole), "Q").change, ChangeKind::mended);
+  // What was in order and is gone is neither told nor kept.
+  const EpochRecord sound = record_of(part({"P", "Q"}, kPass), "May");
+  EXPECT_TRUE(compare_epochs(sound, of_storey, "June", &storey).warnings.empty());
+  EXPECT_EQ(record_of(of_storey, "June", &sound, &storey).items.size(), 2u);
 }
 
 TEST(AsBuiltEpochs, OtherTolerancesOfPanelsAreTold) {

@@ -120,8 +120,21 @@ TEST(AnchorPhotographs, WhatIsNotThereOrDamagedIsSaid) {
   EXPECT_EQ(found.parts[0].photograph, "edge.jpg");
   EXPECT_LT(found.parts[0].width, 100) << "cut off at the border";
   ASSERT_EQ(found.not_read.count("far.jpg"), 1u);
+  EXPECT_TRUE(found.not_cut.empty()) << "edge.jpg shows A";
+  site.sources.files.erase("edge.jpg");
+  EXPECT_EQ(photographs_of(site.deviation, site.sources).not_cut.at("A"), "far.jpg cannot be read");
   site.sources.files.clear();
   EXPECT_EQ(photographs_of(site.deviation, site.sources).not_shown, (std::vector<std::string>{"A", "B"}));
+}
+
+/// A marker that was detected in a larger copy of the photograph lies outside of this one.
+TEST(AnchorPhotographs, AnAnchorThatCannotBeCutOutIsListedWithTheReason) {
+  Site site;
+  site.sources.tags = {seen("near.jpg", 1, 1800, 1300, 100)};
+  const AnchorPhotographs found = photographs_of(site.deviation, site.sources);
+  EXPECT_TRUE(found.parts.empty());
+  ASSERT_EQ(found.not_cut.size(), 1u);
+  EXPECT_EQ(found.not_cut.at("A"), "near.jpg has 900 × 600 pixels, and its marker was detected outside of them");
 }
 
 }  // namespace

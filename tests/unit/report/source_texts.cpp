@@ -11,13 +11,9 @@ namespace plumbline::report::test {
 
 namespace {
 
-/// Pages of their own that are in English only (docs/report.md says so), and files without a reader.
-const std::set<std::string> kEnglishOnly = {
-    "calibration_page.cpp",  "image_block_page.cpp", "image_block_tables.cpp", "image_block_drawing.cpp",
-    "image_block_space.cpp", "tag_block_json.cpp",   "target_block_json.cpp",  "block_json_parts.cpp",
-    "epochs_section.cpp",    "plan_section.cpp",     "installation_page.cpp",  "network_page.cpp",
-    "language.cpp",          "catalogue.cpp",        "page_style.cpp",         "pack_script.cpp",
-    "workbook.cpp",          "markup.cpp",           "building_lines.cpp"};
+/// Files without a reader, and the notices of other languages.
+const std::set<std::string> kWithoutReader = {"language.cpp", "catalogue.cpp", "page_style.cpp",    "pack_script.cpp",
+                                              "workbook.cpp", "markup.cpp",    "building_lines.cpp"};
 
 /// Of the judgement: what it writes into its artifacts for a reader.
 const char* const kJudgement[] = {
@@ -95,7 +91,7 @@ std::vector<std::string> files_with_texts(const std::filesystem::path& root) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(root / "plugins/show/report")) {
     const std::string name = entry.path().filename().string();
-    if (name.ends_with(".cpp") && !name.ends_with("_node.cpp") && !kEnglishOnly.contains(name))
+    if (name.ends_with(".cpp") && !name.ends_with("_node.cpp") && !kWithoutReader.contains(name))
       files.push_back("plugins/show/report/" + name);
   }
   for (const char* name : kJudgement) files.push_back(std::string("libraries/building/judgement/") + name + ".cpp");
