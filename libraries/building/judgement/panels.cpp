@@ -55,10 +55,6 @@ void fill_unknown(PanelDeviationT& out) {
     *length = std::make_unique<JudgedLengthT>();
 }
 
-std::string length_words(const std::string& what, const JudgedLengthT& length) {
-  return fmt::format("{} {:.1f} mm (limit {:.3g} mm)", what, 1e3 * length.value, 1e3 * length.tolerance);
-}
-
 /// Share of a tolerance that a value uses; 0 where there is none.
 double share_of(double value, double tolerance) {
   const double share = std::abs(value) / tolerance;
@@ -76,7 +72,8 @@ class Decision {
   }
   void consider(const char* by, const char* words, const JudgedLengthT& length) {
     if (std::isfinite(length.value))
-      consider(by, length.verdict, share_of(length.value, length.tolerance), length_words(words, length));
+      consider(by, length.verdict, share_of(length.value, length.tolerance),
+               words_of_length(words, length.value, length.tolerance));
   }
 
  private:
@@ -107,11 +104,7 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
     for (const auto& axis : anchor.axes)
       if (axis->axis == anchor.decided_by)
         usage = share_of(axis->value, axis->tolerance),
-        words = length_words("anchor " + anchor.id + " " + axis->axis, [&] {
-          JudgedLengthT length;
-          length.value = axis->value, length.tolerance = axis->tolerance;
-          return length;
-        }());
+        words = words_of_length("anchor " + anchor.id + " " + axis->axis, axis->value, axis->tolerance);
     if (words.empty()) words = "anchor " + anchor.id + (anchor.note.empty() ? " is not decided" : ": " + anchor.note);
     if (anchor.verdict > ToleranceVerdict::pass) decision.consider("anchor", anchor.verdict, usage, words);
   }
@@ -127,6 +120,10 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
 }
 
 }  // namespace
+
+std::string words_of_length(const std::string& what, double value, double limit) {
+  return fmt::format("{} {:.1f} mm (limit {:.3g} mm)", what, 1e3 * value, 1e3 * limit);
+}
 
 std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs& inputs,
                                                            const judgement::DifferenceSet& deviations,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "building/judgement/deviation.hpp"
@@ -15,5 +16,8 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
                                                            const judgement::DifferenceSet& deviations,
                                                            const std::vector<std::unique_ptr<AnchorDeviationT>>& judged,
                                                            const DeviationOptions& options);
+
+/// "joint to P2 4.2 mm (limit 3 mm)", as the reason of a verdict has it; lengths in m.
+std::string words_of_length(const std::string& what, double value, double limit);
 
 }  // namespace plumbline::judgement

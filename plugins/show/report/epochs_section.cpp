@@ -141,9 +141,11 @@ void write_control_warning(Markup& html, const SurveyComparisonT& c) {
   Scope box(html, "div", {{"class", "warnings"}});
   html.element("h2", "The control points do not all fit the observations");
   const auto bad = moved_points(c);
+  std::string test = test_in_words(c);
+  test[0] = 'T';
   html.element("p", (bad.empty() ? std::string("No single point explains it")
                                  : "Look at " + text::join(bad) + ": moved, or coordinates of another point") +
-                        "; all results below lean on them. T" + test_in_words(c).substr(1) + ".");
+                        "; all results below lean on them. " + test + ".");
 }
 
 void write_control_check(Markup& html, const SurveyComparisonT& c) {

@@ -73,7 +73,7 @@ void write_camera(Markup& html, const Json& camera, const Json& block) {
   std::string strong;
   for (const Json& c : list(camera, "correlations"))
     if (std::abs(number(c, "correlation")) > strong_correlation)
-      strong += (strong.empty() ? "" : ", ") + text(c, "of") + " with " + text(c, "with") + " " +
+      strong += (strong.empty() ? "" : ", ") + text(c, "of") + " – " + text(c, "with") + " " +
                 signed_fixed(number(c, "correlation"), 3);
   html.element("p", {{"class", "note"}},
                strong.empty()

@@ -7,6 +7,7 @@
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/epochs.hpp"
+#include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
@@ -123,7 +124,8 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
 }
 
 Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
-  Task task{panel.floor, panel.verdict, "Panel " + (panel.name.empty() ? panel.guid : panel.name), panel.reason, ""};
+  Task task{panel.floor, panel.verdict, "Panel " + (panel.name.empty() ? panel.guid : panel.name),
+            reason_of(panel, deviation), ""};
   if (!deviation.doubts.empty()) {
     task.todo = "Nothing before the measurement is mended: it decides nothing.";
     return task;
@@ -350,9 +352,9 @@ void write_installation(Markup& html, const ReportInput& input) {
         html.element("p", "Which way facade " + facade->name +
                               " faces is not confirmed, and nobody may be sent outward " +
                               "or inward there: " + facade->note + ". The notes below say how to confirm it.");
-    if (d.common_shift && d.common_shift->significant) html.element("p", d.common_shift->words);
+    if (d.common_shift && d.common_shift->significant) html.element("p", words_of(*d.common_shift));
     for (const auto& group : d.group_shifts)
-      if (group->significant) html.element("p", group->words);
+      if (group->significant) html.element("p", words_of(*group, d));
     if (input.changes && input.changes->compared)
       html.element("p", since(*input.changes) + ": " + judgement::words_of_changes(*input.changes) + ".");
     for (const std::string& line : confidence_of(input)) html.element("p", line);

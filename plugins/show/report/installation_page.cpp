@@ -79,13 +79,13 @@ std::map<int, FloorWork, std::greater<>> work_of(const LoopStateT& state) {
   return floors;
 }
 
-/// "F01-C01-R1, F01-C02-R1 and 14 more": the tables below have all.
+/// "F01-C01-R1, F01-C02-R1, … +14": the tables below have all.
 std::string some_of(const std::vector<std::string>& ids) {
   constexpr std::size_t kShown = 6;
   if (ids.empty()) return unknown;
   std::string text;
   for (std::size_t i = 0; i < std::min(ids.size(), kShown); ++i) text += (i ? ", " : "") + ids[i];
-  return ids.size() > kShown ? text + " and " + std::to_string(ids.size() - kShown) + " more" : text;
+  return verbatim(ids.size() > kShown ? text + ", … +" + std::to_string(ids.size() - kShown) : text);
 }
 
 std::string floor_word(int floor) { return floor > 0 ? std::to_string(floor) : std::string("not known"); }

@@ -75,22 +75,26 @@ std::string inches_of(std::string_view written) {
 }
 
 /// What stands between numbers that share the unit behind the last one.
-std::size_t joined_before(std::string_view text, std::size_t end, bool signed_number) {
+std::size_t joined_before(std::string_view text, std::size_t end, bool in_list) {
   static constexpr std::array<std::string_view, 10> joints = {" ± ",   "\u00A0±\u00A0", " to ",     " bis ", " and ",
                                                               " und ", "\u2013",        " and of ", "/",     " +- "};
   for (const std::string_view joint : joints)
     if (text.substr(0, end).ends_with(joint)) return end - joint.size();
-  if (signed_number && text.substr(0, end).ends_with(", ")) return end - 2;
+  if (in_list && text.substr(0, end).ends_with(", ")) return end - 2;
   return end;
 }
 
-/// Whether a number with decimals is left that is not converted and has no word or unit of its own behind it: it may
-/// share the unit of a length further on.
+/// Whether a number with decimals or a sign is left that is not converted and has no word or unit of its own behind it:
+/// it may share the unit of a length further on.
 bool leaves_numbers(std::string_view text) {
   for (std::size_t at = 1; at + 1 < text.size(); ++at) {
-    if ((text[at] != '.' && text[at] != ',') || !is_digit(text[at - 1]) || !is_digit(text[at + 1])) continue;
+    if (is_in_name(text, at)) continue;
+    const bool decimals = (text[at] == '.' || text[at] == ',') && is_digit(text[at - 1]) && is_digit(text[at + 1]);
+    const bool sign = (text[at] == '+' || text[at] == '-') && text[at - 1] == ' ' && is_digit(text[at + 1]);
+    if (!decimals && !sign) continue;
     std::size_t end = at + 1;
     while (end < text.size() && is_digit(text[end])) ++end;
+    if (sign && end + 1 < text.size() && (text[end] == '.' || text[end] == ',') && is_digit(text[end + 1])) continue;
     if (end < text.size() && text[end] == kConverted) continue;
     if (end < text.size() && text[end] == ' ') ++end;
     if (end == text.size() || (!is_word(text[end]) && text[end] != '%') || is_digit(text[end])) return true;
@@ -129,6 +133,7 @@ std::string with_units(std::string text) {
     else
       end = 0;
     std::ptrdiff_t longer = 0;
+    bool in_list = false;  // "4, 5 and 6 mm", "+1, -2, +4 mm"
     while (end > 0) {
       const std::size_t begin = number_before(text, end);
       if (begin == end) break;
@@ -138,7 +143,9 @@ std::string with_units(std::string text) {
         text.replace(begin, end - begin, converted);
       }
       const bool has_sign = text[begin] == '+' || text[begin] == '-' || text.substr(begin).starts_with(kMinus);
-      const std::size_t before = joined_before(text, begin, has_sign);
+      const std::size_t before = joined_before(text, begin, in_list || has_sign);
+      const std::string_view joint = std::string_view(text).substr(before, begin - before);
+      in_list = in_list || joint == " and " || joint == " und ";
       end = before == begin ? 0 : before;
     }
     at = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(after) + longer);

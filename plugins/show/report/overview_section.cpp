@@ -15,7 +15,7 @@ namespace {
 
 /// Columns under one heading, each a verdict by its symbol, which takes no more room than a number: with a word in each
 /// the table would be wider than a page.
-struct Group {
+struct VerdictGroup {
   const char* name;  ///< "Anchors"
   std::vector<ToleranceVerdict> verdicts;
 };
@@ -23,7 +23,7 @@ struct Group {
 constexpr ToleranceVerdict kAnchorVerdicts[] = {ToleranceVerdict::pass, ToleranceVerdict::undecided,
                                                 ToleranceVerdict::fail, ToleranceVerdict::not_measured};
 
-Group group(const char* name, std::size_t verdicts) {
+VerdictGroup verdict_group(const char* name, std::size_t verdicts) {
   return {name, {std::begin(kAnchorVerdicts), std::begin(kAnchorVerdicts) + verdicts}};
 }
 
@@ -36,7 +36,7 @@ void verdict_head(Markup& html, const char* of, ToleranceVerdict verdict) {
 }
 
 /// Two lines: groups over their verdicts, other columns over both.
-void grouped_head(Markup& html, const std::vector<Cell>& before, const std::vector<Group>& groups,
+void grouped_head(Markup& html, const std::vector<Cell>& before, const std::vector<VerdictGroup>& groups,
                   const std::vector<Cell>& after) {
   Scope head(html, "thead");
   const auto tall = [&](const Cell& cell) {
@@ -45,17 +45,17 @@ void grouped_head(Markup& html, const std::vector<Cell>& before, const std::vect
   {
     Scope row(html, "tr");
     for (const Cell& cell : before) tall(cell);
-    for (const Group& one : groups)
+    for (const VerdictGroup& one : groups)
       html.element("th", {{"scope", "colgroup"}, {"class", "group"}, {"colspan", std::to_string(one.verdicts.size())}},
                    one.name);
     for (const Cell& cell : after) tall(cell);
   }
   Scope row(html, "tr");
-  for (const Group& one : groups)
+  for (const VerdictGroup& one : groups)
     for (const ToleranceVerdict verdict : one.verdicts) verdict_head(html, one.name, verdict);
 }
 
-void write_key(Markup& html) {
+void write_verdict_key(Markup& html) {
   Scope key(html, "div", {{"class", "legend"}});
   for (const ToleranceVerdict verdict : kAnchorVerdicts) verdict_badge(html, verdict);
 }
@@ -65,8 +65,8 @@ void write_floor_counts(Markup& html, const DeviationT& deviation) {
   html.element("h3", "Floor by floor");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
-  std::vector<Group> groups = {group("Anchors", 4)};
-  if (with_panels) groups.push_back(group("Panels", 3));
+  std::vector<VerdictGroup> groups = {verdict_group("Anchors", 4)};
+  if (with_panels) groups.push_back(verdict_group("Panels", 3));
   std::vector<Cell> after;
   if (deviation.surfaces) after = {"Surfaces open", "Surfaces fail"};
   after.push_back("All at once, at least");
@@ -106,7 +106,7 @@ void write_facade_counts(Markup& html, const DeviationT& deviation) {
   html.element("h3", "Facade by facade");
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
-  grouped_head(html, {left("Facade")}, {group("Anchors", 4), group("Panels", 3)}, {});
+  grouped_head(html, {left("Facade")}, {verdict_group("Anchors", 4), verdict_group("Panels", 3)}, {});
   Scope body(html, "tbody");
   for (const auto& facade : deviation.facades) {
     Scope row(html, "tr");
@@ -120,7 +120,7 @@ void write_facade_counts(Markup& html, const DeviationT& deviation) {
 void write_overview(Markup& html, const DeviationT& deviation) {
   write_floor_counts(html, deviation);
   write_facade_counts(html, deviation);
-  write_key(html);
+  write_verdict_key(html);
 }
 
 }  // namespace plumbline::report

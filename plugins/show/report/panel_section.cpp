@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
@@ -51,14 +52,15 @@ void write_list(Markup& html, const std::vector<std::string>& texts) {
   }
 }
 
-void write_row(Markup& html, const PanelDeviationT& panel, std::size_t index) {
+void write_row(Markup& html, const PanelDeviationT& panel, const DeviationT& deviation, std::size_t index) {
   const PlacedRow row(html, panel.floor, facade_of(panel.facade), panel.verdict);
   html.element("th", {{"scope", "row"}}, verbatim(panel.name.empty() ? panel.guid : panel.name));
   {
     Scope td(html, "td", {{"class", "text"}, {"data-panel", std::to_string(index)}});
     verdict_badge(html, panel.verdict);
   }
-  html.element("td", {{"class", "words"}}, panel.reason.empty() ? words_of(panel.decided_by) : panel.reason);
+  html.element("td", {{"class", "words"}},
+               panel.reason.empty() ? words_of(panel.decided_by) : reason_of(panel, deviation));
   html.element("td", without_sign(length(*panel.out_of_plane), panel));
   html.element("td", without_sign(length(*panel.sideways), panel));
   html.element("td", length(*panel.vertical));
@@ -87,7 +89,7 @@ void write_panels(Markup& html, const DeviationT& deviation) {
                 "Lean [mm/m]", "Turn [mm/m]", "Roll [mm/m]", "Tilt [mm]", "Warp [mm]", "Slots [mm]", "Corner [mm]",
                 left("Shim per anchor, outward [mm]"), left("Joints as built (design) [mm]")});
     Scope body(html, "tbody");
-    for (const PanelDeviationT* panel : worst_panels_first(deviation)) write_row(html, *panel, index[panel]);
+    for (const PanelDeviationT* panel : worst_panels_first(deviation)) write_row(html, *panel, deviation, index[panel]);
   }
   html.element(
       "p", {{"class", "note"}},

@@ -8,6 +8,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
+#include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
@@ -87,7 +88,8 @@ void write_list(Markup& html, const Sheet& sheet, const ReportInput& input) {
               anchor->verdict == ToleranceVerdict::pass ? "" : what_to_do(*anchor, *input.deviation));
   for (const PanelDeviationT* panel : sheet.panels)
     write_row(html, "Panel " + (panel->name.empty() ? panel->guid : panel->name),
-              with_grid ? std::optional(std::string()) : std::nullopt, panel->verdict, panel->reason,
+              with_grid ? std::optional(std::string()) : std::nullopt, panel->verdict,
+              reason_of(*panel, *input.deviation),
               panel->verdict == ToleranceVerdict::pass ? "" : what_to_do(*panel, *input.deviation));
 }
 

@@ -9,6 +9,7 @@
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epochs.hpp"
+#include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/sections.hpp"
@@ -159,7 +160,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     if (panel->verdict < ToleranceVerdict::undecided) break;
     if (++shown > 5) continue;
     text += row("  {} {:<14.40} {} {:.120}", spoken("panel"), (panel->name.empty() ? panel->guid : panel->name),
-                verdict_cell_of(panel->verdict), spoken(panel->reason));
+                verdict_cell_of(panel->verdict), spoken(reason_of(*panel, deviation)));
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);

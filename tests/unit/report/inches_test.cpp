@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "geometry/random.hpp"
+#include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/report.hpp"
@@ -119,7 +120,10 @@ TEST(Inches, NotesOfArtifactsAreConvertedWithTheirUnit) {
             "moved by the same, +0.047, -0.012, +0.157 in (x, y, z)");
   EXPECT_EQ(spoken("limit 5 mm, of C4 mm, 5mm as you wrote it"), "limit 0.197 in, of C4 in, 5mm as you wrote it");
   EXPECT_EQ(spoken("numbers in mm"), "numbers in inches");
-  for (const std::string uncertain : {"G12 E -1.0, N -1.5, H +0.4 mm; G3", "w = 4.3, wrong by 12.0 mm"})
+  EXPECT_EQ(spoken("limits of 4, 5 and 6 mm"), "limits of 0.157, 0.197 and 0.236 in");
+  EXPECT_EQ(spoken("3 of 4 anchors by +1, -2, +4 mm"), "3 of 4 anchors by +0.039, -0.079, +0.157 in");
+  for (const std::string uncertain :
+       {"G12 E -1.0, N -1.5, H +0.4 mm; G3", "w = 4.3, wrong by 12.0 mm", "G12 E -1, N -2, H +4 mm"})
     EXPECT_EQ(spoken(uncertain), uncertain) << "half of it converted would be wrong by 25 times";
   EXPECT_EQ(spoken("1.7 times 12.0 mm, 3.10 m, 95.0 %"), "1.7 times 0.472 in, 3.10 m, 95.0 %");
   EXPECT_EQ(spoken(mm(0.0127, 1) + " ± " + mm(0.000254, 1) + "\u00A0mm"), "0.500 ± 0.010\u00A0in");
@@ -127,6 +131,50 @@ TEST(Inches, NotesOfArtifactsAreConvertedWithTheirUnit) {
       << "a name is no length";
   const Speaking both({Language::german, Units::inches});
   EXPECT_EQ(spoken("joint to P2 12.7 mm (limit 5 mm)"), "Fuge zu P2 0,500\u00A0Zoll (Grenze 0,197\u00A0Zoll)");
+}
+
+/// What a panel fails by is one of its own lengths or of its anchors': it reads the same in both rows, though the
+/// sentence of the artifact is rounded to 0.1 mm.
+TEST(Inches, APanelsReasonHasTheLengthsOfItsRows) {
+  PanelDeviationT panel;
+  panel.warp = std::make_unique<JudgedLengthT>();
+  panel.warp->value = 0.00341, panel.warp->tolerance = 0.003;
+  panel.joints.push_back(std::make_unique<PanelJointT>());
+  panel.joints[0]->name = "P2", panel.joints[0]->change = std::make_unique<JudgedLengthT>();
+  panel.joints[0]->change->value = -0.00664, panel.joints[0]->change->tolerance = 0.003175;
+  panel.fixings.push_back(std::make_unique<PanelFixingT>());
+  panel.fixings[0]->anchor = "A7";
+  DeviationT deviation;
+  deviation.anchors.push_back(std::make_unique<AnchorDeviationT>());
+  deviation.anchors[0]->id = "A7";
+  deviation.anchors[0]->axes.push_back(std::make_unique<JudgedAxisT>());
+  JudgedAxisT& axis = *deviation.anchors[0]->axes[0];
+  axis.axis = "vertical", axis.value = 0.00666, axis.tolerance = 0.005;
+  const auto said = [&](const std::string& reason, Speech speech) {
+    const Speaking speaking(speech);
+    panel.reason = reason;
+    return spoken(reason_of(panel, deviation));
+  };
+  const std::string by_anchor = "anchor A7 vertical 6.7 mm (limit 5 mm)";
+  EXPECT_EQ(said(by_anchor, {}), by_anchor);
+  EXPECT_EQ(said(by_anchor, kInches), "anchor A7 vertical 0.262 in (limit 0.1969\u00A0in)");
+  EXPECT_EQ(said("joint to P2 -6.6 mm (limit 3.17 mm)", kInches), "joint to P2 −0.261 in (limit 0.125\u00A0in)");
+  EXPECT_EQ(said("warp 3.4 mm (limit 3 mm)", kInches), "warp 0.134 in (limit 0.1181\u00A0in)");
+  EXPECT_EQ(said("anchor A9 was not measured", kInches), "anchor A9 was not measured");
+  EXPECT_EQ(said(by_anchor, {Language::german, Units::inches}),
+            "Anker A7 Höhe 0,262\u00A0Zoll (Grenze 0,1969\u00A0Zoll)");
+  // And of shifts.
+  const Speaking speaking(kInches);
+  CommonShiftT shift;
+  shift.shift = {0.01204, -0.00304, 0.00041};
+  shift.words = "8 of 9 anchors are shifted together by +12.0 mm in x, -3.0 mm in y, +0.4 mm in z.";
+  EXPECT_EQ(spoken(words_of(shift)),
+            "8 of 9 anchors are shifted together by +0.474 in in x, −0.120 in in y, +0.016 in in z.");
+  GroupShiftT group;
+  group.shift = {0, 0, -0.01204}, group.u = {0, 0, 0.00044};
+  group.words = "Floor 2 hangs 12.0 mm ± 0.4 mm low (7 of its 8 anchors share it): one cause to look for.";
+  EXPECT_EQ(spoken(words_of(group, deviation)),
+            "Floor 2 hangs 0.474 in ± 0.017 in low (7 of its 8 anchors share it): one cause to look for.");
 }
 
 /// What is printed of a value and of its limit stands on the same side as they do, in both units.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <set>
 
@@ -230,6 +231,36 @@ TEST(German, EverySentenceHasTheNumbersOfTheEnglishOne) {
     }
     EXPECT_GT(numbers, 100);
   }
+}
+
+/// Every sentence of the catalogue with places, filled in: it is found as itself and not as a part of another one, its
+/// places stand where the German has them, and its numbers are the same with a comma.
+TEST(German, EverySentenceOfTheCatalogueIsFoundWithItsPlacesAndNumbers) {
+  using Kind = Catalogue::Part::Kind;
+  int with_places = 0;
+  for (const Catalogue::Entry& entry : german().entries()) {
+    std::map<std::string, std::string> filled;
+    std::string said, expected;
+    for (const auto& part : entry.english) {
+      if (part.kind == Kind::words) {
+        said += part.text;
+        continue;
+      }
+      const std::string n = std::to_string(filled.size() + 1);
+      filled[part.text] = part.kind == Kind::number ? n + n + "." + n + "5" : "Xq" + n;
+      said += filled[part.text];
+    }
+    if (filled.empty()) continue;
+    ++with_places;
+    for (const auto& part : entry.other) {
+      if (part.kind == Kind::words)
+        expected += part.text;
+      else
+        expected += part.kind == Kind::number ? german().number(filled[part.text]) : filled[part.text];
+    }
+    EXPECT_EQ(german().find(said).value_or("nothing"), expected) << entry.written;
+  }
+  EXPECT_GT(with_places, 500);
 }
 
 TEST(German, NoEnglishWordIsLeftInTheSummary) {

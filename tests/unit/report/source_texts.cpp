@@ -50,6 +50,10 @@ const std::set<std::string> kNotRead = {
     "px; 0.1 to 1 for lenses that are focused or stabilised between images",
     "block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, k4, p1, p2, d1, d2]",
     "class=IfcMechanicalFastener: right=0.3mm, up=0.3mm, out=1mm",
+    "badge fail",
+    "badge pass",
+    "mm and its powers",
+    "display:inline-block;width:0.9em;height:0.9em;margin:0 0.3em 0 0.8em;background:",
     "accuracy evaluation: ",
     "panel '"};
 
