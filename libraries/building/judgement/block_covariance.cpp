@@ -80,10 +80,11 @@ BlockCovariance BlockCovariance::independent(const std::vector<Eigen::Matrix3d>&
   return {std::move(clusters), static_cast<Index>(blocks.size()), 3};
 }
 
-BlockCovariance BlockCovariance::from_packed(const std::vector<double>& values, std::size_t points,
+BlockCovariance BlockCovariance::from_packed(std::span<const double> values, std::size_t points,
                                              const std::string& of) {
   if (values.empty()) return {};
-  if (values.size() != packed_size(3 * points)) unpack_symmetric(values, 3 * points, of);  // says what is wrong
+  if (values.size() != packed_size(3 * points))
+    unpack_symmetric({values.begin(), values.end()}, 3 * points, of);  // says what is wrong
   const auto value = [&](Index row, Index column) {
     const std::size_t r = u(std::max(row, column)), c = u(std::min(row, column));
     return values[packed_size(r) + c];

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ class BlockCovariance {
   static BlockCovariance independent(const std::vector<Eigen::Matrix3d>& blocks);
   /// Of n points, from the lower triangle row by row as artifacts have it. Throws std::runtime_error that says what is
   /// wrong with the covariance `of` something.
-  static BlockCovariance from_packed(const std::vector<double>& values, std::size_t points, const std::string& of);
+  static BlockCovariance from_packed(std::span<const double> values, std::size_t points, const std::string& of);
   /// Of clusters that hold each of n items once.
   BlockCovariance(std::vector<Cluster> clusters, Index items, Index step);
 

@@ -124,11 +124,11 @@ struct EvaluateAccuracy : Node {
     inputs.anchors = anchor_table(listed);
     for (const auto& plate : listed.plates)
       if (plate->role == "tie") inputs.ties.push_back(plate->anchor);
-    inputs.model = point_set(model.unpack(), "model");
+    inputs.model = point_set(*model, "model");
     inputs.model_is_survey = *correlation == "same";
-    if (!inputs.model_is_survey) inputs.survey = point_set(survey.unpack(), "survey");
+    if (!inputs.model_is_survey) inputs.survey = point_set(*survey, "survey");
     inputs.mounting_sigma = *mounting_sigma;
-    if (truth) inputs.truth = point_set(truth.unpack(), "truth");
+    if (truth) inputs.truth = point_set(*truth, "truth");
     AccuracyT result = evaluate_accuracy(inputs, options());
     if (block) result.adjustment = summary_of(block.unpack());
     if (registration) result.registration = summary_of(registration.unpack());

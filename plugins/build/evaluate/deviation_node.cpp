@@ -23,7 +23,7 @@ void EvaluateDeviation::run(Context& context) {
   for (const std::string& rule : *mounting) how.rules.push_back(judgement::parse_mounting(rule));
   judgement::DeviationInputs inputs =
       deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how);
-  inputs.model = point_set(model.unpack(), "model");
+  inputs.model = point_set(*model, "model");
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
   std::string dropped;

@@ -1,27 +1,26 @@
 #include "build/evaluate/point_input.hpp"
 
+#include <memory>
+#include <span>
+
 namespace plumbline::judgement {
 
-namespace {
-
-BlockCovariance covariance_of(const PointsT& points, const std::string& what) {
-  if (!points.covariance.empty())
-    return BlockCovariance::from_packed(points.covariance, points.points.size(), "input '" + what + "'");
-  std::vector<Eigen::Matrix3d> of_each;
-  for (const auto& point : points.points) of_each.push_back(point->sigma.cwiseAbs2().asDiagonal());
-  BlockCovariance all = BlockCovariance::independent(of_each);
-  return all.allFinite() ? all : BlockCovariance();
-}
-
-}  // namespace
-
-PointSet point_set(const PointsT& points, const std::string& what) {
+PointSet point_set(const Points& points, const std::string& what) {
   PointSet set;
-  for (const auto& point : points.points) {
+  std::vector<Eigen::Matrix3d> of_each;
+  for (const Point* packed : *points.points()) {
+    const std::unique_ptr<PointT> point(packed->UnPack());
     set.ids.push_back(point->id);
     set.positions.push_back(point->position);
+    of_each.push_back(point->sigma.cwiseAbs2().asDiagonal());
   }
-  set.covariance = covariance_of(points, what);
+  if (const auto* packed = points.covariance(); packed && packed->size() > 0) {
+    set.covariance = BlockCovariance::from_packed(std::span<const double>(packed->data(), packed->size()),
+                                                  set.ids.size(), "input '" + what + "'");
+    return set;
+  }
+  set.covariance = BlockCovariance::independent(of_each);
+  if (!set.covariance.allFinite()) set.covariance = {};
   return set;
 }
 
