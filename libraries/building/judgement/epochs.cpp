@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,15 +10,13 @@
 
 #include "base/text/text.hpp"
 #include "building/ifc/surface_words.hpp"
+#include "building/judgement/epoch_movements.hpp"
 #include "building/judgement/figures.hpp"
-#include "geometry/statistics.hpp"
 #include "plumbline/failure.hpp"
 
 namespace plumbline::judgement {
 namespace {
 
-/// Error of the first kind of all movements together.
-constexpr double kAlpha = 0.05;
 /// A design position that differs by more is another design [m].
 constexpr double kSameDesign = 1e-4;
 /// Judged by another tolerance where it differs by more [m].
@@ -207,70 +204,6 @@ std::unique_ptr<AsBuiltChangeT> change_between(const EpochItem* before, const Ep
   return out;
 }
 
-/// An anchor that was measured in both campaigns.
-struct Pair {
-  AsBuiltChangeT* change;
-  Eigen::Vector3d d;
-  Eigen::Matrix3d covariance;
-};
-
-double statistic_of(const Eigen::Vector3d& d, const Eigen::Matrix3d& covariance) {
-  const Eigen::LLT<Eigen::Matrix3d> llt(covariance);
-  if (!covariance.allFinite() || llt.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
-  return d.dot(llt.solve(d));
-}
-
-Eigen::Vector3d median_of(const std::vector<Pair>& pairs) {
-  Eigen::Vector3d median;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> values;
-    for (const Pair& pair : pairs) values.push_back(pair.d[axis]);
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    median[axis] = values[values.size() / 2];
-  }
-  return median;
-}
-
-std::ptrdiff_t moving(const std::vector<Pair>& pairs, const Eigen::Vector3d& together, double critical) {
-  return std::count_if(pairs.begin(), pairs.end(),
-                       [&](const Pair& pair) { return statistic_of(pair.d - together, pair.covariance) > critical; });
-}
-
-std::string shift_in_words(const Eigen::Vector3d& d) {
-  return fmt::format("{:+.1f}, {:+.1f}, {:+.1f} mm (x, y, z)", 1e3 * d.x(), 1e3 * d.y(), 1e3 * d.z());
-}
-
-void test_movements(const std::vector<Pair>& pairs, AsBuiltChangesT& out) {
-  out.measured_twice = static_cast<int>(pairs.size());
-  out.together = Eigen::Vector3d::Zero();
-  if (pairs.empty()) return;
-  const auto n = static_cast<double>(pairs.size());
-  out.critical = chi_squared_quantile(1 - kAlpha / n, 3);
-  const Eigen::Vector3d median = median_of(pairs);
-  const auto alone = moving(pairs, Eigen::Vector3d::Zero(), out.critical);
-  // A shift common to nearly all says something of the frame and nothing of the anchors.
-  if (pairs.size() >= 4 && 2 * static_cast<double>(alone) > n &&
-      10 * static_cast<double>(moving(pairs, median, out.critical)) <= n) {
-    out.together = median;
-    out.warnings.push_back(
-        std::to_string(alone) + " of " + std::to_string(pairs.size()) + " anchors seem to have moved by the same, " +
-        shift_in_words(median) +
-        ": rather the control or the frame differs between the campaigns than the building; movements "
-        "are given without it");
-  }
-  std::size_t unknown = 0;
-  for (const Pair& pair : pairs) {
-    const Eigen::Vector3d d = pair.d - out.together;
-    pair.change->movement = d, pair.change->statistic = statistic_of(d, pair.covariance);
-    pair.change->moved = pair.change->statistic > out.critical;
-    unknown += std::isnan(pair.change->statistic);
-    if (d.norm() > 0) pair.change->u = std::sqrt(d.dot(pair.covariance * d)) / d.norm();
-  }
-  if (unknown > 0)
-    out.warnings.push_back("whether " + std::to_string(unknown) +
-                           " anchors have moved is not tested: their covariance is not known in both campaigns");
-}
-
 /// "3 anchors", "1 panel"; of surfaces and joints the limits are counted.
 std::string counted(const std::string& kind, std::size_t n) {
   static const std::map<std::string, std::string> one = {{"surface", "limit of surfaces"},
@@ -348,7 +281,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   out.before = before.epoch, out.after = epoch, out.compared = true;
   const Known known(before.items);
   std::set<const EpochItem*> met;
-  std::vector<Pair> pairs;
+  std::vector<MeasuredTwice> pairs;
   std::size_t other_design = 0;
   std::map<std::string, std::size_t> other_limits;  // by kind
   for (const EpochItem& now : items_of(after)) {

@@ -30,8 +30,8 @@ void write_shares(Markup& html, const DeviationT& deviation) {
         ++shares[{axis->axis, axis->source, limits(axis->below, axis->above)}].counts[static_cast<int>(axis->verdict)];
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
-  table_head(
-      html, {left("Anchors are judged"), left("Tolerance"), left("From"), "pass", "undecided", "fail", "not measured"});
+  table_head(html, {left("Anchors are judged"), left("Tolerance"), left("Given by"), "pass", "undecided", "fail",
+                    "not measured"});
   Scope body(html, "tbody");
   for (const auto& [key, share] : shares) {
     const auto& [axis, source, text] = key;

@@ -153,7 +153,7 @@ Elevation elevation_of(const AccuracyT& accuracy, const FacadeView& view) {
   return e;
 }
 
-double scale_deviation(const Elevation& e) { return round_down(50 / (e.exaggeration * e.pixels_per_metre)); }
+double scale_deviation(const Elevation& e) { return round_length_down(50 / (e.exaggeration * e.pixels_per_metre)); }
 
 bool draw_elevation(Markup& html, const Elevation& e, const FacadeView& view, const ReportInput& input) {
   Scope svg = drawing(html, e.width, e.height, "Elevation of the facade with " + view.name + " as arrows");

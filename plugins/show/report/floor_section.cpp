@@ -56,8 +56,7 @@ Axes drift_axes(const AccuracyComparisonT& c, double range) {
   axes.x = {-0.5, n - 0.5, 60, width_of(c) - 10};
   axes.y = {-range, range, height - 26, 30};
   axes.y_ticks = ticks(-range, range, 9);
-  for (const double tick : axes.y_ticks)
-    axes.y_labels.push_back(signed_fixed(tick, range < 2 ? 1 : range < 0.2 ? 2 : 0));
+  for (const double tick : axes.y_ticks) axes.y_labels.push_back(signed_fixed(tick, decimals_of(axes.y_ticks)));
   for (std::size_t i = 0; i < c.floors.size(); ++i) {
     axes.x_ticks.push_back(static_cast<double>(i));
     axes.x_labels.push_back("Floor " + std::to_string(c.floors[i]->floor));

@@ -20,7 +20,7 @@ namespace {
 /// What fits on the first screen; the rest is folded.
 constexpr std::size_t kFirstRows = 8;
 /// Of thousands, what is listed with words of what to do.
-constexpr std::size_t kMostRows = 308;
+constexpr std::size_t kMostTasks = 308;
 
 /// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign, and outward where it is confirmed.
 std::string found_on(const std::string& axis, double value, double u, double tolerance, bool outward_known) {
@@ -365,7 +365,7 @@ void write_installation(Markup& html, const ReportInput& input) {
     html.element("h3", "Where not, and what to do: first to mend first");
     write_tasks(html, tasks, 0, std::min(kFirstRows, tasks.size()));
     if (tasks.size() > kFirstRows) {
-      const std::size_t listed = many(d) ? std::min(kMostRows, tasks.size()) : tasks.size();
+      const std::size_t listed = many(d) ? std::min(kMostTasks, tasks.size()) : tasks.size();
       folded(html,
              std::to_string(listed - kFirstRows) + " more" +
                  (listed < tasks.size() ? " of " + std::to_string(tasks.size() - kFirstRows) +

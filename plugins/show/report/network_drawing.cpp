@@ -201,7 +201,7 @@ void draw_point(Markup& svg, const Layout& layout, const Spot& s) {
 void draw_scales(Markup& svg, const Layout& layout) {
   const double metres = round_down(140 / layout.pixels_per_metre);
   const double scale = layout.exaggeration * layout.pixels_per_metre;
-  const double error = round_down(140 / scale);
+  const double error = round_length_down(140 / scale);
   const double y = layout.drawing_height - 14;
   line(svg, 20, y, 20 + metres * layout.pixels_per_metre, y, "axis");
   label(svg, 28 + metres * layout.pixels_per_metre, y + 4, fixed(metres, metres < 1 ? 1 : 0) + "\u00A0m", "small",

@@ -14,7 +14,7 @@ constexpr double width = 640, height = 340;
 
 Axes pass_axes(const AccuracyComparisonT& c) {
   Axes axes;
-  axes.x = {in_units(c.pass_rates.front()->tolerance), in_units(c.pass_rates.back()->tolerance), 60, width - 14};
+  axes.x = {in_units(c.pass_rates.front()->tolerance), in_units(c.pass_rates.back()->tolerance), 60, width - 24};
   axes.y = {0, 1, height - 52, 30};
   for (const auto& rate : c.pass_rates) {
     axes.x_ticks.push_back(in_units(rate->tolerance));

@@ -31,6 +31,13 @@ std::vector<double> ticks(double low, double high, int wanted) {
   return values;
 }
 
+double round_length_down(double metres) { return round_down(in_units(metres)) / in_units(1); }
+
+int decimals_of(const std::vector<double>& ticks) {
+  if (ticks.size() < 2) return 0;
+  return std::max(0, static_cast<int>(-std::floor(std::log10(ticks[1] - ticks[0]) + 1e-9)));
+}
+
 namespace {
 
 /// Characters, not bytes.

@@ -22,6 +22,10 @@ std::vector<double> ticks(double low, double high, int wanted);
 double round_up(double value);
 /// Largest one that is not above it.
 double round_down(double value);
+/// The same of a length [m], so that it is round in the units spoken.
+double round_length_down(double metres);
+/// Decimals that tell such ticks apart.
+int decimals_of(const std::vector<double>& ticks);
 
 /// Axis-parallel rectangle [px].
 struct Box {

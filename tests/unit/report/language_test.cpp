@@ -271,6 +271,22 @@ TEST(German, NoEnglishWordIsLeftInTheSummary) {
   EXPECT_NE(text.find("Toleranz 5,00 mm"), std::string::npos) << text;
 }
 
+TEST(German, TheStochasticModelOfASurveyIsASentenceForEachInstrument) {
+  const Speaking speaking(kGerman);
+  const std::string text = spoken(
+      "Precision assumed, one: directions 5.0\u2033, zenith angles 5.0\u2033 (one set in both faces), distances 2.0 mm "
+      "+ "
+      "2.0 ppm, centring of targets 0.5 mm, of the instrument 0.0 mm where it stands over a mark; used for 9 of 10 "
+      "readings, whose files give no standard deviation; two: directions 1.0\u2033, zenith angles 1.0\u2033 (one set "
+      "in "
+      "both faces), distances 1.0 mm + 1.5 ppm, centring of targets 0.3 mm, of the instrument 0.2 mm where it stands "
+      "over a mark; its centring is added to 1 of 10 readings, whose files give standard deviations without it.");
+  EXPECT_TRUE(text.starts_with("Angenommene Genauigkeit, one: Richtungen 5,0\u2033, Zenitwinkel 5,0\u2033")) << text;
+  for (const char* part : {"Strecken 2,0 mm + 2,0 ppm", "verwendet für 9 von 10 Ablesungen",
+                           "; two: Richtungen 1,0\u2033", "die Standardabweichungen von 1 von 10 Ablesungen"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " is not in: " << text;
+}
+
 /// The test above would find one.
 TEST(German, AnEnglishWordIsFound) {
   EXPECT_EQ(english_in({"Anker außerhalb, alles unentschieden"}, {}).size(), 0u);

@@ -44,6 +44,9 @@ TEST(Format, NumbersForReaders) {
 
 TEST(Plot, Ticks) {
   EXPECT_EQ(ticks(-5.4, 5.4, 6), (std::vector<double>{-4, -2, 0, 2, 4}));
+  EXPECT_EQ(decimals_of(ticks(-5.4, 5.4, 6)), 0);
+  EXPECT_EQ(decimals_of(ticks(-0.2, 0.2, 9)), 2) << "steps of 0.05";
+  EXPECT_EQ(decimals_of(ticks(0, 1, 10)), 1);
   EXPECT_EQ(round_down(377), 200);
   EXPECT_EQ(round_down(500), 500);
   EXPECT_EQ(round_up(0.03), 0.05);

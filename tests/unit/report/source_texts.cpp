@@ -16,9 +16,10 @@ const std::set<std::string> kWithoutReader = {"language.cpp", "catalogue.cpp", "
                                               "workbook.cpp", "markup.cpp",    "building_lines.cpp"};
 
 /// Of the judgement: what it writes into its artifacts for a reader.
-const char* const kJudgement[] = {
-    "accuracy",           "anchor_doubts", "anchor_judgement", "common_shift", "group_shifts", "deviation",
-    "deviation_surfaces", "epochs",        "panels",           "surfaces",     "trust",        "mounting"};
+const char* const kJudgement[] = {"accuracy",     "anchor_doubts", "anchor_judgement",   "common_shift",
+                                  "group_shifts", "deviation",     "deviation_surfaces", "epoch_movements",
+                                  "epochs",       "panels",        "surfaces",           "trust",
+                                  "mounting"};
 
 /// Not for readers: classes of elements, names of files, what is matched, what a user types.
 const std::set<std::string> kNotRead = {
