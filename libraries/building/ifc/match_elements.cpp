@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "base/text/bare_name.hpp"
 #include "building/ifc/selection_rule.hpp"
 
 namespace plumbline::ifc {
@@ -21,21 +22,6 @@ std::string value_of(const Element& element, const std::string& key) {
   for (const Property& property : element.properties)
     if (property.set == key.substr(0, dot) && property.name == key.substr(dot + 1)) return property.text;
   return "";
-}
-
-/// Capitals without separators, leading zeros of numbers dropped: what two spellings of one name have in common.
-std::string bare(const std::string& text) {
-  std::string out;
-  bool digit_before = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto c = static_cast<unsigned char>(text[i]);
-    const bool digit = c >= '0' && c <= '9';
-    if (c == '0' && !digit_before && i + 1 < text.size() && text[i + 1] >= '0' && text[i + 1] <= '9') continue;
-    digit_before = digit;
-    if (digit || (c >= 'A' && c <= 'Z') || c >= 0x80) out += text[i];
-    if (c >= 'a' && c <= 'z') out += static_cast<char>(c - 'a' + 'A');
-  }
-  return out;
 }
 
 /// Levenshtein distance, at most 3.
@@ -139,13 +125,13 @@ class Matcher {
   }
 
   std::string near_misses(const std::string& id) const {
-    const std::string own = bare(id);
+    const std::string own = text::bare_name(id);
     std::vector<const Element*> alike, cut, close;
     for (const Element& element : design_.elements)
       for (const std::string& key : options_.by) {
         const std::string value = value_of(element, key);
         if (value.empty() || own.empty()) continue;
-        const std::string other = bare(value);
+        const std::string other = text::bare_name(value);
         auto* list = other == own ? &alike
                      : (id.size() == 8 || id.size() == 16) && value.size() > id.size() &&
                              (value.starts_with(id) || value.ends_with(id))

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/bare_name.hpp"
 #include "base/text/words.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/state/date.hpp"
@@ -151,9 +152,18 @@ bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
          date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
 }
 
+/// With the one whose name differs in case, separators or leading zeros alone.
+std::string unknown_words(const LoopStateT& state, const std::string& name) {
+  const std::string bare = text::bare_name(name);
+  std::vector<std::string> alike;
+  for (const auto& item : state.items)
+    if (text::bare_name(item->id) == bare) alike.push_back(item->id);
+  return "no bracket or panel of this name is known" +
+         (alike.size() == 1 ? "; but for case, separators or leading zeros it is " + alike[0] : "");
+}
+
 /// Why a report is not taken; empty if it is.
 std::string objection(const LoopItemT* item, const ActualT& actual) {
-  if (!item) return "no bracket or panel of this name is known";
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
     return "outcome '" + actual.outcome + "', expected done, failed or skipped";
   if (is_over(*item) && actual.revision == item->revision)
@@ -190,8 +200,9 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
       continue;
     }
-    const std::string why_not =
-        named > 1 ? "a bracket and a panel have this name: give one of them another" : objection(item, *actual);
+    const std::string why_not = named > 1   ? "a bracket and a panel have this name: give one of them another"
+                                : named < 1 ? unknown_words(state, actual->item)
+                                            : objection(item, *actual);
     if (!why_not.empty()) {
       if (named == 1 && contradicts(*item, *actual))
         reject_item(state, *item,

@@ -157,6 +157,15 @@ TEST(Machine, ReportsThatAreWrongAreNamedAndChangeNothing) {
   EXPECT_EQ(item(state, "b1").status, ItemStatus::released);
 }
 
+TEST(Machine, AReportWhoseNameIsSpeltInAnotherWaySaysWhoseItWouldBe) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"), {});
+  const auto refused = apply_actuals(state, done({"B-00"}, 1));
+  ASSERT_EQ(refused.size(), 1u);
+  EXPECT_NE(refused[0].find("but for case, separators or leading zeros it is b0"), std::string::npos) << refused[0];
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
+}
+
 TEST(Machine, TheSameReportTwiceChangesNothingMore) {
   LoopStateT state;
   next_plan(state, make_plan("first"), {});
