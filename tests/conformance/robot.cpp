@@ -1,5 +1,6 @@
 // What every model of a robot must do: work on what the job names and on nothing else, about as far as it asks, and
 // report on each item once.
+#include <algorithm>
 #include <cmath>
 
 #include "artifacts/actuals.hpp"
@@ -125,6 +126,23 @@ TEST_P(Robot, DrawsItsErrorsFromTheSeed) {
   EXPECT_EQ(a.output_bytes("truth"), b.output_bytes("truth"));
   EXPECT_EQ(a.output_bytes("actuals"), b.output_bytes("actuals"));
   EXPECT_NE(a.output_bytes("truth"), other.output_bytes("truth"));
+}
+
+/// What a plan takes of whoever works by it is in the job.
+TEST_P(Robot, TellsWhereThePlanTookLessThanItErrs) {
+  const auto is_told = [](const std::string& sigma) {
+    FileT job = make_job();
+    std::string text(job.content.begin(), job.content.end());
+    for (const std::string key : {"settingSigma\": 0.0005", "stationSigma\": 0.0003"})
+      text.replace(text.find(key), key.size(), key.substr(0, key.find(' ') + 1) + sigma);
+    job.content.assign(text.begin(), text.end());
+    const NodeHarness node = done(job);
+    return std::any_of(node.warnings().begin(), node.warnings().end(), [](const std::string& warning) {
+      return warning.find("give the planner setting_sigma=") != std::string::npos;
+    });
+  };
+  EXPECT_TRUE(is_told("1e-9"));
+  EXPECT_FALSE(is_told("0.05"));
 }
 
 TEST_P(Robot, EveryParameterHasItsEffect) {
