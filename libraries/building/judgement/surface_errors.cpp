@@ -113,9 +113,9 @@ double between(const std::vector<std::unique_ptr<JointPlaceT>>& places, double a
 }
 
 void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, std::vector<SurfaceError>& errors) {
-  const double from = truth.along.dot(measured.origin - truth.origin);
   for (const auto& place : measured.places) {
-    const double along = from + place->along;
+    // Both may count along the joint from different middles, and in opposite directions.
+    const double along = truth.along.dot(measured.origin + place->along * measured.along - truth.origin);
     const std::string where = fmt::format("{} | {} at {:+.2f} m", measured.first, measured.second, place->along);
     const double width = between(truth.places, along, &JointPlaceT::width),
                  step = between(truth.places, along, &JointPlaceT::step);

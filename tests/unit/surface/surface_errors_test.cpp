@@ -128,7 +128,8 @@ TEST(SurfaceErrors, SayWhatIsMissingAndWhatIsInvented) {
   EXPECT_THROW(surface_errors(measured, none), std::runtime_error);
 }
 
-/// Places of a joint are compared where they lie, also where its middle is described elsewhere.
+/// Places of a joint are compared where they lie, also where its middle is described elsewhere or it runs the other
+/// way.
 TEST(SurfaceErrors, JointsArePlacesInSpace) {
   const Vector6 flat = Vector6::Zero();
   SurfacesT truth, measured;
@@ -147,6 +148,9 @@ TEST(SurfaceErrors, JointsArePlacesInSpace) {
   size_t places = 0;
   for (const SurfaceError& one : errors.all) places += one.quantity == "width";
   EXPECT_EQ(places, 20U) << "the last one lies beyond the true joint";
+  measured.joints[0]->along *= -1;
+  for (auto& place : measured.joints[0]->places) place->along *= -1;
+  EXPECT_NEAR(of(surface_errors(measured, truth), "width").bias, 2e-4, 1e-12);
 }
 
 }  // namespace
