@@ -5,7 +5,8 @@
 
 runs the pipeline facade_surfaces for seeds 1 to SEEDS (default 20) and prints, for each quantity, the rms error, and the
 squared error over the stated variance: its mean over seeds. The band is that of as many degrees of freedom as there are
-seeds, because panels of one seed share their orientations' errors; of what they do not share it is too wide. The bench has no such thing: truth.csv is planted relief, no artifact.
+seeds, because panels of one seed share their orientations' errors; of what they do not share it is too wide. Flatness is here only; everything else with the
+joint covariance of all panels is what evaluate.surfaces says (surface_errors.csv, depth_kinds.yaml).
 """
 import csv
 import json
