@@ -11,8 +11,10 @@
 #include <stdexcept>
 
 #include "runtime/base/child_process.hpp"
+#include "runtime/base/digest.hpp"
 #include "runtime/base/group_memory.hpp"
 #include "runtime/base/trust.hpp"
+#include "runtime/plugins/library.hpp"
 #include "runtime/run/worker_messages.hpp"
 
 namespace plumbline::runtime {
@@ -235,6 +237,13 @@ class Conversation {
   Clock::time_point cancelled_at_;
 };
 
+/// The file that the worker is to find: the one that was scanned, or one that was linked anew to the same bytes.
+std::string identity_of(const Plugin& plugin) {
+  const std::string now = file_identity(plugin.identity.path);
+  return now != plugin.file_identity && sha256_of_file(plugin.identity.path) == plugin.sha256 ? now
+                                                                                              : plugin.file_identity;
+}
+
 }  // namespace
 
 fs::path worker_program() {
@@ -288,7 +297,7 @@ int Workers::run_in(Worker& worker, const plumbline_host& host, const GraphNode&
   WireWriter request;
   request.number(Ask::run);
   request.text(worker.library);
-  request.text(node.kind.plugin->file_identity);
+  request.text(identity_of(*node.kind.plugin));
   request.text(node.kind.node->kind);
   request.number(node.limits.memory);
   request.number(static_cast<int32_t>(threads_));

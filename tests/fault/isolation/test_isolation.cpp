@@ -37,6 +37,13 @@ TEST_F(Isolation, AnAccidentIsAnErrorOfItsNodeAndOtherBranchesGoOn) {
   }
 }
 
+/// A library that was linked anew to the same bytes is the one that was looked at.
+TEST_F(Isolation, AFileWithTheSameBytesIsTheSameLibrary) {
+  fs::permissions(PLUMBLINE_ACCIDENT_PLUGIN, fs::perms::owner_read, fs::perm_options::add);  // another time of change
+  run("  bad: {use: accident.happens, isolate: process}\n");
+  EXPECT_EQ(node("bad").status, NodeStatus::executed) << node("bad").error;
+}
+
 TEST_F(Isolation, AHangIsKilledAtItsTimeLimit) {
   run("  bad: {use: accident.happens, time_limit: 0.3 s, with: {how: hang}}\n");
   EXPECT_TRUE(contains(node("bad").error, "took longer than its limit of 0.3 s and was killed")) << node("bad").error;
