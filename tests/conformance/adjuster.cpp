@@ -5,6 +5,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 #include "runtime/plugins/programs.hpp"
+#include "stopping.hpp"
 #include "synthetic_facade.hpp"
 
 namespace {
@@ -217,6 +218,11 @@ TEST_P(Adjuster, EveryParameterHasItsEffect) {
                                  with(facade, {{"self_calibration", "free"}}), with(weak, {})},
                                 {"threads", "image_sigma", "free", "free_datum", "principal_point_sigma"}),
             "");
+}
+
+TEST_P(Adjuster, StopsWhereverItAsks) {
+  const SyntheticFacade facade = make_facade({.floors = 1, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 7});
+  EXPECT_EQ(stopping_at_fault([&] { return prepared(facade); }), "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Adjuster);

@@ -15,6 +15,7 @@
 #include "artifacts/surface_points.hpp"
 #include "cloud_bytes.hpp"
 #include "node_harness.hpp"
+#include "stopping.hpp"
 #include "surface_artifact.hpp"
 
 namespace {
@@ -182,6 +183,10 @@ TEST_P(Depth, WithoutFacesOrCovarianceItSaysWhatToConnect) {
   PosesT without = facade().poses;
   without.joint_covariance.clear();
   EXPECT_NE(refusal(prepared(&facade().design, without)).find("joint_orientations"), std::string::npos);
+}
+
+TEST_P(Depth, StopsWhereverItAsks) {
+  EXPECT_EQ(stopping_at_fault([] { return prepared(&facade().design, facade().poses); }), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Depth, testing::ValuesIn(kinds_of_role("depth")), test_name);

@@ -5,6 +5,7 @@
 #include "artifacts/image_tags.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
+#include "stopping.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline {
@@ -120,6 +121,11 @@ TEST_P(Detector, EveryDeclaredParameterHasItsEffect) {
                                  of("tag.png", render(scene()), {{"refine", "apriltag"}}),
                                  of("tag.png", render(scene()), {{"refine", "opencv"}}), missing}),
             "");
+}
+
+/// A drawing of 200 × 200 pixels is done before a detector asks; of large photographs each tile asks.
+TEST_P(Detector, StopsWhereverItAsks) {
+  EXPECT_EQ(stopping_at_fault(of("tag.png", render(scene())), MayTakeLong::no), "");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Detector, testing::ValuesIn(kinds_of_role("detector")), test_name);

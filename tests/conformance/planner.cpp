@@ -13,6 +13,7 @@
 #include "geometry/random.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
+#include "stopping.hpp"
 
 namespace {
 
@@ -309,6 +310,12 @@ TEST_P(Planner, EveryParameterHasItsEffect) {
                                  situation(0.004, 0.0003, {{"slip_share", "0.1"}, {"knock_share", "0.1"}}),
                                  situation(0.004, 0.0003, {{"control_share", "0.1"}})}),
             "");
+}
+
+/// Of two panels a planner may be done before it asks; one that solves for hundreds at once asks.
+TEST_P(Planner, StopsWhereverItAsks) {
+  const Site site(0.001);
+  EXPECT_EQ(stopping_at_fault([&] { return prepared(site); }, MayTakeLong::no), "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Planner);

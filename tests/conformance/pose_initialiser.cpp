@@ -1,6 +1,7 @@
 // What every pose initialiser must do.
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
+#include "stopping.hpp"
 #include "synthetic_facade.hpp"
 
 namespace {
@@ -86,6 +87,11 @@ TEST_P(PoseInitialiser, EveryParameterHasItsEffect) {
   EXPECT_EQ(parameters_at_fault(
                 {[&] { return prepared(facade); }, [&] { return prepared(poor); }, [&] { return prepared(mistaken); }}),
             "");
+}
+
+TEST_P(PoseInitialiser, StopsWhereverItAsks) {
+  const SyntheticFacade facade = make_facade({.floors = 1, .pixel_sigma = 0.2});
+  EXPECT_EQ(stopping_at_fault([&] { return prepared(facade); }), "");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PoseInitialiser);

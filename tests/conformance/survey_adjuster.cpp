@@ -10,6 +10,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 #include "simulated_network.hpp"
+#include "stopping.hpp"
 
 namespace plumbline {
 namespace {
@@ -152,6 +153,16 @@ TEST_P(SurveyAdjuster, EveryParameterHasItsEffect) {
                                        with(by_profile, true, {}), with(given, true, {{"remove_blunders", "true"}}),
                                        with(given, true, {{"datum", "weighted"}, {"curvature", "on"}}),
                                        with(given, true, {{"covariance", "neighbours"}})}),
+            "");
+}
+
+TEST_P(SurveyAdjuster, StopsWhereverItAsks) {
+  const auto n = survey::test::simulate({}, 6);
+  EXPECT_EQ(test::stopping_at_fault([&] {
+              test::NodeHarness node(GetParam());
+              node.input<SurveyObservations>("observations", survey::to_artifact(n.survey));
+              return node;
+            }),
             "");
 }
 

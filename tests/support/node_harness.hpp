@@ -12,6 +12,8 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -121,6 +123,11 @@ class NodeHarness {
     return text;
   }
 
+  /// From now on whoever asks whether to stop is told so, after `asks` that were told to go on.
+  void stop_after(long asks) { *asks_ = 0, stop_after_ = asks; }
+  /// How often the node asked whether it is to stop.
+  long asked_to_stop() const { return *asks_; }
+
   std::vector<const plumbline_param*> declared_parameters() const {
     return {kind_.node->params, kind_.node->params + kind_.node->param_count};
   }
@@ -162,7 +169,7 @@ class NodeHarness {
       if (level == PLUMBLINE_WARNING) self(c).warnings_.push_back(text);
     };
     host.progress = [](void*, double, const char*) {};
-    host.cancelled = [](void*) { return 0; };
+    host.cancelled = [](void* c) { return ++*self(c).asks_ > self(c).stop_after_ ? 1 : 0; };
     host.seed = [](void* c) { return self(c).seed_; };
     host.metric = [](void* c, const char* name, double value, const char*) { self(c).metrics_[name] = value; };
     host.fail = [](void* c, const char* message) { self(c).error_ = message; };
@@ -246,6 +253,8 @@ class NodeHarness {
   std::set<std::string> texts_;  // keeps what the host hands out as const char*
   std::string error_;
   uint64_t seed_ = 1;
+  std::unique_ptr<std::atomic<long>> asks_ = std::make_unique<std::atomic<long>>(0);  // by any thread
+  long stop_after_ = std::numeric_limits<long>::max();
   std::unique_ptr<TemporaryFolder> folder_ = std::make_unique<TemporaryFolder>();
 };
 
