@@ -3,6 +3,7 @@
 
 #include "building/judgement/comparison.hpp"
 #include "building/judgement/drift.hpp"
+#include "building/judgement/spectral_coordinates.hpp"
 #include "building/judgement/tolerance.hpp"
 #include "small_building.hpp"
 
@@ -282,6 +283,33 @@ TEST(Formulas, ChiSquareOfCorrelatedErrors) {
   EXPECT_EQ(singular->degrees_of_freedom, 1);
   EXPECT_NEAR(singular->statistic, 9, 1e-9);
   EXPECT_EQ(consistency(Eigen::Vector2d(3, 3), {Eigen::Matrix2d::Zero(), 1}, 0.95), nullptr);
+}
+
+/// Against eigenvectors by another algorithm; two directions of 40 are known exactly.
+TEST(SpectralCoordinates, AreThoseAlongEigenvectors) {
+  test::Normal normal(11);
+  Eigen::MatrixXd a(40, 38);
+  for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = normal();
+  const Eigen::MatrixXd s = 1e-6 * a * a.transpose();
+  Eigen::VectorXd d(40);
+  for (Eigen::Index i = 0; i < d.size(); ++i) d[i] = 1e-3 * normal();
+  const SpectralCoordinates found = spectral_coordinates(s, d);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(s, Eigen::ComputeFullU);
+  std::vector<std::pair<double, double>> pairs;
+  for (Eigen::Index i = 0; i < 40; ++i) pairs.emplace_back(-found.eigenvalues[i], std::abs(found.along[i]));
+  std::sort(pairs.begin(), pairs.end());
+  double statistic = 0;
+  for (Eigen::Index i = 0; i < 40; ++i) {
+    EXPECT_NEAR(-pairs[i].first, svd.singularValues()[i], 1e-15);
+    if (i < 38) {
+      const double along = svd.matrixU().col(i).dot(d);
+      EXPECT_NEAR(pairs[i].second, std::abs(along), 1e-9) << i;
+      statistic += along * along / svd.singularValues()[i];
+    }
+  }
+  const auto chi = consistency(d, {s, 1}, 0.95);
+  EXPECT_NEAR(chi->statistic, statistic, 1e-6 * statistic);
+  EXPECT_EQ(chi->degrees_of_freedom, 38);
 }
 
 TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
