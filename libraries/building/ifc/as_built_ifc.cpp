@@ -8,6 +8,7 @@
 
 #include "building/ifc/as_built_writer.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -56,7 +57,10 @@ AsBuiltIfc AsBuiltWriter::write() {
   verdicts_ = appender_.enumeration("ASB_Verdict", {"PASS", "FAIL", "UNDECIDED", "NOTMEASURED"});
   roles_ = appender_.enumeration("ASB_Role", {"CONTROL", "CHECK", "NONE"});
   find_standard_sets();
-  for (const auto& anchor : deviation_.anchors) write_anchor(*anchor);
+  for (const auto& anchor : deviation_.anchors) {
+    stop_point();
+    write_anchor(*anchor);
+  }
   write_provenance();
   write_judgement();
   if (const AccuracyComparisonT* comparison = survey_comparison(accuracy_)) {
@@ -65,7 +69,10 @@ AsBuiltIfc AsBuiltWriter::write() {
       if (transfer->column == 0 && std::isfinite(transfer->error)) write_transfer(*transfer, *comparison);
     for (const auto& column : comparison->columns) write_column(*column, use_word(*comparison));
   }
-  for (const auto& panel : deviation_.panels) write_panel(*panel);
+  for (const auto& panel : deviation_.panels) {
+    stop_point();
+    write_panel(*panel);
+  }
   write_surfaces();
   write_products();
   result_.additions = appender_.take_lines();

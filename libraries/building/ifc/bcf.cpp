@@ -13,6 +13,7 @@
 #include "building/ifc/bcf_topic.hpp"
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -166,7 +167,10 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
   if (options.changes) add_changes(deviation, options, issues);
   BcfFile file(options, deviation.design_file, issues.size());
   const BcfSurroundings surroundings(deviation);
-  for (const Issue& issue : issues) file.add(issue, surroundings);
+  for (const Issue& issue : issues) {
+    stop_point();
+    file.add(issue, surroundings);
+  }
   return file.finish();
 }
 

@@ -15,6 +15,7 @@
 #include "building/ifc/ifc_placement.hpp"
 #include "building/ifc/ifc_units.hpp"
 #include "building/ifc/what_hangs.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -159,6 +160,7 @@ class Reader {
     }
     for (std::size_t i = 0; i < instances.size(); ++i) {
       if (classes[instances.type(i)].empty()) continue;
+      stop_point();
       const step::Instance instance = instances[i];
       try {
         const Entity entity = model_.entity(instance);

@@ -8,6 +8,7 @@
 
 #include "base/text/bare_name.hpp"
 #include "building/ifc/selection_rule.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -251,6 +252,7 @@ std::vector<MatchedElement> match_elements(const Design& design, const std::vect
   std::vector<MatchedElement> matches;
   std::map<const Element*, std::size_t> taken;
   for (const std::string& anchor : anchors) {
+    stop_point();
     matches.push_back(matcher.match(anchor));
     MatchedElement& found = matches.back();
     if (!found.element) continue;

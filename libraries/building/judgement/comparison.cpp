@@ -12,6 +12,7 @@
 #include "building/judgement/spectral_coordinates.hpp"
 #include "building/judgement/tolerance.hpp"
 #include "geometry/statistics.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
 
@@ -143,6 +144,7 @@ std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference
   auto out = std::make_unique<ErrorConsistencyT>();
   out->statistic = 0;
   for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
+    stop_point();
     const Eigen::VectorXd own = of_cluster(difference, cluster, covariance.step());
     if (const auto whole = statistic_above(own, cluster.matrix, limit)) {
       out->statistic += *whole, out->degrees_of_freedom += static_cast<int>(own.size());

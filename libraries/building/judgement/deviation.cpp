@@ -13,6 +13,7 @@
 #include "building/judgement/figures.hpp"
 #include "building/judgement/panels.hpp"
 #include "geometry/exchanged_places.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -53,6 +54,7 @@ void judge_anchors(Work& work) {
   std::set<std::string> ids;
   for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
     const AnchorCase& anchor = work.inputs.anchors[i];
+    stop_point();
     if (!ids.insert(anchor.id).second)
       throw std::runtime_error("the anchor '" + anchor.id + "' occurs twice; ids must be unique");
     auto row = row_of(anchor);

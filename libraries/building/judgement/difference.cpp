@@ -1,4 +1,5 @@
 #include "building/judgement/difference.hpp"
+#include "plumbline/stop.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -144,6 +145,7 @@ DifferenceCovariance difference_covariance(const PointSet& model, const PointSet
   std::vector<BlockCovariance::Cluster> sums, differences;
   double smallest = 0, largest = 0;
   for (const std::vector<std::size_t>& places : parts) {
+    stop_point();
     std::vector<Match> own, own_control;
     std::vector<Index> items;
     for (const std::size_t i : places) {

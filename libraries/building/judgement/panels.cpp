@@ -8,6 +8,7 @@
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/panel_joints.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -136,6 +137,7 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
   std::vector<JudgedPanel> panels;
   panels.reserve(inputs.panels.size());
   for (const PanelCase& panel : inputs.panels) {
+    stop_point();
     std::vector<std::size_t> own;
     for (const std::size_t anchor : panel.anchors)
       if (const auto found = position.find(anchor); found != position.end()) own.push_back(found->second);

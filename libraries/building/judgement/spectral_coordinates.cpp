@@ -1,4 +1,5 @@
 #include "building/judgement/spectral_coordinates.hpp"
+#include "plumbline/stop.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Jacobi>
@@ -57,6 +58,7 @@ SpectralCoordinates spectral_coordinates(const Eigen::MatrixXd& symmetric, const
   const Index most = 30 * symmetric.rows();
   Index steps = 0;
   for (Index last = symmetric.rows() - 1; last > 0;) {
+    stop_point();
     for (Index k = 0; k < last; ++k)
       if (t.is_zero(k)) t.beside[k] = 0;
     if (t.beside[last - 1] == 0) {

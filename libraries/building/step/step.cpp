@@ -16,6 +16,7 @@
 #include "building/step/step_scanner.hpp"
 #include "building/step/xml_reader.hpp"
 #include "building/step/zip_reader.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::step {
 namespace {
@@ -152,6 +153,7 @@ bool File::read_section(Scanner& scanner) {
   for (;;) {
     scanner.skip_blank();
     if (section == "DATA" && scanner.peek() == '#') {
+      if (entries_.size() % 4096 == 0) stop_point();
       read_instance(scanner);
       continue;
     }

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "base/text/xml_text.hpp"
+#include "plumbline/stop.hpp"
 #include "show/report/language.hpp"
 
 namespace plumbline::report {
@@ -27,6 +28,7 @@ void Markup::start(std::string_view tag, Attributes attributes) {
 }
 
 Markup& Markup::open(std::string_view tag, Attributes attributes) {
+  stop_point();  // pages of ten thousand anchors take seconds
   start(tag, attributes);
   out_ += '>';
   open_.emplace_back(tag);
