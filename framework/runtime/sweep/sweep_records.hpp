@@ -14,13 +14,13 @@ namespace plumbline::runtime {
 
 struct CellRecord {
   bool failed = false;
-  std::string error, failed_node;             ///< why, and where
-  std::map<std::string, Metric> metrics;      ///< by NODE.METRIC
-  std::vector<std::string> warnings;          ///< "NODE: text"
+  std::string error, failed_node;         ///< why, and where
+  std::map<std::string, Metric> metrics;  ///< by NODE.METRIC
+  std::vector<std::string> warnings;      ///< "NODE: text"
   /// Hash of what each node got, by node: equal starts have equal hashes. What kinds of its role may lack stands by
   /// itself, as "node.port".
   std::map<std::string, std::string> inputs;
-  std::map<std::string, double> seconds;      ///< of the nodes that ran now and were not taken from the store
+  std::map<std::string, double> seconds;  ///< of the nodes that ran now and were not taken from the store
   std::string host;
 };
 

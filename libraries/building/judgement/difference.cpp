@@ -1,5 +1,4 @@
 #include "building/judgement/difference.hpp"
-#include "plumbline/stop.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -7,6 +6,8 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+
+#include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
 

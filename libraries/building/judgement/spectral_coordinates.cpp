@@ -1,11 +1,12 @@
 #include "building/judgement/spectral_coordinates.hpp"
-#include "plumbline/stop.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Jacobi>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
 namespace {

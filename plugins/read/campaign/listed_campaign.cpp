@@ -36,7 +36,8 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
   for (const auto& file : readings.unnamed)  // what they are, only the reader of another plugin knows
     for (UnusedFile& left : unused)
       if (left.path == file->path) left.looks_like = "survey";
-  // What a wrong key does not name is not forgotten: of a file with mistakes only kinds whose own key was understood are told.
+  // What a wrong key does not name is not forgotten: of a file with mistakes only kinds whose own key was understood
+  // are told.
   problems.attempt([&] { refuse_forgotten(unused, description, root, use, understood); });
 }
 
