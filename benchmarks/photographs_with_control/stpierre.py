@@ -15,19 +15,11 @@ import sys
 
 import numpy as np
 
+from similarity import similarity
+
 PLUMBLINE, FOLDER, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
 MEASURED = ["1", "44", "191", "232", "251"]
 FREE = "block.with.free=[c, xp, yp, K1, K2, P1, P2]"
-
-
-def similarity(a, b):
-    """scale, R, t of b = scale R a + t (Umeyama 1991)."""
-    ma, mb = a.mean(0), b.mean(0)
-    U, S, V = np.linalg.svd((b - mb).T @ (a - ma) / len(a))
-    D = np.diag([1, 1, np.sign(np.linalg.det(U) * np.linalg.det(V))])
-    R = U @ D @ V
-    scale = np.trace(np.diag(S) @ D) / np.mean(np.sum((a - ma) ** 2, 1))
-    return scale, R, mb - scale * R @ ma
 
 
 def adjust(name, control):

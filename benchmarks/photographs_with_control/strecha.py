@@ -16,6 +16,8 @@ import sys
 
 import numpy as np
 
+from similarity import similarity
+
 PLUMBLINE, FOLDER, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
 SIZE = int(sys.argv[4]) if len(sys.argv) > 4 else 1536
 SIGMA, POINTS = 0.003, 14
@@ -63,16 +65,6 @@ def intersect(rays):
         step = np.linalg.lstsq(np.array(J), np.array(r), rcond=None)[0]
         X = X + step
     return X, float(np.sqrt(np.mean(np.square(r))))
-
-
-def similarity(a, b):
-    """scale, R, t of b = scale R a + t."""
-    ma, mb = a.mean(0), b.mean(0)
-    U, S, V = np.linalg.svd((b - mb).T @ (a - ma) / len(a))
-    D = np.diag([1, 1, np.sign(np.linalg.det(U) * np.linalg.det(V))])
-    R = U @ D @ V
-    scale = np.trace(np.diag(S) @ D) / np.mean(np.sum((a - ma) ** 2, 1))
-    return scale, R, mb - scale * R @ ma
 
 
 def told(name, errors):
