@@ -130,33 +130,53 @@ std::optional<double> statistic_above(const Eigen::VectorXd& difference, const E
   return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solve(difference).squaredNorm();
 }
 
+/// Directions in which a difference is known to better than 0.02 mm are those where a control anchor follows its
+/// survey: what is left there is rounding and the small variances that adjustments add, not errors to be tested.
+double least_tested(double largest_eigenvalue) { return std::max(1e-6 * largest_eigenvalue, 4e-10); }
+
+/// False where a direction may be one that is not tested.
+bool test_every_direction(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
+                          ErrorConsistencyT& out) {
+  double bound = 0;  // of the largest eigenvalue: the row sum norm
+  for (const BlockCovariance::Cluster& cluster : covariance.clusters())
+    bound = std::max(bound, cluster.matrix.cwiseAbs().rowwise().sum().maxCoeff());
+  double statistic = 0;
+  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
+    stop_point();
+    const Eigen::VectorXd own = of_cluster(difference, cluster, covariance.step());
+    const auto all = statistic_above(own, cluster.matrix, least_tested(bound));
+    if (!all) return false;
+    statistic += *all;
+  }
+  out.statistic = statistic, out.degrees_of_freedom = static_cast<int>(difference.size());
+  return true;
+}
+
+void test_known_directions(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
+                           ErrorConsistencyT& out) {
+  std::vector<SpectralCoordinates> all;
+  double largest = 0;
+  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
+    all.push_back(spectral_coordinates(cluster.matrix, of_cluster(difference, cluster, covariance.step())));
+    largest = std::max(largest, all.back().eigenvalues.maxCoeff());
+  }
+  const double limit = least_tested(largest);
+  out.statistic = 0, out.degrees_of_freedom = 0;
+  for (const SpectralCoordinates& own : all)
+    for (Eigen::Index i = 0; i < own.along.size(); ++i) {
+      if (!(own.eigenvalues[i] > limit)) continue;
+      out.statistic += own.along[i] * own.along[i] / own.eigenvalues[i];
+      ++out.degrees_of_freedom;
+    }
+}
+
 }  // namespace
 
 std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
                                                double confidence) {
   if (covariance.size() == 0 || difference.size() == 0) return nullptr;
-  // Directions in which a difference is known to better than 0.02 mm are those where a control anchor follows its
-  // survey: what is left there is rounding and the small variances that adjustments add, not errors to be tested.
-  double largest = 0;  // at least the largest eigenvalue (the row sum norm)
-  for (const BlockCovariance::Cluster& cluster : covariance.clusters())
-    largest = std::max(largest, cluster.matrix.cwiseAbs().rowwise().sum().maxCoeff());
-  const double limit = std::max(1e-6 * largest, 4e-10);
   auto out = std::make_unique<ErrorConsistencyT>();
-  out->statistic = 0;
-  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
-    stop_point();
-    const Eigen::VectorXd own = of_cluster(difference, cluster, covariance.step());
-    if (const auto whole = statistic_above(own, cluster.matrix, limit)) {
-      out->statistic += *whole, out->degrees_of_freedom += static_cast<int>(own.size());
-      continue;
-    }
-    const SpectralCoordinates own_directions = spectral_coordinates(cluster.matrix, own);
-    for (Eigen::Index i = 0; i < own.size(); ++i) {
-      if (!(own_directions.eigenvalues[i] > limit)) continue;
-      out->statistic += std::pow(own_directions.along[i], 2) / own_directions.eigenvalues[i];
-      ++out->degrees_of_freedom;
-    }
-  }
+  if (!test_every_direction(difference, covariance, *out)) test_known_directions(difference, covariance, *out);
   if (out->degrees_of_freedom == 0) return nullptr;
   out->lower = chi_squared_quantile(0.5 - 0.5 * confidence, out->degrees_of_freedom);
   out->upper = chi_squared_quantile(0.5 + 0.5 * confidence, out->degrees_of_freedom);
