@@ -58,19 +58,18 @@ void check_table(const std::vector<AnchorEntry>& table) {
 }
 
 /// A point set whose covariance is either usable or gone.
-PointSet usable(const PointSet& points, const std::string& what, Evaluation& evaluation) {
-  PointSet copy = points;
-  if (points.ids.empty()) return copy;
-  if (copy.covariance.size() == 0) {
+PointSet usable(PointSet points, const std::string& what, Evaluation& evaluation) {
+  if (points.ids.empty()) return points;
+  if (points.covariance.size() == 0) {
     evaluation.warn("The " + what +
                     " comes without a covariance: no uncertainty can be given and every verdict stays undecided.");
-  } else if (!copy.covariance.allFinite() || copy.covariance.diagonal().minCoeff() < 0) {
+  } else if (!points.covariance.allFinite() || points.covariance.diagonal().minCoeff() < 0) {
     evaluation.warn("The covariance of the " + what +
                     " holds values that are not finite or variances below zero; it is not used, "
                     "and every verdict stays undecided.");
-    copy.covariance = {};
+    points.covariance = {};
   }
-  return copy;
+  return points;
 }
 
 /// Why the anchor cannot be compared with this reference; empty when it can.
@@ -325,15 +324,15 @@ std::vector<double> default_tolerances() {
   return tolerances;
 }
 
-AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
+AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
   check_options(options);
   check_table(inputs.anchors);
   Evaluation evaluation{inputs, options, {}, {}, {}, {}, {}, {}};
   if (options.tolerances.empty()) evaluation.options.tolerances = default_tolerances();
   evaluation.model_index = index_points(inputs.model, "model");
   evaluation.survey_index = index_points(inputs.survey, "survey");
-  evaluation.model = usable(inputs.model, "model", evaluation);
-  evaluation.survey = usable(inputs.survey, "survey", evaluation);
+  evaluation.model = usable(std::move(inputs.model), "model", evaluation);
+  evaluation.survey = usable(std::move(inputs.survey), "survey", evaluation);
 
   AccuracyT& result = evaluation.result;
   result.tau = options.tau, result.guard_factor = options.guard_factor, result.confidence = options.confidence;
@@ -343,6 +342,9 @@ AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options) {
     result.correlation_note = "The anchors were measured by total station alone: there is no second measurement.";
   } else {
     const DifferenceSet survey = against_survey(evaluation);
+    // What is joint of all points is large, and is not asked again.
+    evaluation.survey.covariance = {};
+    if (!inputs.truth) evaluation.model.covariance = {};
     attach(evaluation, survey, &AnchorAccuracyT::survey);
     add_comparisons(evaluation, survey, AccuracyReference::survey);
   }

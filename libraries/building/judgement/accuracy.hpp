@@ -62,7 +62,7 @@ struct Inputs {
 /// Evaluates the model. Anchors without a finite model or reference position are listed with the reason and left out of
 /// every mean; they never make the others fail. Throws std::runtime_error if the anchor table is empty or holds an id
 /// twice, a point set holds an id twice or a covariance of the wrong size, or an option is out of its range.
-AccuracyT evaluate_accuracy(const Inputs& inputs, const Options& options);
+AccuracyT evaluate_accuracy(Inputs inputs, const Options& options);
 
 /// 2.0, 2.5 ... 8.0 mm [m].
 std::vector<double> default_tolerances();

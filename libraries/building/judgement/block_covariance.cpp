@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "geometry/packed_symmetric.hpp"
 
@@ -180,7 +181,7 @@ Eigen::MatrixXd BlockCovariance::dense() const {
   return dense(all);
 }
 
-BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) const {
+BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) const& {
   if (size() == 0) return {};
   std::vector<std::vector<std::size_t>> of(clusters_.size());  // places in `items`
   for (std::size_t k = 0; k < items.size(); ++k) of[where_[items[k]].cluster].push_back(k);
@@ -194,6 +195,13 @@ BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) c
     part.push_back(std::move(cluster));
   }
   return {std::move(part), static_cast<Index>(items.size()), step_};
+}
+
+BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) && {
+  std::vector<std::size_t> all(u(this->items()));
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  if (items == all) return std::move(*this);
+  return std::as_const(*this).subset(items);
 }
 
 BlockCovariance BlockCovariance::heights() const {

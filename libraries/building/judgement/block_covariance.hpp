@@ -54,7 +54,9 @@ class BlockCovariance {
   Eigen::MatrixXd dense() const;
   Eigen::MatrixXd dense(const std::vector<std::size_t>& items) const;
   /// Of some items, each once, in their order.
-  BlockCovariance subset(const std::vector<std::size_t>& items) const;
+  BlockCovariance subset(const std::vector<std::size_t>& items) const&;
+  /// The same without a copy where it is all of them.
+  BlockCovariance subset(const std::vector<std::size_t>& items) &&;
   /// Of the third coordinates of points.
   BlockCovariance heights() const;
 

@@ -1,6 +1,5 @@
 #include "building/judgement/comparison.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <optional>
 
 #include "building/judgement/drift.hpp"
+#include "building/judgement/factor_in_place.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/spectral_coordinates.hpp"
 #include "building/judgement/tolerance.hpp"
@@ -124,10 +124,12 @@ Eigen::VectorXd of_cluster(const Eigen::VectorXd& difference, const BlockCovaria
 /// of eigenvalues: C - limit I has a factor if and only if no eigenvalue is at or below it.
 std::optional<double> statistic_above(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
                                       double limit) {
-  Eigen::MatrixXd less = covariance;
-  less.diagonal().array() -= limit;
-  if (Eigen::LLT<Eigen::MatrixXd>(less).info() != Eigen::Success) return std::nullopt;
-  return Eigen::LLT<Eigen::MatrixXd>(covariance).matrixL().solve(difference).squaredNorm();
+  Eigen::MatrixXd factor = covariance;
+  factor.diagonal().array() -= limit;
+  if (!factor_in_place(factor)) return std::nullopt;
+  restore_lower(covariance.diagonal(), factor);
+  if (!factor_in_place(factor)) return std::nullopt;
+  return factor.triangularView<Eigen::Lower>().solve(difference).squaredNorm();
 }
 
 /// Directions in which a difference is known to better than 0.02 mm are those where a control anchor follows its

@@ -47,8 +47,8 @@ std::unique_ptr<AnchorDeviationT> row_of(const AnchorCase& anchor) {
   return row;
 }
 
-void judge_anchors(Work& work) {
-  const auto& model = work.inputs.model;
+/// `model`: of the inputs; its covariance goes to the deviations.
+void judge_anchors(Work& work, PointSet& model) {
   const auto index = judgement::index_points(model, "model");
   std::vector<std::size_t> places;
   std::set<std::string> ids;
@@ -81,7 +81,8 @@ void judge_anchors(Work& work) {
   for (Eigen::Index i = 0; i < n; ++i)
     work.deviations.difference.segment<3>(3 * i) = work.out.anchors[work.deviations.anchors[i]]->deviation;
   if (model.covariance.size() == 0) return;
-  work.deviations.covariance = model.covariance.subset(places);
+  work.deviations.covariance = std::move(model.covariance).subset(places);
+  model.covariance = {};
   for (Eigen::Index i = 0; i < n; ++i)
     work.deviations.covariance.add(i, work.inputs.anchors[work.deviations.anchors[i]].mounting);
 }
@@ -358,7 +359,7 @@ void warn_of_gaps(Work& work) {
 
 }  // namespace
 
-DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options) {
+DeviationT judge_deviations(DeviationInputs inputs, const DeviationOptions& options) {
   if (!(options.tau > 0) || !(options.risk > 0 && options.risk < 0.5))
     throw std::runtime_error("the tolerance must be positive and the risk between 0 and 0.5");
   Work work{inputs, options, {}, {}, {}};
@@ -369,7 +370,7 @@ DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOption
     work.out.misfits.push_back(std::make_unique<MeasurementDoubtT>(misfit));
   work.out.design_file = inputs.design_file;
   for (const ifc::Facade& facade : inputs.facades) work.out.facades.push_back(ifc::to_artifact(facade));
-  judge_anchors(work);
+  judge_anchors(work, inputs.model);
   require_same_frame(work);
   refuse_anchors(work);
   take_doubts(work);

@@ -77,7 +77,7 @@ struct DeviationOptions {
 /// Throws std::runtime_error if ids repeat, a covariance has the wrong size, or the median deviation is above a metre:
 /// then the points are not in the frame of the design. Anchors without element or measurement are listed with the
 /// reason.
-DeviationT judge_deviations(const DeviationInputs& inputs, const DeviationOptions& options);
+DeviationT judge_deviations(DeviationInputs inputs, const DeviationOptions& options);
 
 /// One anchor's axes, verdict and probability: pass if all that is judged is within its tolerances at once with a
 /// probability of 1 - risk. `covariance` is 3 x 3 or 0 x 0 [m²]. Where a tolerance in or out of plane is asked for and

@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "building/judgement/factor_in_place.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
@@ -77,40 +78,71 @@ Eigen::MatrixXd times_inverse(const Eigen::MatrixXd& right, const Eigen::MatrixX
   return right * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// Of matches that are correlated, in the model or in the survey.
-struct Part {
-  Eigen::MatrixXd sum, matrix;  ///< matrix: less what model and survey have in common
-  double smallest = 0;          ///< eigenvalue, if one is negative
-};
-
-Part part_of(const PointSet& model, const PointSet& survey, const std::vector<Match>& matches,
-             const std::vector<Match>& control) {
+/// Less C + Cᵀ, C = S_M[:,K] S_S[K,K]⁺ S_S[K,:]. What the survey does not correlate goes one after the other, and a few
+/// columns at a time: C itself would be as large as `sum`. Symmetric up to rounding.
+void subtract_common(const PointSet& model, const PointSet& survey, const std::vector<Match>& matches,
+                     const std::vector<Match>& control, Eigen::MatrixXd& sum) {
+  constexpr std::size_t at_a_time = 64;
   const auto of_model = [](const Match& m) { return m.model; };
   const auto of_survey = [](const Match& m) { return m.reference; };
-  Part part;
-  part.sum = blocks(model.covariance, matches, of_model, matches, of_model) +
-             blocks(survey.covariance, matches, of_survey, matches, of_survey);
-  part.matrix = part.sum;
-  if (control.empty()) return part;
-  const Eigen::MatrixXd gain = times_inverse(blocks(model.covariance, matches, of_model, control, of_model),
-                                             blocks(survey.covariance, control, of_survey, control, of_survey));
-  const Eigen::MatrixXd cross = gain * blocks(survey.covariance, control, of_survey, matches, of_survey);
-  Eigen::MatrixXd s = part.sum - cross - cross.transpose();
-  s = (0.5 * (s + s.transpose())).eval();
-  // Where an anchor follows the survey the difference's variance is rounding, and may be negative: within a micrometre
-  // that is nothing. Beyond it eigenvalues tell what is wrong.
-  constexpr double micrometre = 1e-6;
-  part.matrix = s;
-  part.matrix.diagonal().array() += micrometre * micrometre;
-  if (Eigen::LLT<Eigen::MatrixXd>(part.matrix).info() == Eigen::Success) {
-    part.matrix = s;
-    part.matrix.diagonal() = s.diagonal().cwiseMax(0);
-    return part;
+  const auto cluster_of = [&](const Match& m) { return survey.covariance.cluster_of(static_cast<Index>(m.reference)); };
+  std::map<std::size_t, std::vector<Match>> controls;
+  for (const Match& c : control) controls[cluster_of(c)].push_back(c);
+  std::map<std::size_t, std::vector<std::size_t>> followers;
+  for (std::size_t i = 0; i < matches.size(); ++i) followers[cluster_of(matches[i])].push_back(i);
+  for (const auto& [cluster, own] : controls) {
+    const Eigen::MatrixXd gain = times_inverse(blocks(model.covariance, matches, of_model, own, of_model),
+                                               blocks(survey.covariance, own, of_survey, own, of_survey));
+    const std::vector<std::size_t>& follow = followers[cluster];
+    for (std::size_t begin = 0; begin < follow.size(); begin += at_a_time) {
+      stop_point();
+      std::vector<Match> some;
+      for (std::size_t k = begin; k < std::min(follow.size(), begin + at_a_time); ++k)
+        some.push_back(matches[follow[k]]);
+      const Eigen::MatrixXd cross = gain * blocks(survey.covariance, own, of_survey, some, of_survey);
+      for (std::size_t k = 0; k < some.size(); ++k) {
+        const auto to = 3 * static_cast<Index>(follow[begin + k]), from = 3 * static_cast<Index>(k);
+        sum.middleCols<3>(to) -= cross.middleCols<3>(from);
+        sum.middleRows<3>(to) -= cross.middleCols<3>(from).transpose();
+      }
+    }
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(s);
-  part.smallest = eigen.eigenvalues().minCoeff();
-  part.matrix = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
-  return part;
+}
+
+/// Of model and survey together, of matches that are correlated in either.
+Eigen::MatrixXd sum_of(const PointSet& model, const PointSet& survey, const std::vector<Match>& matches) {
+  const auto of_model = [](const Match& m) { return m.model; };
+  Eigen::MatrixXd sum = blocks(model.covariance, matches, of_model, matches, of_model);
+  for (std::size_t i = 0; i < matches.size(); ++i)
+    for (std::size_t j = 0; j < matches.size(); ++j)
+      sum.block<3, 3>(3 * static_cast<Index>(i), 3 * static_cast<Index>(j)) +=
+          survey.covariance.block(static_cast<Index>(matches[i].reference), static_cast<Index>(matches[j].reference));
+  return sum;
+}
+
+/// True if no eigenvalue of the symmetric matrix is at or below -`limit`; its lower triangle is made from its upper.
+bool is_above(double limit, Eigen::MatrixXd& symmetric) {
+  const Eigen::VectorXd diagonal = symmetric.diagonal();
+  symmetric.diagonal().array() += limit;
+  const bool above = factor_in_place(symmetric);
+  restore_lower(diagonal, symmetric);
+  return above;
+}
+
+/// Makes a covariance of what is one but for eigenvalues a little below zero. False where they are below -`limit`. By
+/// Cholesky, as eigenvalues of 2400 points take minutes, but where some are a little below zero.
+bool mend(double limit, Eigen::MatrixXd& symmetric) {
+  // Where an anchor follows the survey the difference's variance is rounding, and may be negative: within a micrometre
+  // that is nothing.
+  constexpr double micrometre = 1e-6;
+  if (is_above(micrometre * micrometre, symmetric)) {
+    symmetric.diagonal() = symmetric.diagonal().cwiseMax(0).eval();
+    return true;
+  }
+  if (!is_above(limit, symmetric)) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+  symmetric = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+  return true;
 }
 
 /// Matches that have nothing to do with one another are taken apart: what is correlated in either set stays together.
@@ -141,10 +173,16 @@ DifferenceCovariance difference_covariance(const PointSet& model, const PointSet
                                            const std::vector<Match>& matches, const std::vector<Match>& control) {
   std::set<std::size_t> controlling;
   for (const Match& c : control) controlling.insert(c.model);
+  double largest = 0;
+  for (const Match& m : matches)
+    largest =
+        std::max(largest, (model.covariance.block(static_cast<Index>(m.model), static_cast<Index>(m.model)) +
+                           survey.covariance.block(static_cast<Index>(m.reference), static_cast<Index>(m.reference)))
+                              .diagonal()
+                              .maxCoeff());
   const auto parts = parts_of(model, survey, matches, control);
   const bool whole = parts.size() == 1;
-  std::vector<BlockCovariance::Cluster> sums, differences;
-  double smallest = 0, largest = 0;
+  std::vector<BlockCovariance::Cluster> differences;
   for (const std::vector<std::size_t>& places : parts) {
     stop_point();
     std::vector<Match> own, own_control;
@@ -153,16 +191,17 @@ DifferenceCovariance difference_covariance(const PointSet& model, const PointSet
       own.push_back(matches[i]), items.push_back(static_cast<Index>(i));
       if (controlling.contains(matches[i].model)) own_control.push_back(matches[i]);
     }
-    Part part = part_of(model, survey, own, whole ? control : own_control);
-    smallest = std::min(smallest, part.smallest), largest = std::max(largest, part.sum.diagonal().maxCoeff());
-    sums.push_back({items, std::move(part.sum)}), differences.push_back({items, std::move(part.matrix)});
+    Eigen::MatrixXd difference = sum_of(model, survey, own);
+    if (const auto& common = whole ? control : own_control; !common.empty()) {
+      subtract_common(model, survey, own, common, difference);
+      // An adjustment may add a little to the control's variances (a hundredth of a millimetre, to keep weights
+      // finite), so small negative eigenvalues are zeros; a thousandth of the largest variance is more than that and
+      // means that C is wrong.
+      if (!mend(1e-3 * largest, difference)) return {difference_covariance(model, survey, matches, {}).matrix, false};
+    }
+    differences.push_back({items, std::move(difference)});
   }
-  const auto n = static_cast<Index>(matches.size());
-  // An adjustment may add a little to the control's variances (a hundredth of a millimetre, to keep weights finite), so
-  // small negative eigenvalues are zeros; a thousandth of the largest variance is more than that and means that C is
-  // wrong.
-  if (smallest < -1e-3 * largest) return {BlockCovariance(std::move(sums), n, 3), false};
-  return {BlockCovariance(std::move(differences), n, 3), true};
+  return {BlockCovariance(std::move(differences), static_cast<Index>(matches.size()), 3), true};
 }
 
 }  // namespace plumbline::judgement

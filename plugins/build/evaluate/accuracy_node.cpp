@@ -129,7 +129,7 @@ struct EvaluateAccuracy : Node {
     if (!inputs.model_is_survey) inputs.survey = point_set(*survey, "survey");
     inputs.mounting_sigma = *mounting_sigma;
     if (truth) inputs.truth = point_set(*truth, "truth");
-    AccuracyT result = evaluate_accuracy(inputs, options());
+    AccuracyT result = evaluate_accuracy(std::move(inputs), options());
     if (block) result.adjustment = summary_of(block.unpack());
     if (registration) result.registration = summary_of(registration.unpack());
     for (const std::string& warning : result.warnings) context.warn(warning);

@@ -32,7 +32,7 @@ void EvaluateDeviation::run(Context& context) {
     dropped = "The covariance of the model holds values that are not finite; it is not used.";
   }
   inputs.model.covariance *= inputs.misfit_factor;
-  DeviationT result = judgement::judge_deviations(inputs, {*tau, *risk});
+  DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
   if (surface_judgement) judgement::take_surfaces(surface_judgement.unpack(), result);
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));

@@ -53,6 +53,10 @@ TEST(BlockCovariance, IsTheMatrixItWasMadeOf) {
   for (Eigen::Index i = 0; i < 4; ++i)
     for (Eigen::Index j = 0; j < 4; ++j)
       EXPECT_EQ(part.block(i, j), blocks.block(static_cast<Eigen::Index>(some[i]), static_cast<Eigen::Index>(some[j])));
+  BlockCovariance given = blocks;
+  EXPECT_EQ(std::move(given).subset(some).dense(), part.dense());
+  BlockCovariance taken = blocks;
+  EXPECT_EQ(std::move(taken).subset({0, 1, 2, 3, 4, 5}).dense(), full);
   BlockCovariance more = blocks;
   more *= 2;
   more.add(5, Eigen::Matrix3d::Identity());

@@ -55,6 +55,41 @@ TEST(DifferenceCovariance, EqualsPropagationThroughAnAdjustment) {
             1e-12);
 }
 
+// The same with control all over the building and a survey of three days that know nothing of one another: as many
+// points as go through more than one piece of the sum.
+TEST(DifferenceCovariance, EqualsPropagationWithSurveysApartAndControlInBetween) {
+  test::Normal normal(8);
+  const Eigen::Index points = 72, n = 3 * points;
+  Eigen::MatrixXd survey = random_covariance(normal, n);
+  const auto day = [](Eigen::Index row) { return row / 3 == 7 ? 2 : row / 3 % 20 == 3 ? 1 : 0; };
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      if (day(i) != day(j)) survey(i, j) = 0;
+  const auto matches = identity_matches(points);
+  std::vector<Match> control;
+  std::vector<Eigen::Index> rows;
+  for (const Match& match : matches) {
+    if (match.anchor % 3 == 2) continue;
+    control.push_back(match);
+    for (Eigen::Index k = 0; k < 3; ++k) rows.push_back(3 * static_cast<Eigen::Index>(match.anchor) + k);
+  }
+  const Eigen::MatrixXd weight = survey(rows, rows).inverse(), images = random_covariance(normal, n);
+  Eigen::MatrixXd normal_matrix = images;
+  normal_matrix(rows, rows) += weight;
+  const Eigen::MatrixXd model = normal_matrix.inverse();
+  Eigen::MatrixXd by_survey = -Eigen::MatrixXd::Identity(n, n);
+  by_survey(Eigen::all, rows) += model(Eigen::all, rows) * weight;
+  const Eigen::MatrixXd expected = model * images * model + by_survey * survey * by_survey.transpose();
+  PointSet m, s;
+  m.covariance = model, s.covariance = survey;
+  ASSERT_EQ(s.covariance.clusters().size(), 3u);
+  const auto result = difference_covariance(m, s, matches, control);
+  EXPECT_TRUE(result.consistent);
+  const Eigen::MatrixXd found = result.matrix.dense();
+  EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
+  EXPECT_EQ(found, found.transpose());
+}
+
 TEST(DifferenceCovariance, ForgivesTheSmallVarianceThatAnAdjustmentAdds) {
   PointSet model, survey;
   survey.covariance = test::isotropic(2, 0.3 * mm);
