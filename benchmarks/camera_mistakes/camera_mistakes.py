@@ -103,31 +103,37 @@ def recompressed(image, c):
     return cv2.imdecode(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 20])[1], cv2.IMREAD_COLOR)
 
 
-CAMERA = r"principal distance|focus or zoom|another camera|not of one camera|the camera is another|distortion|principal point|stretched"
-SCATTER = CAMERA + r"|scatter"
+def changed(*what):
+    """The camera is told to be another in one of these, alone or among the few that the photographs leave possible."""
+    return "|".join(rf"camera is another \([^)]*{w}|do not tell \([^)]*{w}" for w in what)
+
+
+# Only sentences that say what was done count. "The photographs do not tell whether focus or zoom changed" and "photographs
+# from one side tell another camera" have the same words and say something else.
+FOCUS = r": focus or zoom|principal distance that differs|" + changed("principal distance")
 # name, what happens to the pixels, words that name it, changes of the set (board, family, size, copies)
 MISTAKES = [
-    ("10 % longer from the middle on", zoom(late(1.10)), CAMERA, {}),
-    ("5 % longer from the middle on", zoom(late(1.05)), CAMERA, {}),
-    ("2 % longer from the middle on", zoom(late(1.02)), CAMERA, {}),
-    ("drift by 2 % either way", zoom(lambda k, n: 0.98 + 0.04 * k / (n - 1)), CAMERA, {}),
-    ("every second 5 % longer", zoom(lambda k, n: 1.05 if k % 2 else 1), CAMERA, {}),
-    ("every fourth 2 % longer", zoom(lambda k, n: 1 if k % 4 else 1.02), CAMERA, {}),
-    ("freed of distortion from the middle on", undistorted, CAMERA, {}),
-    ("cropped from the middle on", cropped, CAMERA, {}),
-    ("stretched by 3 % from the middle on", stretched, CAMERA, {}),
+    ("10 % longer from the middle on", zoom(late(1.10)), FOCUS, {}),
+    ("5 % longer from the middle on", zoom(late(1.05)), FOCUS, {}),
+    ("2 % longer from the middle on", zoom(late(1.02)), FOCUS, {}),
+    ("drift by 2 % either way", zoom(lambda k, n: 0.98 + 0.04 * k / (n - 1)), FOCUS, {}),
+    ("every second 5 % longer", zoom(lambda k, n: 1.05 if k % 2 else 1), FOCUS, {}),
+    ("every fourth 2 % longer", zoom(lambda k, n: 1 if k % 4 else 1.02), FOCUS, {}),
+    ("freed of distortion from the middle on", undistorted, r"distortion is (gone|another)|" + changed("distortion"), {}),
+    ("cropped from the middle on", cropped, r"principal point lies .*cropped|" + changed("principal point", "principal distance"), {}),
+    ("stretched by 3 % from the middle on", stretched, r"against fy|" + changed("fx against fy"), {}),
     ("every second turned by 180 degrees", lambda image, c: cv2.rotate(image, cv2.ROTATE_180) if c["k"] % 2 else image,
-     SCATTER + "|turned", {}),
-    ("a quarter of another camera", another, CAMERA, {}),
-    ("principal point that moves by 8 px of 1280", wandering, SCATTER, {}),
-    ("rolling shutter, 6 px of 1280", rolling, SCATTER + "|rows", {}),
+     "turned by 180 degrees|" + changed("turned"), {}),
+    ("a quarter of another camera", another, FOCUS + "|photographs of another camera|another body or lens|taken with another camera", {}),
+    ("principal point that moves by 8 px of 1280", wandering, "principal point that moves", {}),
+    ("rolling shutter, 6 px of 1280", rolling, "rows (that are )?read", {}),
     ("all mirrored", flipped(lambda k: True), "mirror", {}),
-    ("every second mirrored", flipped(lambda k: k % 2), "mirror|principal point", {}),  # a chessboard looks the same
-    ("every second at half size", halved, r"pixels", {}),
-    ("motion blur of 15 px in every third", blurred, r"blur|sharp|moved|motion|left out", {}),
+    ("every second mirrored", flipped(lambda k: k % 2), "mirror", {}),
+    ("every second at half size", halved, r"pixels where the others have|resized", {}),
+    ("motion blur of 15 px in every third", blurred, r"blurred|moved while|motion", {}),
     ("all compressed to quality 20", recompressed, r"compress|JPEG", {}),
-    ("a column too few in the board file, or another family", None, r"columns|family|board file", {"board": "columns"}),
-    ("every photograph twice", None, r"same file|same photograph|twice", {"twice": True}),
+    ("a column too few in the board file, or another family", None, r"columns|family", {"board": "columns"}),
+    ("every photograph twice", None, r"same file|same photograph|saved twice", {"twice": True}),
 ]
 
 
@@ -179,6 +185,22 @@ def sound_camera(one, out):
     return matrix, np.float64([camera[name] for name in ("k1", "k2", "p1", "p2", "k3")])
 
 
+def verdict_of(words, said, code, found, sound):
+    if any(re.search(words, line) for line in said):
+        return "named"
+    if said or code != 0:
+        return "told"
+    off = abs(found[0] - sound[0]) / max(found[1], 1e-9)
+    return "harmless" if off < 3 else f"silent ({off:.1f} σ)"
+
+
+def judged_again(path):
+    """The verdicts of a log of --log with the words as they are listed now; nothing is run."""
+    words = {name: listed for name, _, listed, _ in MISTAKES}
+    return {(one["set"], one["mistake"]): verdict_of(words[one["mistake"]], one["said"], one["code"], one["fx"], one["sound"])
+            for one in map(json.loads, Path(path).read_text().splitlines())}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("plumbline")
@@ -186,11 +208,12 @@ def main():
     parser.add_argument("--only", default="", help="mistakes whose name has this")
     parser.add_argument("--table", help="Markdown")
     parser.add_argument("--log", help="what the program said, a JSON object a line")
+    parser.add_argument("--judge", metavar="LOG", help="nothing is run: the verdicts of that log with the words as they are now")
     arguments = parser.parse_args()
     sets = json.loads(Path(arguments.sets).read_text())
-    verdicts = {}
+    verdicts = judged_again(arguments.judge) if arguments.judge else {}
     with tempfile.TemporaryDirectory() as temporary:
-        for one in sets:
+        for one in sets if not arguments.judge else []:
             try_set(arguments, one, Path(temporary), verdicts)
     names = [name for name, *_ in MISTAKES if arguments.only in name]
     lines = ["| mistake | " + " | ".join(one["name"] for one in sets) + " |", "|---" * (len(sets) + 1) + "|"]
@@ -245,19 +268,13 @@ def try_set(arguments, one, temporary, verdicts):
             continue
         code, text, found = attempt(spoil, changes)
         new = [line for line in messages(text) if without_numbers(line) not in usual]
-        if any(re.search(words, line) for line in new):
-            verdict = "named"
-        elif new or code != 0:
-            verdict = "told"
-        else:
-            off = abs(found[0] - sound[0]) / max(found[1], 1e-9)
-            verdict = "harmless" if off < 3 else f"silent ({off:.1f} σ)"
+        verdict = verdict_of(words, new, code, found, sound)
         verdicts[one["name"], name] = verdict
         print(f"{one['name']}: {name}: {verdict}", flush=True)
         if arguments.log:
             with open(arguments.log, "a") as log:
                 log.write(json.dumps({"set": one["name"], "mistake": name, "verdict": verdict, "code": code,
-                                      "fx": found, "said": new}) + "\n")
+                                      "fx": found, "sound": sound, "said": new}) + "\n")
 
 
 main()

@@ -141,6 +141,15 @@ TEST(Board, OfCharucoIsFoundBeforeAWideLens) {
   }
 }
 
+/// A chessboard of 7 x 5 squares of 24 px: 6 x 4 inner corners.
+GreyImage drawn_chessboard() {
+  GreyImage image{260, 220, std::vector<std::uint8_t>(260 * 220, 210)};
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 168; ++x)
+      if ((x / 24 + y / 24) % 2 == 0) image.pixels[(y + 50) * 260 + x + 46] = 30;
+  return image;
+}
+
 /// A tag of 24 px with its top left pixel at (x0, y0), turned counter-clockwise by so many quarters.
 void draw_tag(GreyImage& image, const detect::Board& board, int id, int x0, int y0, int turn = 0) {
   for (int y = 0; y < 24; ++y)
@@ -164,6 +173,51 @@ TEST(Board, OfTagsMeasuresTheirSpacingAndLeavesOutIdsThatAreTwice) {
   EXPECT_NEAR(seen.marker_ratio, 0.75, 0.01);
   draw_tag(image, board, 4, 150, 100);
   EXPECT_EQ(detect::find_board(image, board).points.size(), 32u);
+}
+
+/// What no markers tell is no number: of a chessboard, and of tags that are too few to say how they lie.
+TEST(Board, RatioOfMarkersIsMeasuredOrNoNumber) {
+  const auto board = detect::parse_board(
+      "type: tags\ncolumns: 3\nrows: 3\nmarker: 0.024\ngap: 0.008\ndictionary: DICT_4X4_50\n", "b.yaml");
+  for (const auto& [tags, step] : {std::pair(9, 36), {6, 40}, {5, 32}}) {
+    GreyImage image{200, 180, std::vector<std::uint8_t>(200 * 180, 210)};
+    for (int k = 0; k < tags; ++k) draw_tag(image, board, k, 20 + step * (k % 3), 20 + step * (k / 3));
+    const auto seen = detect::find_board(image, board);
+    EXPECT_EQ(seen.points.size(), 4u * tags) << seen.problem;
+    if (tags < 6) {
+      EXPECT_TRUE(std::isnan(seen.marker_ratio)) << seen.marker_ratio;
+      EXPECT_EQ(seen.marker_pixels, 0);
+    } else {
+      EXPECT_NEAR(seen.marker_ratio, 24.0 / step, 0.01);
+      EXPECT_NEAR(seen.marker_pixels, 24, 0.2);
+    }
+  }
+  const auto chessboard = detect::parse_board("type: chessboard\ncolumns: 6\nrows: 4\nsquare: 0.024\n", "b.yaml");
+  const auto seen = detect::find_board(drawn_chessboard(), chessboard);
+  EXPECT_EQ(seen.points.size(), 24u);
+  EXPECT_TRUE(std::isnan(seen.marker_ratio));
+}
+
+/// Inner corners in one row span no plane: no marker can be held against them, whatever the numbers come to. With a
+/// second row, its sound twin, every marker can.
+TEST(Board, OfWhichOneRowOfCornersShowsIsNotMeasured) {
+  const auto board = detect::parse_board(
+      "type: charuco\ncolumns: 9\nrows: 5\nsquare: 0.032\nmarker: 0.024\ndictionary: DICT_4X4_50\n", "b.yaml");
+  const GreyImage whole = drawn_charuco(board);
+  for (const int rows : {2, 3}) {  // of squares
+    GreyImage part{whole.width, 44 + 32 * rows, {}};
+    part.pixels.assign(whole.pixels.begin(), whole.pixels.begin() + part.width * part.height);
+    const auto seen = detect::find_board(part, board);
+    if (rows == 2) {
+      EXPECT_THAT(seen.problem, HasSubstr("its 8 inner corners lie in a row or far apart"));
+      EXPECT_TRUE(seen.points.empty());
+      EXPECT_TRUE(std::isnan(seen.marker_ratio)) << seen.marker_ratio;
+    } else {
+      EXPECT_EQ(seen.problem, "");
+      EXPECT_EQ(seen.points.size(), 16u);
+      EXPECT_NEAR(seen.marker_ratio, 0.75, 0.02);
+    }
+  }
 }
 
 /// OpenCV draws libapriltag's families upside down, and programs count rows from either end: the corners tell.
@@ -236,15 +290,6 @@ TEST(Board, OfTagsInRowsOfAnotherLengthIsContradictedInWords) {
   EXPECT_TRUE(seen.points.empty());
   for (int k = 0; k < 25; ++k) draw_tag(image, board, k, 36 + 30 * ((7 * k) % 25 % 5), 36 + 30 * ((7 * k) % 25 / 5));
   EXPECT_THAT(detect::find_board(image, board).problem, HasSubstr("check columns, rows and first_id"));
-}
-
-/// A chessboard of 7 x 5 squares of 24 px: 6 x 4 inner corners.
-GreyImage drawn_chessboard() {
-  GreyImage image{260, 220, std::vector<std::uint8_t>(260 * 220, 210)};
-  for (int y = 0; y < 120; ++y)
-    for (int x = 0; x < 168; ++x)
-      if ((x / 24 + y / 24) % 2 == 0) image.pixels[(y + 50) * 260 + x + 46] = 30;
-  return image;
 }
 
 TEST(Board, OfWhichTheSquaresWereCountedSaysSo) {

@@ -1,6 +1,13 @@
 // Tags whose places are known approximately, and layouts that are wrong.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <map>
+#include <regex>
+
+#include "geometry/median.hpp"
+#include "photo/markers/rearranged_tags.hpp"
 #include "scene.hpp"
 
 namespace plumbline::markers {
@@ -135,6 +142,61 @@ TEST(MarkerBlock, NamesTagsThatAreExchangedInTheLayout) {
   std::swap(neighbours.block.markers[0].world_from_tag, neighbours.block.markers[1].world_from_tag);
   EXPECT_THAT(adjust_marker_block(neighbours.block, {}).warnings,
               testing::Contains(HasSubstr("tags 0 and 1 are exchanged")));
+}
+
+/// How far apart two tags are in truth, in the photographs that show both, whatever numbers they have there.
+std::map<std::pair<int, int>, std::vector<double>> true_distances(const Scene& s, const std::vector<int>& whose) {
+  std::map<std::pair<int, int>, std::vector<double>> result;
+  for (size_t v = 0; v < s.block.views.size(); ++v)
+    for (size_t w = 0; w < s.block.views.size(); ++w) {
+      const auto &a = s.block.views[v], &b = s.block.views[w];
+      if (a.image == b.image && a.marker < b.marker)
+        result[{a.marker, b.marker}].push_back((s.tags[whose[v]].translation - s.tags[whose[w]].translation).norm());
+    }
+  return result;
+}
+
+/// The same tags with other numbers in every photograph: pairs, example and figures are those of the truth.
+TEST(RearrangedTags, AreToldWithTheDistancesThatChanged) {
+  Scene s = scene(0.1, 6);
+  EXPECT_EQ(rearranged_tags(s.block), "") << "nobody moved them";
+  std::vector<int> whose;
+  for (MarkerView& view : s.block.views) {
+    whose.push_back(view.marker);
+    view.marker = (view.marker * 5 + 7 * view.image) % 12;
+  }
+  int pairs = 0, moved = 0;
+  double furthest = 0, least = 0, most = 0;
+  for (const auto& [pair, all] : true_distances(s, whose)) {
+    if (all.size() < 2) continue;
+    ++pairs;
+    const auto [low, high] = std::minmax_element(all.begin(), all.end());
+    const double allowed = 0.25 * upper_median(all) + 0.12;
+    if (*high - *low <= allowed) continue;
+    ++moved;
+    if ((*high - *low) / allowed > furthest) furthest = (*high - *low) / allowed, least = *low, most = *high;
+  }
+  ASSERT_GT(2 * moved, pairs);
+  const std::string words = rearranged_tags(s.block);
+  EXPECT_THAT(words, HasSubstr(fmt::format(
+                         "; so do {} of {} pairs that are seen together more than once (tags 0, 1, 2,", moved, pairs)));
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(
+      words, found,
+      std::regex(R"(tags (\d+) and (\d+) are ([\d.]+) m apart in image(\d)\.jpg and ([\d.]+) m in image(\d)\.jpg)")))
+      << words;
+  EXPECT_NEAR(std::stod(found[3]), least, 0.05 * most) << words;
+  EXPECT_NEAR(std::stod(found[5]), most, 0.05 * most) << words;
+  EXPECT_NE(found[4], found[6]) << words;
+}
+
+/// One tag that was moved is no arrangement that changed: the block's own tests name it.
+TEST(RearrangedTags, OneThatWasMovedIsNotAll) {
+  Scene s = scene(0.1, 6);
+  for (MarkerView& view : s.block.views)
+    if (view.image % 2 == 1 && (view.marker == 0 || view.marker == 11)) view.marker = 11 - view.marker;
+  EXPECT_EQ(rearranged_tags(s.block), "");
+  EXPECT_EQ(rearranged_tags(only(s, {0, 5}).block), "") << "of one pair there is nothing to compare";
 }
 
 }  // namespace
