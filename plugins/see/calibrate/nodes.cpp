@@ -153,15 +153,16 @@ struct CalibrateBoard : Node {
     for (auto& p : photographs) {
       if (!p.contradicts || !std::isfinite(p.marker_ratio)) continue;
       std::string text;
-      const auto like = std::count_if(photographs.begin(), photographs.end(), [&](const BoardPointsT& other) {
-        return other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike;
-      });
-      if (like > 1)
+      std::set<std::string> like;  // a copy of a photograph is no second witness
+      for (const BoardPointsT& other : photographs)
+        if (other.contradicts && std::abs(other.marker_ratio / p.marker_ratio - 1) < alike)
+          like.insert(other.sha256.empty() ? other.path : other.sha256);
+      if (like.size() > 1)
         text = fmt::format(
             "its markers measure {:.3f} of their squares or spacing, and so do those of {} photographs together; those "
             "of the {} others measure {:.3f}, as the board file has it: it shows another board. Put its photographs "
             "into a folder of their own, with a board file",
-            p.marker_ratio, like, ratios.size(), upper_median(ratios));
+            p.marker_ratio, like.size(), ratios.size(), upper_median(ratios));
       else
         text = fmt::format(
             "its markers measure {:.3f} of their squares or spacing, those of the {} other photographs {:.3f}, as the "

@@ -117,6 +117,23 @@ TEST(CalibrateBoard, PhotographsOfAnotherBoardAreNotExcusedAsBlurred) {
   EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo9.jpg"), HasSubstr("blurred"))));
 }
 
+/// One blurred photograph and a copy of it are one photograph, not two of another board.
+TEST(CalibrateBoard, ACopyOfAPhotographIsNoSecondWitness) {
+  for (const bool copied : {true, false}) {
+    test::NodeHarness node("calibrate.board");
+    for (int k = 0; k < 12; ++k) {
+      BoardPointsT taken = photograph(k, "");
+      taken.marker_ratio = k < 2 ? 0.704 : 0.75;
+      if (k < 2) taken.points.clear(), taken.contradicts = true, taken.problem = "'marker' is wrong";
+      if (k < 2) taken.sha256 = copied || k == 0 ? std::string(64, 'a') : std::string(64, 'b');
+      node.input<BoardPoints>("points", taken);
+    }
+    node.run();
+    EXPECT_THAT(node.warnings(), Contains(testing::AllOf(HasSubstr("left out: photo0.jpg: its markers measure 0.704"),
+                                                         HasSubstr(copied ? "blurred" : "it shows another board"))));
+  }
+}
+
 /// Two cameras that differ by less than is told: each half fits, and between them they contradict the covariance.
 TEST(CalibrateBoard, StatesByHowMuchPartsContradictEachOther) {
   test::NodeHarness node("calibrate.board");
