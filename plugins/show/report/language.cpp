@@ -222,9 +222,7 @@ std::string limits_of_speech() {
   if (current.language == Language::german)
     text =
         "Namen und Texte des Projekts stehen, wie sie gegeben sind. Auf Englisch stehen: was beim Lesen von Dateien "
-        "auffiel; die Befunde von Vermessung, Bildverband und Kalibrierung bis auf die häufigsten; was eine Regel "
-        "eines "
-        "Vermessungsplans fand und was ihr abhilft; die Gründe im Ablauf einer Montage; die Parameter des Laufs. "
+        "auffiel; seltene Befunde von Vermessung, Bildverband und Kalibrierung; die Parameter des Laufs. "
         "Datumsangaben nach ISO 8601.";
   if (current.units == Units::inches) {
     text += text.empty() ? "" : " ";
