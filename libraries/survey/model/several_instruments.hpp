@@ -25,4 +25,16 @@ inline std::map<std::string, InstrumentProfile> choose_instruments(const std::st
   return found;
 }
 
+/// A sentence for each of `names` that has no profile of its own: it is adjusted with `whole`, that of the network.
+inline std::vector<std::string> instruments_without_profile(const std::vector<std::string>& names,
+                                                            const std::map<std::string, InstrumentProfile>& own,
+                                                            const InstrumentProfile& whole) {
+  std::vector<std::string> sentences;
+  for (const std::string& name : names)
+    if (!own.contains(name))
+      sentences.push_back("the files name the instrument " + name + ": the profile " + whole.name +
+                          " is used for it; give its own under `instruments` in a profile_file");
+  return sentences;
+}
+
 }  // namespace plumbline::survey

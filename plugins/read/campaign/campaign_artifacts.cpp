@@ -126,6 +126,7 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
 SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
                                  const AddedReadings& added, const KnownControl& known, bool strict, Context& context) {
   std::vector<survey::SurveyObservations> parts = read_survey_files(description, root, added, strict, context);
+  if (!description.date_remark.empty()) context.warn(description.date_remark);
   // What campaign.yaml says holds for all files; where it is silent, the files may differ.
   for (survey::SurveyObservations& part : parts) {
     if (!description.date.empty()) part.info.date = description.date;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "campaign_day.hpp"
 #include "campaign_resolver.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
@@ -48,6 +49,17 @@ std::vector<CameraOfImages> parse_cameras(const Mapping& mapping, const Resolver
   const auto twice = std::adjacent_find(images.begin(), images.end());
   if (twice != images.end()) mapping.fail(node, "'" + *twice + "' is named for two cameras, and was taken with one");
   return cameras;
+}
+
+void take_date(const Mapping& mapping, CampaignDescription& c) {
+  const std::string expected = "a day such as 2026-05-12 (year-month-day) or 12.05.2026 (day.month.year)";
+  const auto written = mapping.as<std::string>("date", expected.c_str());
+  const auto day = day_of(written);
+  if (!day) mapping.fail(mapping.get("date"), "'date' is '" + written + "', expected " + expected);
+  c.date = day->iso;
+  if (day->doubtful)
+    c.date_remark = "the date " + written + " of campaign.yaml is read as day.month.year: " + day->iso +
+                    "; written like this nobody takes it for another day";
 }
 
 }  // namespace
@@ -103,7 +115,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (mapping.has("name")) take([&] { c.name = mapping.as<std::string>("name", "a text"); });
   if (mapping.has("instrument"))
     take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });
-  if (mapping.has("date")) take([&] { c.date = mapping.as<std::string>("date", "a day such as 2026-05-12"); });
+  if (mapping.has("date")) take([&] { take_date(mapping, c); });
   if (wanted("survey")) take([&] { c.survey = resolver.many("survey"); });
   if (mapping.has("control")) one("control", c.control);
   if (use == CampaignUse::survey) return c;

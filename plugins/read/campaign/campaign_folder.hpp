@@ -60,7 +60,8 @@ struct CampaignDescription {
   std::string mapping;                  ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
   std::string instrument;           ///< name of an instrument profile; may be empty
-  std::string date;                 ///< when it was measured; may be empty
+  std::string date;                 ///< when it was measured, ISO 8601; may be empty
+  std::string date_remark;          ///< how the date was understood, where somebody might read it otherwise
   std::vector<std::string> unused;  ///< what is to be left out, though it lies there
 };
 

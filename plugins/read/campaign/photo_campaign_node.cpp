@@ -134,6 +134,7 @@ void ReadPhotoCampaign::run(Context& context) {
   for (const CameraT& camera : calibrated) cameras.commit(camera);
   plates.commit(to_artifact(entries));
   if (description.survey.empty()) {
+    if (!description.date_remark.empty()) context.warn(description.date_remark);
     survey.commit(as_measured(known.points, description));
     control.commit(PointsT());
   } else {

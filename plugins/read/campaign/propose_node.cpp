@@ -5,6 +5,7 @@
 #include "artifacts/input_files_text.hpp"
 #include "propose_campaign.hpp"
 #include "reader_files_node.hpp"
+#include "survey/model/several_instruments.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -14,6 +15,17 @@ FileT text_file(const char* name, const char* media_type, const std::string& tex
   file.name = name, file.media_type = media_type;
   file.content.assign(text.begin(), text.end());
   return file;
+}
+
+/// What survey.adjust will warn of when it is not told of a profile.
+void warn_of_instruments(const SurveyObservationsT& survey, Context& context) {
+  std::string remark;
+  const std::string instrument = survey.info ? survey.info->instrument : "";
+  const survey::InstrumentProfile whole = survey::choose_profile("automatic", "", instrument, remark);
+  if (!remark.empty()) context.warn(remark);
+  const auto own = survey::choose_instruments("automatic", "", survey.instruments);
+  for (const std::string& text : survey::instruments_without_profile(survey.instruments, own, whole))
+    context.warn(text);
 }
 
 }  // namespace
@@ -36,7 +48,8 @@ void ProposeCampaign::run(Context& context) {
   summary.commit(text_file("summary.txt", "text/plain", text));
 }
 
-void AccountForCampaign::run(Context&) {
+void AccountForCampaign::run(Context& context) {
+  if (survey) warn_of_instruments(survey.unpack(), context);
   const InputFilesT read = inputs.unpack(), left = unread.unpack();
   std::map<std::string, long> uses;
   for (const auto& file : read.files)

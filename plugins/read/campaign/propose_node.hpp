@@ -4,6 +4,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_readings.hpp"
 #include "plumbline/node.hpp"
 
@@ -20,9 +21,12 @@ struct ProposeCampaign : Node {
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 1, "Says which files of a campaign's folder take part"};
+  static constexpr Info info{"campaign.account", "", 2,
+                             "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};
+  Optional<SurveyObservations> survey{"survey", frame("frame=building"),
+                                      "the survey as read: instruments of which there is no profile are told"};
   Out<File> summary{"summary", "a few lines of text"};
   void run(Context& context) override;
 };

@@ -134,10 +134,8 @@ void AdjustNode::run(Context& context) {
   o.profile = chosen_profile(survey.info.instrument, remark);
   o.instruments = further_instruments(survey.instruments);
   if (!remark.empty()) context.warn(remark);
-  for (const std::string& name : survey.instruments)
-    if (!o.instruments.contains(name))
-      context.warn("the files name the instrument " + name + ": the profile " + o.profile.name +
-                   " is used for it; give its own under `instruments` in a profile_file");
+  for (const std::string& text : instruments_without_profile(survey.instruments, o.instruments, o.profile))
+    context.warn(text);
   announce_network(context, survey, o.largest_whole);
   NetworkResult result = adjust_network(survey, o, known);
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),

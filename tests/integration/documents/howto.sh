@@ -30,7 +30,7 @@ plumbline run survey_network file=job.gsi --out out/network -q > /dev/null   # w
 missing=0 count=0
 for page in "$pages"/*.md; do
   name=$(basename "$page" .md)
-  [[ $name == sensor ]] && continue   # tests/integration/first_hour/integrator_cpp.sh builds and drops it
+  [[ $name == sensor ]] && continue   # tests/first_hour/integrator_cpp.sh builds and drops it
   awk '/^```yaml/ {file = 1; next} /^```/ {if (!file) inside = !inside; file = 0; next} inside' "$page" > "typed_$name"
   awk '/^```yaml/ {inside = 1; next} /^```/ {inside = 0} inside' "$page" > mine.yaml
   grep -oE '^\|[^|]*\| *`plumbline (run|show|doctor|describe|why|plan|verify|export)[^`]*`' "$page" | grep -oE 'plumbline [^`]*' \

@@ -175,6 +175,28 @@ TEST(CampaignYaml, PatternsMayEnterFoldersAndPassOverWhatIsUnused) {
       << "u and a mark are one character";
 }
 
+/// "4.5.2026" went into the provenance as it stood, "gestern" too.
+TEST(CampaignYaml, ADateIsADay) {
+  const auto date_of = [](const std::string& date) {
+    return parse_campaign(kCampaign + "date: " + date + "\n", "campaign.yaml", kFiles);
+  };
+  EXPECT_EQ(date_of("2026-05-04").date, "2026-05-04");
+  EXPECT_EQ(date_of("2026-5-4").date, "2026-05-04");
+  EXPECT_EQ(date_of("2026-05-04T10:30:00+02:00").date, "2026-05-04T10:30:00+02:00");
+  EXPECT_EQ(date_of("2026:05:04 10:30:15").date, "2026-05-04T10:30:15");
+  EXPECT_EQ(date_of("2026-05-04").date_remark, "");
+  EXPECT_EQ(date_of("13.5.2026").date, "2026-05-13");
+  EXPECT_EQ(date_of("13.5.2026").date_remark, "");  // no month has the number 13
+  EXPECT_EQ(date_of("4.5.2026").date, "2026-05-04");
+  EXPECT_NE(date_of("04.05.2026").date_remark.find("day.month.year: 2026-05-04"), std::string::npos);
+  for (const char* wrong : {"05/04/2026", "4.5.26", "31.4.2026", "2026-02-29", "gestern", "2026", "2026-05-04x",
+                            "2026-05-04T25:00", "2026-05/04", "-4.5.2026", "4. Mai 2026"}) {
+    const std::string told = campaign_message(kCampaign + "date: \"" + wrong + "\"\n");
+    for (const char* part : {"site/campaign.yaml:8", wrong, "2026-05-12 (year-month-day) or 12.05.2026"})
+      EXPECT_NE(told.find(part), std::string::npos) << wrong << ": " << told;
+  }
+}
+
 TEST(CampaignYaml, ANameInOtherCaseIsShown) {
   EXPECT_NE(campaign_message(replaced(kCampaign, "p.csv", "P.CSV")).find("upper and lower case differ: there is p.csv"),
             std::string::npos);

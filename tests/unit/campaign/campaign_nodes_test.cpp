@@ -8,6 +8,7 @@
 #include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
@@ -99,6 +100,27 @@ TEST_F(ReadCampaignTest, SurveyCampaignNeedsNothingButSurveyFiles) {
   EXPECT_EQ(survey.info->instrument, "total_station_1arcsec");
   EXPECT_EQ(survey.info->title, "Tower");
   EXPECT_NE(message().find("the key 'images' is missing"), std::string::npos) << message();
+}
+
+/// `campaign check` said nothing of an instrument without a profile, and the run warned.
+TEST_F(ReadCampaignTest, AnInstrumentWithoutAProfileIsToldBeforeTheRun) {
+  SurveyObservationsT survey;
+  survey.info = std::make_unique<SurveyInfoT>();
+  survey.info->instrument = "Leica TS60", survey.instruments = {"S9", "total_station_1arcsec"};
+  const auto told_of = [](const SurveyObservationsT& read) {
+    NodeHarness node("campaign.account");
+    node.input<InputFiles>("inputs", InputFilesT());
+    node.input<InputFiles>("unread", InputFilesT());
+    node.input<SurveyObservations>("survey", read);
+    node.run();
+    return node.warnings();
+  };
+  const std::vector<std::string> told = told_of(survey);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told[0].find("'Leica TS60', of which there is no profile; ics50_assumed is used"), std::string::npos);
+  EXPECT_NE(told[1].find("the instrument S9"), std::string::npos);
+  survey.info->instrument = "ics50_assumed", survey.instruments.clear();
+  EXPECT_EQ(told_of(survey), std::vector<std::string>());
 }
 
 TEST_F(ReadCampaignTest, WhatIsAssumedOfControlGoesWithTheReadings) {
