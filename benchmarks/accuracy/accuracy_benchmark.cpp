@@ -2,7 +2,7 @@
 // pipelines use, from tags in images and surveyed anchors to heights of check anchors against truth. All alternatives
 // see the same sites, so that they are also compared site by site.
 //
-//   accuracy_benchmark [SITES [FIRST_SEED [simulate.observations parameter=value ...]]]
+//   accuracy_benchmark [SITES [FIRST_SEED [parameter=value ...]]]          parameters of simulate.observations
 //   accuracy_benchmark 20 1 height_walk=0.001 network=parallel
 #include <Eigen/Cholesky>
 #include <cmath>

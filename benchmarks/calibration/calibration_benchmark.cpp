@@ -1,6 +1,7 @@
 // Whether what camera.yaml states of a calibration is true: photographs of a board in two halves that are calibrated
 // apart, each as calibrate_camera does it, the difference of all parameters over both covariances. 1 per parameter is
-// right. calibration_benchmark NAME BOARD.yaml PHOTOGRAPH...
+// right.
+//   calibration_benchmark NAME BOARD.yaml PHOTOGRAPH...
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>

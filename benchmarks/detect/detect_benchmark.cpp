@@ -1,10 +1,12 @@
 // Detectors of square tags side by side: one run, one thread, times in processor time of the thread.
 //
-//   detect_benchmark scene OUT.jpg [family [width height tags smallest largest seed]]
-//   detect_benchmark compare FAMILY PHOTOGRAPH... [--repeat N] [--smallest PX]   medians, ratios, recall against
-//   libapriltag decimate 1 detect_benchmark tag_free FAMILY PHOTOGRAPH...                               tags found
-//   where there are none detect_benchmark file FAMILY PHOTOGRAPH                                      decode + detect
-//   from the file, peak memory
+//   detect_benchmark scene OUT.jpg [FAMILY [WIDTH HEIGHT TAGS SMALLEST LARGEST [SEED]]]
+//   detect_benchmark compare FAMILY PHOTOGRAPH... [--repeat N] [--smallest PX]
+//   detect_benchmark tag_free FAMILY PHOTOGRAPH...
+//   detect_benchmark file FAMILY PHOTOGRAPH
+//
+// compare: medians, ratios, recall against libapriltag with decimate 1. tag_free: tags found where there are none.
+// file: decode and detect from the file, peak memory.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,12 +1,11 @@
 // Open, measured once, closed, and closed with nobody who looks at what the state asks a person for: the same simulated
 // towers side by side. Prints a table, the reliability of p_in, joints, faults.
 //
-//   loop_benchmark [trials] [floors] [share of faults] [first seed] [facades] [factor on the survey's errors]
-//   [tolerance in mm]
+//   loop_benchmark [TRIALS [FLOORS [FAULTS [SEED [FACADES [FACTOR [TOLERANCE [CLOSED]]]]]]]]
 //
-// The tolerance is that of corners; joints have 1.6 times as much. With one of 2 or 3 mm there are panels of every
-// stated probability: the reliability diagram. Both closed loops are left out with 0 as the eighth word. The unit of
-// all intervals and tests is the tower.
+// FAULTS is their share, FACTOR that on the survey's errors. TOLERANCE [mm] is that of corners; joints have 1.6 times
+// as much. With one of 2 or 3 mm there are panels of every stated probability: the reliability diagram. With CLOSED = 0
+// both closed loops are left out. SEED is the first. The unit of all intervals and tests is the tower.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>

@@ -1,6 +1,6 @@
 // How long a plan takes: settings of a facade whose anchors are off, and the gates of its panels.
 //
-//   plan_benchmark [panels] [anchors off by, mm] [seeds]
+//   plan_benchmark [PANELS [OFF_MM [SEEDS]]]
 //
 // Ten panels to a floor; each anchor measured to 0.5 mm, and 1 mm common to a floor. Prints processor time, the fewest
 // of the seeds and the most: the optimum alone, then with the gates.

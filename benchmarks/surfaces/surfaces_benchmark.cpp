@@ -1,7 +1,7 @@
-// surfaces_benchmark FOLDER: heights of the wall of fountain-P11 (Strecha et al. 2008) with its published cameras, once
-// from the photographs of even numbers and once from those of odd ones. What both say of one place differs by their
-// errors: random ones, which each states, and those of the cameras, which nobody states; within a tile of the wall the
-// latter are a height and two slopes, so they are taken out for the second set of figures.
+// surfaces_benchmark FOLDER [DISTANCE]: heights of the wall of fountain-P11 (Strecha et al. 2008) with its published
+// cameras, once from the photographs of even numbers and once from those of odd ones. What both say of one place
+// differs by their errors: random ones, which each states, and those of the cameras, which nobody states; within a tile
+// of the wall the latter are a height and two slopes, so they are taken out for the second set of figures.
 #include <oneapi/tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>

@@ -1,6 +1,6 @@
 // How long a network takes: simulated facades of the sizes the project promises, adjusted with covariance and
 // reliability, as a library call, as the whole pipeline, and by gama-local where that is on the PATH.
-//   survey_network_benchmark [markers set_ups sights_per_marker [runs [known]]]
+//   survey_network_benchmark [MARKERS SET_UPS SIGHTS_PER_MARKER [RUNS [known]]]
 // `known`: the three markers at its corners and in the middle are held, so that there is control to check.
 #include <sys/resource.h>
 #include <unistd.h>

@@ -1,6 +1,8 @@
 // plumbline campaign init, campaign check
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 
 #include "commands.hpp"
@@ -16,9 +18,13 @@ namespace {
 class Scratch {
  public:
   Scratch() {
-    std::string name = (fs::temp_directory_path() / "plumbline-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-      throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
+    std::error_code error;
+    const fs::path place = fs::temp_directory_path(error);
+    std::string name = (place / "plumbline-XXXXXX").string();
+    if (error || !mkdtemp(name.data()))
+      throw std::runtime_error("cannot make a folder for a moment in " + (error ? "TMPDIR" : place.string()) + ": " +
+                               (error ? error.message() : std::strerror(errno)) +
+                               "; let TMPDIR name a folder that can be written");
     path_ = name;
   }
   ~Scratch() {
@@ -58,7 +64,11 @@ int campaign_init(const Options& options) {
                      "is sound");
   const Scratch scratch;
   if (const int code = ask("init_campaign", options, scratch.path()); code != 0) return code;
-  fs::copy_file(scratch.path() / "campaign.yaml", target);
+  std::error_code error;
+  fs::copy_file(scratch.path() / "campaign.yaml", target, error);
+  if (error)
+    throw std::runtime_error("cannot write " + target.string() + ": " + error.message() +
+                             "; check the rights on the folder, or work on a copy of it");
   print(scratch.path() / "summary.txt");
   std::printf("%s is written. Read it, mend what it says, then: plumbline campaign check %s\n", target.c_str(),
               options.name.c_str());
@@ -70,7 +80,12 @@ int campaign_check(const Options& options) {
   const int code = ask("check_campaign", options, scratch.path());
   if (code != 0) return code;
   print(scratch.path() / "summary.txt");
-  std::printf("Next: plumbline run site_campaign folder=%s\n", options.name.c_str());
+  std::ifstream stream(scratch.path() / "summary.txt");
+  bool measured_already = false;  // tags, by another program
+  for (std::string line; std::getline(stream, line);)
+    measured_already = measured_already || line.starts_with("  observations: ");
+  std::printf("Next: plumbline run %s folder=%s\n", measured_already ? "site_observations" : "site_campaign",
+              options.name.c_str());
   return 0;
 }
 

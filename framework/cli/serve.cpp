@@ -201,6 +201,7 @@ class Site {
       // A record may say anything, and leave anything out.
       const Json outputs = one.value("outputs", Json::object());
       if (one.value("name", "") != node || !outputs.contains(port)) continue;
+      if (!outputs[port].is_array()) break;
       const auto hashes = outputs[port].get<std::vector<std::string>>();
       const plumbline_type* type = registry_.type(one.value("types", Json::object()).value(port, ""));
       if (item >= hashes.size() || !type) break;

@@ -165,7 +165,20 @@ void ServedRuns::take_lines(const File& record, Run& run) {
   }
 }
 
+/// A folder that was deleted and made again, or exchanged, is another one under its name: that is meant.
+void ServedRuns::reopen() const {
+  const int now = ::open(folder_.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC);
+  struct stat had {
+  }, has{};
+  if (now < 0) return;
+  const bool same =
+      fstat(descriptor_, &had) == 0 && fstat(now, &has) == 0 && had.st_dev == has.st_dev && had.st_ino == has.st_ino;
+  if (!same) dup3(now, descriptor_, O_CLOEXEC);  // in one step: others open files below it meanwhile
+  ::close(now);
+}
+
 void ServedRuns::look() {
+  reopen();
   found_.clear();
   const int top = openat(descriptor_, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (top >= 0) find(top, ".", 0);
@@ -263,6 +276,7 @@ ServedRuns::Json ServedRuns::run(const std::string& id) {
   if (found == runs_.end()) return nullptr;
   follow(id);
   const Run& run = found->second;
+  if (run.start.is_null()) return nullptr;  // it was deleted since the last look
   Json json = summary(id, run);
   json["host"] = run.start.value("host", Json::object()).value("name", "");
   json["plumbline"] = run.start.value("plumbline", "");
@@ -278,7 +292,9 @@ ServedRuns::Json ServedRuns::run(const std::string& id) {
 
 fs::path ServedRuns::record(const std::string& id) {
   const std::scoped_lock lock(mutex_);
-  return runs_.count(id) ? folder_ / id / "run.jsonl" : fs::path();
+  if (!runs_.count(id)) return {};
+  follow(id);
+  return runs_[id].start.is_null() ? fs::path() : folder_ / id / "run.jsonl";
 }
 
 }  // namespace plumbline::cli

@@ -48,6 +48,7 @@ class ServedRuns {
     std::vector<std::string> order;
     size_t lines_not_read = 0;
   };
+  void reopen() const;
   void look();
   void find(int folder, const std::string& path, int depth);
   void follow(const std::string& id);

@@ -64,6 +64,26 @@ void take_date(const Mapping& mapping, CampaignDescription& c) {
 
 }  // namespace
 
+namespace {
+
+/// A campaign.yaml that lacks what a site with photographs has may be whole for something else.
+void name_other_use(const Mapping& mapping, Problems& problems) {
+  const auto lacks = [&](std::initializer_list<const char*> keys) {
+    return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return !mapping.has(key); });
+  };
+  const bool photographs = mapping.has("images") || mapping.has("observations") || mapping.has("camera");
+  std::string pipeline;
+  if (!photographs && mapping.has("survey"))
+    pipeline = lacks({"plates", "design"}) ? "survey_campaign" : "site_survey";
+  else if (mapping.has("images") && lacks({"camera", "plates", "design"}) &&
+           (mapping.has("survey") || mapping.has("control")))
+    pipeline = "photo_campaign";
+  if (!pipeline.empty())
+    problems.add(CampaignError(mapping.shown(), 0, "as it is, the folder is one for: plumbline run " + pipeline));
+}
+
+}  // namespace
+
 bool Problems::attempt(const std::function<void()>& action) {
   try {
     action();
@@ -106,6 +126,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
       }))
     return c;
   const Mapping& mapping = *found;
+  const bool keys_known = problems.empty();
   Resolver resolver(mapping, std::move(files));
   const bool optional = use == CampaignUse::photographs;
   const auto take = [&](const std::function<void()>& action) { problems.attempt(action); };
@@ -140,6 +161,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (optional) return c;
   one("design", c.design);
   if (mapping.has("mapping")) one("mapping", c.mapping);
+  if (keys_known) name_other_use(mapping, problems);
   return c;
 }
 

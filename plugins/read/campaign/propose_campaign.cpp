@@ -1,5 +1,7 @@
 #include "propose_campaign.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cctype>
 #include <fstream>
@@ -41,7 +43,13 @@ std::string yaml_text(const std::string& name) {
   });
   if (simple && !name.empty() && name.front() != ' ' && name.front() != '-' && name.back() != ' ') return name;
   std::string text = "\"";
-  for (const char c : name) text += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
+  for (const char c : name) {
+    const auto code = static_cast<unsigned char>(c);
+    if (code < 0x20 || code == 0x7f)  // a name may hold a line's end, or what moves a terminal's cursor
+      text += fmt::format("\\x{:02x}", code);
+    else
+      text += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
+  }
   return text + "\"";
 }
 
@@ -103,6 +111,10 @@ class Sorter {
       lack("design", "design.ifc", "no IFC file was found");
     else
       add("design", one_of("design", designs_), "the design");
+    if (!broken_.empty())
+      proposal_.yaml +=
+          "# unused: " + listed(broken_) + "   # cannot be read: with this line the rest goes on without\n";
+    if (const std::string other = other_pipeline(); !other.empty()) proposal_.found.push_back(other);
     for (const std::string& name : office_)
       proposal_.wrong.push_back(name + ": a spreadsheet's own format is not read; save the sheet as CSV beside it");
     return std::move(proposal_);
@@ -124,6 +136,8 @@ class Sorter {
       plates_.push_back(file);
       std::vector<std::string> notes;  // of the owner's own columns: nothing to mend
       attempt([&] { parse_plates(text, file, CampaignUse::site, &notes); });
+    } else if (is_table_of_tags(text)) {
+      observations_.push_back(file);
     } else if (holds_readings(path, file)) {
       survey_.push_back(file);
     } else if (ends_as(file, {".csv", ".txt"}) && is_table_of_points(text)) {
@@ -131,16 +145,26 @@ class Sorter {
     }
   }
 
+  /// What the folder is good for as it is, where that is not a site with photographs of tags.
+  std::string other_pipeline() const {
+    const std::string run = "as it is, the folder is one for: plumbline run ";
+    const bool photographs = !groups_.empty();
+    if (!photographs && !observations_.empty()) return run + "site_observations";
+    if (!photographs && !survey_.empty())
+      return run + (plates_.empty() || designs_.empty() ? "survey_campaign" : "site_survey");
+    if (photographs && designs_.empty() && !(survey_.empty() && control_.empty())) return run + "photo_campaign";
+    return "";
+  }
+
   void add_photograph(const std::string& file) {
     Group group;
-    attempt([&] {
-      try {
-        const PhotographHeader header = read_photograph_header(root_ / file);
-        group = {header.model + (header.serial.empty() ? "" : " " + header.serial), header.width, header.height, {}};
-      } catch (const std::runtime_error& reason) {
-        throw CampaignError(file + ": " + reason.what());
-      }
-    });
+    try {
+      const PhotographHeader header = read_photograph_header(root_ / file);
+      group = {header.model + (header.serial.empty() ? "" : " " + header.serial), header.width, header.height, {}};
+    } catch (const std::runtime_error& reason) {
+      proposal_.wrong.push_back(file + ": " + reason.what());
+      return broken_.push_back(file);
+    }
     for (Group& known : groups_)
       if (known.model == group.model && known.width == group.width && known.height == group.height)
         return known.names.push_back(file);
@@ -148,12 +172,18 @@ class Sorter {
     groups_.push_back(std::move(group));
   }
 
-  static bool is_table_of_plates(const std::string& text) {
-    const auto table = text::read_csv(text, plate_column_names());
-    const auto has = [&](const char* name) {
+  static bool has_columns(const text::CsvTable& table, std::initializer_list<const char*> names) {
+    return std::all_of(names.begin(), names.end(), [&](const char* name) {
       return std::any_of(table.header.begin(), table.header.end(), [&](const auto& cell) { return cell.name == name; });
-    };
-    return has("anchor") && has("tag_id");
+    });
+  }
+  static bool is_table_of_plates(const std::string& text) {
+    return has_columns(text::read_csv(text, plate_column_names()), {"anchor", "tag_id"});
+  }
+  /// observations.csv: tags that another program has measured.
+  static bool is_table_of_tags(const std::string& text) {
+    return text.find("tag_id") < 1024 &&
+           has_columns(text::read_csv(text, {{"image", "image"}, {"tag_id", "tag_id"}}), {"image", "tag_id"});
   }
 
   static bool is_table_of_points(const std::string& text) {
@@ -213,6 +243,7 @@ class Sorter {
     Names all;
     for (const Group& group : groups_) all.insert(all.end(), group.names.begin(), group.names.end());
     std::sort(all.begin(), all.end());
+    if (all.empty() && !observations_.empty()) return add_observations();
     if (all.empty()) return lack("images", "images/*.JPG", "no photograph (JPEG, PNG, TIFF) was found");
     proposal_.found.push_back(std::to_string(all.size()) + " photographs of " + std::to_string(groups_.size()) +
                               (groups_.size() == 1 ? " camera" : " cameras"));
@@ -231,6 +262,16 @@ class Sorter {
       return check_size(groups_.front(), cameras_.front());
     }
     add_cameras();
+  }
+
+  void add_observations() {
+    add("observations", one_of("observations", observations_),
+        "tags that were measured already, in place of photographs");
+    if (cameras_.empty()) return lack("camera", "camera.yaml", "no calibration was found");
+    if (cameras_.size() > 1)
+      proposal_.wrong.push_back("camera: " + cameras_.front().name +
+                                " is taken for all photographs; write which calibration is for which of them");
+    add("camera", yaml_text(cameras_.front().name), "its calibration");
   }
 
   /// Which calibration is for which photographs. A calibration that is nobody's is told: it was made for something.
@@ -326,7 +367,8 @@ class Sorter {
   Proposal proposal_;
   std::vector<Group> groups_;
   std::vector<CameraFile> cameras_;
-  Names plates_, survey_, control_, designs_, office_;
+  Names plates_, observations_, survey_, control_, designs_, office_;
+  Names broken_;  // photographs that cannot be read
 };
 
 }  // namespace

@@ -38,9 +38,15 @@ def all_lines(root):
                 yield page.relative_to(root).as_posix(), line
 
 
+OTHER = re.compile(r"(?:[A-Z_]+=\S+ )*(scripts/|build/bin/|benchmarks/|cmake |ninja |ctest |/usr/bin/)")
+OTHER_SPAN = re.compile(r"(?:[A-Z_]+=\S+ )*(scripts/\w+(?![\w/.])|(build/bin/)?\w+_benchmark\b|(benchmarks/[\w/]+/)?\w+\.py |benchmarks/[\w/]+(\.py|/run)(?!\S)|cmake -|ctest -|/usr/bin/)")
+
+
 def other_lines(root):
-    """(page, line) of code blocks that call something else, as far as their first word tells."""
+    """(page, line, whether it is of a code block) of what calls something else, as far as the first word tells."""
     for page in pages(root):
-        for line in map(plain, of_blocks(page.read_text(encoding="utf-8"))):
-            if re.match(r"(?:[A-Z_]+=\S+ )*(scripts/|build/bin/|benchmarks/|cmake |ninja |ctest |/usr/bin/)", line) and not is_call(line):
-                yield page.relative_to(root).as_posix(), line
+        text = page.read_text(encoding="utf-8")
+        for begin, lines in ((OTHER, of_blocks(text)), (OTHER_SPAN, of_spans(text))):
+            for line in map(plain, lines):
+                if begin.match(line) and not is_call(line):
+                    yield page.relative_to(root).as_posix(), line, begin is OTHER

@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import signal
 import socket
 import subprocess
@@ -110,7 +111,7 @@ class Served(unittest.TestCase):
         out = self.out / "bare"
         out.mkdir()
         start = json.dumps({"event": "run_start", "time": "", "pipeline": "p.yaml"})
-        (out / "run.jsonl").write_text(start + '\n{"event":"node","name":"a"}\n{"event":"node","name":"b","outputs":{"p":["0"]}}\n{"event":"node","name":"c","outputs":7}\n')
+        (out / "run.jsonl").write_text(start + '\n{"event":"node","name":"a"}\n{"event":"node","name":"b","outputs":{"p":["0"]}}\n{"event":"node","name":"c","outputs":7}\n{"event":"node","name":"d","outputs":{"p":7}}\n')
         huge = self.out / "huge"
         huge.mkdir()
         with (huge / "run.jsonl").open("w") as record:
@@ -120,7 +121,7 @@ class Served(unittest.TestCase):
             status, _, body = self.ask("/api/runs")
             self.assertEqual(status, 200)
             self.assertLessEqual({"one", "bare", "huge"}, {r["id"] for r in json.loads(body)["runs"]})
-        for node in "abc":
+        for node in "abcd":
             self.assertIn(self.ask(f"/api/artifact?id=bare&node={node}&port=p&item=0")[0], (404, 500), node)
         self.assertIn("\nVmHWM:", (status := pathlib.Path(f"/proc/{self.server.pid}/status").read_text()))
         self.assertLess(int(status.split("VmHWM:")[1].split()[0]), 600_000, "kB")
@@ -193,6 +194,35 @@ class Served(unittest.TestCase):
         fresh.rename(record)
         going = json.loads(self.ask("/api/run?id=going")[2])
         self.assertEqual((going["status"], going["nodes"]), ("ended without a word", []))
+
+    def test_what_is_deleted_while_it_is_served_is_not_there(self):
+        out = self.out / "gone"
+        shutil.copytree(self.out / "two", out)
+        self.assertEqual((self.ask("/api/runs")[0], self.ask("/api/run?id=gone")[0]), (200, 200))
+        shutil.rmtree(out)
+        for path in ("/api/run?id=gone", "/api/diff?a=one&b=gone", "/api/artifact?id=gone&node=points&port=points&item=0", "/files/gone/points.json"):
+            status, _, body = self.ask(path)
+            self.assertEqual(status, 404, path)
+            self.assertNotIn(b"exception", body, path)
+        # The whole folder, made again: `rm -r out` and another run.
+        self.out.rename(self.work / "away")
+        try:
+            shutil.copytree(self.work / "away/two", self.out / "again")
+            self.assertEqual([r["id"] for r in json.loads(self.ask("/api/runs")[2])["runs"]], ["again"])
+            self.assertEqual(self.ask("/files/again/points.json")[0], 200)
+        finally:
+            shutil.rmtree(self.out, ignore_errors=True)
+            (self.work / "away").rename(self.out)
+
+    def test_one_answer_a_connection_and_the_whole_of_a_file(self):
+        one = f"GET /files/one/page.html HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\nAuthorization: Bearer {self.token}\r\nRange: bytes=0-3\r\n\r\n".encode()
+        answer = self.raw(one + one)
+        self.assertEqual(answer.count(b"HTTP/1.1 "), 1)
+        self.assertIn(b"HTTP/1.1 200 OK\r\nConnection: close\r\n", answer)
+        self.assertTrue(answer.endswith(b"\r\n\r\n<script>1</script>"))
+        for method in ("OPTIONS", "PUT", "DELETE", "TRACE", "get"):
+            status, head, _ = self.ask("/", method=method)
+            self.assertEqual((status, "Allow: GET, HEAD" in head), (405, True), method)
 
     def test_that_it_was_computed_does_not_say_that_the_building_is_in_order(self):
         out = self.out / "loop"

@@ -197,6 +197,17 @@ TEST(CampaignYaml, ADateIsADay) {
   }
 }
 
+TEST(CampaignYaml, WhatIsWholeForSomethingElseIsToldSo) {
+  EXPECT_NE(campaign_message("plumbline_campaign: 1\nsurvey: ts/*.gsi\n").find("run survey_campaign"),
+            std::string::npos);
+  EXPECT_NE(campaign_message("plumbline_campaign: 1\nsurvey: ts/*.gsi\nplates: p.csv\ndesign: d.ifc\n")
+                .find("run site_survey"),
+            std::string::npos);
+  EXPECT_NE(campaign_message("plumbline_campaign: 1\nsurvey: ts/*.gsi\nimages: img/*.jpg\n").find("run photo_campaign"),
+            std::string::npos);
+  EXPECT_EQ(campaign_message(replaced(kCampaign, "images", "imaegs")).find("as it is"), std::string::npos);
+}
+
 TEST(CampaignYaml, ANameInOtherCaseIsShown) {
   EXPECT_NE(campaign_message(replaced(kCampaign, "p.csv", "P.CSV")).find("upper and lower case differ: there is p.csv"),
             std::string::npos);

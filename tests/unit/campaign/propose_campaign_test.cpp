@@ -102,6 +102,41 @@ TEST_F(Folder, SaysWhatIsMissingAndWhatCannotBeRead) {
     EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
 }
 
+TEST_F(Folder, WhatCannotBeReadIsNoCameraOfItsOwn) {
+  for (const char* name : {"a.png", "b.png"}) write(name, photograph);
+  write("c.png", "");
+  write("camera.yaml", camera("x2d", 60, 40));
+  const Proposal p = propose();
+  EXPECT_NE(p.yaml.find("# unused: c.png   # cannot be read"), std::string::npos) << p.yaml;
+  EXPECT_NE(p.yaml.find("images: \"*.png\""), std::string::npos) << p.yaml;
+  for (const std::string& line : p.wrong) EXPECT_EQ(line.find("0 x 0"), std::string::npos) << line;
+}
+
+TEST_F(Folder, TagsThatWereMeasuredAlreadyAreRecognised) {
+  write("observations.csv", "image,family,tag_id,x0_px,y0_px,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px,sigma_px\n");
+  write("camera.yaml", camera("x2d", 60, 40));
+  const Proposal p = propose();
+  for (const char* line : {"\nobservations: observations.csv", "\ncamera: camera.yaml"})
+    EXPECT_NE(p.yaml.find(line), std::string::npos) << line << "\n" << p.yaml;
+  EXPECT_NE(p.found.back().find("plumbline run site_observations"), std::string::npos) << p.found.back();
+}
+
+TEST_F(Folder, ReadingsAloneAreGoodForSomethingElse) {
+  write("monday.gsi", gsi);
+  EXPECT_NE(propose().found.back().find("plumbline run survey_campaign"), std::string::npos);
+  write("plates.csv", plates);
+  write("design.ifc", "ISO-10303-21;\n");
+  EXPECT_NE(propose().found.back().find("plumbline run site_survey"), std::string::npos);
+}
+
+/// A name with the end of a line in it became a YAML that named another file.
+TEST_F(Folder, NamesMayHoldWhatTheyLike) {
+  const std::string name = "t\x1b[2J\nu\"\\ä.gsi";
+  write(name, gsi);
+  const CampaignDescription c = parse_campaign(propose().yaml, "campaign.yaml", names_, CampaignUse::survey);
+  EXPECT_EQ(c.survey, std::vector<std::string>{name});
+}
+
 TEST_F(Folder, ADamagedTableIsToldWithItsLine) {
   write("plates.csv",
         "anchor,tag_id,role,floor,tag_family,tag_size_mm,tag_x_mm,tag_y_mm,tag_z_mm,facing_azimuth_deg\n"
