@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "build_info.hpp"
+#include "commands.hpp"
 #include "runtime/sweep/sweep_archive.hpp"
 #include "runtime/sweep/sweep_run.hpp"
 #include "terminal.hpp"
@@ -51,6 +52,8 @@ std::vector<size_t> spread_over(const runtime::SweepPlan& plan, const runtime::A
 
 int verify_bench(const std::string& folder, const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
+  if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / "cells.jsonl"))
+    throw UsageError(folder + " is no archive of a bench: plumbline bench FILE --archive DIR makes one");
   const runtime::Archive archive = runtime::read_archive(folder);
   const runtime::Registry registry = discover();
   runtime::SweepFile file = read_sweep(archive.bench, registry, archive.folders);

@@ -16,6 +16,7 @@
 #include "build_info.hpp"
 #include "commands.hpp"
 #include "runtime/base/printable.hpp"
+#include "runtime/record/run_record.hpp"
 #include "terminal.hpp"
 
 namespace {
@@ -274,6 +275,15 @@ std::string usage_text(const CLI::ParseError& error, int argc, char** argv, cons
   const std::string first = argc > 1 ? argv[1] : "";
   if (argc > 1 && first[0] != '-' && std::find(commands.begin(), commands.end(), first) == commands.end())
     return "there is no command '" + first + "'" + plumbline::cli::did_you_mean(first, commands);
+  if (argc > 2 && argv[2][0] != '-') {  // `campaign chek`, `cache prun`: no word of theirs is anything else
+    std::vector<std::string> below;
+    const CLI::App* above = app.get_subcommand(first);
+    for (const CLI::App* one : above->get_subcommands({})) below.push_back(one->get_name());
+    const bool takes_words =
+        std::ranges::any_of(above->get_options(), [](const auto* o) { return o->get_positional(); });
+    if (!below.empty() && !takes_words && std::ranges::find(below, argv[2]) == below.end())
+      return "there is no command '" + first + " " + argv[2] + "'" + plumbline::cli::did_you_mean(argv[2], below);
+  }
   const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands()[0];
   std::vector<std::string> known;
   for (const CLI::Option* option : command->get_options())
@@ -313,6 +323,14 @@ int main(int argc, char** argv) {
   // `help`, `help run` and `version`, as people try them first.
   std::vector<std::string> words(argv + 1, argv + argc);
   const bool nothing = words.empty();
+  std::vector<std::string> known;
+  for (const CLI::App* command : app.get_subcommands({})) known.push_back(command->get_name());
+  if (words.size() > 1 && words[0] == "help" && words[1][0] != '-' &&
+      std::ranges::find(known, words[1]) == known.end()) {
+    std::fprintf(stderr, "plumbline: there is no command '%s'%s\nRun with --help for what there is.\n",
+                 words[1].c_str(), plumbline::cli::did_you_mean(words[1], known).c_str());
+    return 2;
+  }
   if (nothing) words = {"--help"};
   if (words[0] == "version") words = {"--version"};
   if (words[0] == "help") {
@@ -340,6 +358,9 @@ int main(int argc, char** argv) {
     return 2;
   } catch (const plumbline::runtime::InvalidPipeline& error) {  // unknown variables and parameters, too
     std::fprintf(stderr, "%s\n", plumbline::runtime::printable(error.what()).c_str());
+    return 2;
+  } catch (const plumbline::runtime::NoRunRecord& error) {
+    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());

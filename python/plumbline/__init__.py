@@ -82,6 +82,8 @@ class Run:
         self.store = store
         self.nodes, self.outputs, self.usable = OrderedDict(), {}, True
         self.status = "not ended"
+        if not (self.folder / "run.jsonl").is_file():
+            raise UsageError(f"there is no run in {self.folder}: give the output folder of a run, which holds a run.jsonl")
         with open(self.folder / "run.jsonl", encoding="utf-8") as lines:
             for line in lines:
                 try:
@@ -129,21 +131,21 @@ def run(pipeline, out=None, *, set=None, progress=None, store=None, threads=None
     """Runs a pipeline: a file, or the name of a shipped one.
 
     `progress` is called with a Node as each ends; True prints a line for each. Returns a Run. Raises UsageError if nothing could be
-    run, RunFailed if a node failed.
+    run, RunFailed if a node failed. A variable that is None keeps the pipeline's own value.
     """
     out = pathlib.Path(out) if out else pathlib.Path("out") / pathlib.Path(pipeline).stem
-    words = ["run", str(pipeline)] + [f"{name}={_text(value)}" for name, value in variables.items()]
-    words += [f"{name}={_text(value)}" for name, value in (set or {}).items()]
+    words = ["run", str(pipeline)] + _assigned(variables) + _assigned(set or {})
     words += ["--out", str(out), "--json"] + _store(store)
     words += ["--threads", str(threads)] if threads else []
     words += ["--overwrite"] if overwrite else []
     tell = (lambda node: print(f"{node.status:10}{node.name} ({node.kind})", flush=True)) if progress is True else progress
+    before = _state(out / "run.jsonl")
     code, errors = _follow(words, tell)
-    if code == 2 or not (out / "run.jsonl").exists():
-        raise UsageError(errors)
-    made = Run(out, store)
     if code == 130:
         raise KeyboardInterrupt
+    if code == 2 or _state(out / "run.jsonl") == before:  # a record that lies there is of another run
+        raise (UsageError if code == 2 else PlumblineError)(errors)
+    made = Run(out, store)
     if code not in (0, 3):
         raise RunFailed(made, errors)
     made.usable = code == 0
@@ -158,7 +160,7 @@ def bench(file, out=None, *, seeds=None, scenarios=(), store=None, **variables):
     `seeds` in place of the file's: "1-20", a number, or numbers as in range(1, 21); `scenarios`: only these of the file's.
     """
     out = pathlib.Path(out) if out else pathlib.Path("out") / pathlib.Path(file).stem
-    words = ["bench", str(file)] + [f"{name}={_text(value)}" for name, value in variables.items()]
+    words = ["bench", str(file)] + _assigned(variables)
     words += ["--out", str(out), "--json"] + _store(store)
     for name in [scenarios] if isinstance(scenarios, str) else scenarios:
         words += ["--scenario", name]
@@ -192,7 +194,22 @@ def _program():
     program = os.environ.get("PLUMBLINE") or shutil.which("plumbline")
     if not program:
         raise PlumblineError("the program plumbline is not on PATH; install it, or set PLUMBLINE to where it is")
+    if os.environ.get("PLUMBLINE") and not shutil.which(program):
+        raise PlumblineError(f"the environment variable PLUMBLINE names {program}, which is no program")
     return program
+
+
+def _state(file):
+    """What tells a record from one that was there before."""
+    try:
+        found = os.stat(file)
+    except OSError:
+        return None
+    return found.st_ino, found.st_mtime_ns, found.st_size
+
+
+def _assigned(values):
+    return [f"{name}={_text(value)}" for name, value in values.items() if value is not None]
 
 
 def _store(store):
@@ -200,7 +217,7 @@ def _store(store):
 
 
 def _text(value):
-    if value is None:
+    if value is None:  # within a list
         return "~"
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -218,7 +235,7 @@ def _output(words, store=None):
 
 def _follow(words, tell):
     """Runs the program; `tell` hears of each node as it ends. Returns the exit code and what was said on standard error."""
-    process = subprocess.Popen([_program(), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([_program(), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8")
     errors = []
     reader = threading.Thread(target=lambda: errors.append(process.stderr.read()))
     reader.start()
@@ -226,10 +243,21 @@ def _follow(words, tell):
         for line in process.stdout:
             if tell and line.startswith('{"event":"node"'):
                 tell(Node(json.loads(line)))
-    except KeyboardInterrupt:
-        process.terminate()  # it stops as soon as its nodes can; what was done is kept
-    process.wait()
-    reader.join()
+    except BaseException as reason:  # Ctrl-C, or what `tell` raised
+        rest = threading.Thread(target=process.stdout.read)  # or it could not go on to its end
+        rest.start()
+        try:
+            process.wait(1 if isinstance(reason, KeyboardInterrupt) else 0)  # Ctrl-C in a terminal reaches both
+        except subprocess.TimeoutExpired:
+            process.terminate()  # it stops as soon as its nodes can; what was done is kept
+        process.wait()
+        rest.join()
+        raise
+    finally:
+        process.wait()
+        reader.join()
+        process.stdout.close()
+        process.stderr.close()
     return process.returncode, "".join(errors).strip()
 
 

@@ -28,7 +28,7 @@ std::optional<Number> parse(const std::string& text) {
 }
 
 std::string bounds_text(const plumbline_param& param) {
-  const std::string unit = *param.unit ? std::string(" ") + param.unit : "";
+  const std::string unit = *param.unit && param.unit != std::string("1") ? std::string(" ") + param.unit : "";
   if (std::isfinite(param.minimum) && std::isfinite(param.maximum))
     return "between " + shortest(param.minimum) + " and " + shortest(param.maximum) + unit;
   return std::isfinite(param.minimum) ? "at least " + shortest(param.minimum) + unit

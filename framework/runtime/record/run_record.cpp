@@ -117,8 +117,8 @@ RecordedRun read_run(const fs::path& path) {
   run.file = fs::is_directory(path) ? path / "run.jsonl" : path;
   std::ifstream stream(run.file);
   if (!stream)
-    throw std::runtime_error("cannot read the run record " + run.file.string() +
-                             ": give the output folder of a run, or the run.jsonl in it");
+    throw NoRunRecord("cannot read the run record " + run.file.string() +
+                      ": give the output folder of a run, or the run.jsonl in it");
   bool started = false;
   size_t number = 0;
   for (std::string line; std::getline(stream, line);) {

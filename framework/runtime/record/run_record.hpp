@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,11 @@
 #include "runtime/store/store.hpp"
 
 namespace plumbline::runtime {
+
+/// There is no record at the place that was named.
+struct NoRunRecord : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 struct RecordedNode {
   std::string name, kind, status, error, cause;
@@ -47,6 +53,7 @@ struct RecordedRun {
 };
 
 /// `path` is a run.jsonl or the folder of one. Throws std::runtime_error if it cannot be read or is no record.
+/// Throws NoRunRecord if there is none.
 RecordedRun read_run(const std::filesystem::path& path);
 
 /// Differences of two runs, node by node.

@@ -28,6 +28,23 @@ void warn_of_instruments(const SurveyObservationsT& survey, Context& context) {
     context.warn(text);
 }
 
+/// The run tells it where their tags agree to the last digit; by then hours may have gone.
+void warn_of_copies(const InputFilesT& read, Context& context) {
+  std::map<std::string, std::string> first;
+  std::string such;
+  std::size_t copies = 0;
+  for (const auto& file : read.files) {
+    if (!file->read || file->use != "photograph") continue;
+    const auto [known, is_new] = first.emplace(file->sha256, file->path);
+    if (is_new) continue;
+    if (copies++ == 0) such = known->second + " and " + file->path;
+  }
+  if (copies == 1) context.warn(such + " are the same photograph, which counts twice; take one away");
+  if (copies > 1)
+    context.warn(std::to_string(copies) + " photographs are there a second time and count twice, such as " + such +
+                 "; take one of each away");
+}
+
 }  // namespace
 
 void ProposeCampaign::run(Context& context) {
@@ -51,6 +68,7 @@ void ProposeCampaign::run(Context& context) {
 void AccountForCampaign::run(Context& context) {
   if (survey) warn_of_instruments(survey.unpack(), context);
   const InputFilesT read = inputs.unpack(), left = unread.unpack();
+  warn_of_copies(read, context);
   std::map<std::string, long> uses;
   for (const auto& file : read.files)
     if (file->read) ++uses[file->use];

@@ -26,6 +26,30 @@ TEST(Commands, WrongUsageIsExitCode2WithNearNames) {
   }
 }
 
+/// Words below a command had no near names, `help rn` was taken for `help`, and runs that are not there for failed
+/// ones.
+TEST(Commands, WhatIsNotThereIsWrongUsageToo) {
+  const Program plumbline;
+  setenv("TMPDIR", "/nowhere", 1);
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
+      {{"campaign", "chek", "."}, "there is no command 'campaign chek' — did you mean 'check'?"},
+      {{"cache", "prun"}, "there is no command 'cache prun' — did you mean 'prune'?"},
+      {{"help", "rnu"}, "there is no command 'rnu' — did you mean 'run'?"},
+      {{"why", "a", "nowhere"}, "give the output folder of a run"},
+      {{"diff", "a", "b"}, "give the output folder of a run"},
+      {{"bench", "verify", "nowhere"}, "nowhere is no archive of a bench"}};
+  for (const auto& [words, told] : wrong) {
+    const Answer answer = plumbline(words);
+    EXPECT_EQ(answer.code, 2) << words[0];
+    EXPECT_TRUE(contains(answer.err, told)) << answer.err;
+  }
+  EXPECT_EQ(plumbline({"help", "run"}).code, 0);
+  const Answer answer = plumbline({"campaign", "init", "."});
+  unsetenv("TMPDIR");
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "let TMPDIR name a folder that can be written")) << answer.err;
+}
+
 TEST(Commands, HelpAndVersionGoToStandardOutput) {
   const Program plumbline;
   for (const std::string word : {"--help", "--version"}) {

@@ -123,6 +123,26 @@ TEST_F(ReadCampaignTest, AnInstrumentWithoutAProfileIsToldBeforeTheRun) {
   EXPECT_EQ(told_of(survey), std::vector<std::string>());
 }
 
+TEST_F(ReadCampaignTest, APhotographThatIsThereTwiceIsToldBeforeTheRun) {
+  const auto told_of = [](const std::vector<std::string>& hashes) {
+    InputFilesT files;
+    for (const std::string& hash : hashes) {
+      files.files.push_back(std::make_unique<InputFileT>());
+      files.files.back()->path = std::to_string(files.files.size()) + ".jpg", files.files.back()->sha256 = hash;
+      files.files.back()->use = "photograph", files.files.back()->read = true;
+    }
+    NodeHarness node("campaign.account");
+    node.input<InputFiles>("inputs", files);
+    node.input<InputFiles>("unread", InputFilesT());
+    node.run();
+    return node.warnings();
+  };
+  EXPECT_EQ(told_of({"a", "b"}), std::vector<std::string>());
+  EXPECT_EQ(told_of({"a", "b", "a"}),
+            std::vector<std::string>{"1.jpg and 3.jpg are the same photograph, which counts twice; take one away"});
+  EXPECT_EQ(told_of({"a", "b", "a", "b"}).at(0).substr(0, 37), "2 photographs are there a second time");
+}
+
 TEST_F(ReadCampaignTest, WhatIsAssumedOfControlGoesWithTheReadings) {
   std::ofstream(folder_.path() / "control.csv") << "id,X,Y,Z\nG1,4500000.5,5300000.25,3\nG2,4500010.5,5300010.25,3\n";
   NodeHarness node("read.campaign");

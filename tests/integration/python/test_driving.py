@@ -1,0 +1,85 @@
+"""usage: test_driving.py PLUMBLINE PYTHON     What `import plumbline` does where the program refuses, where it is interrupted, and with what lies there
+from another time. Needs nothing but Python."""
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+
+PROGRAM = os.path.abspath(sys.argv.pop(1))
+sys.path.insert(0, sys.argv.pop(1))
+sys.dont_write_bytecode = True
+import plumbline  # noqa: E402
+
+SLOW = "plumbline: 1\nvars: {seed: 3}\nnodes: {site: {use: simulate.campaign, with: {floors: 3, columns: 4, camera: quick_6mp, images_per_floor: 8}}}\noutputs: {site: site.folder}\n"
+
+
+class Driving(unittest.TestCase):
+    def setUp(self):
+        place = tempfile.TemporaryDirectory()
+        self.addCleanup(place.cleanup)
+        self.work = pathlib.Path(place.name) / "a folder"
+        self.work.mkdir()
+        os.chdir(self.work)
+        self.addCleanup(os.chdir, "/")
+        os.environ.update(PLUMBLINE=PROGRAM, PLUMBLINE_STORE=str(self.work / "store"), XDG_CACHE_HOME=str(self.work / "cache"))
+        pathlib.Path("points.csv").write_text("name,E,N,H,sigma\nA,1,2,3,0.001\n")
+        pathlib.Path("p.yaml").write_text("plumbline: 1\nvars: {file: points.csv}\nnodes:\n  points: {use: read.points, with: {file: \"${file}\"}}\noutputs: {points.json: points.points}\n")
+        pathlib.Path("slow.yaml").write_text(SLOW)
+
+    def running(self):
+        told = subprocess.run(["pgrep", "-f", f"{self.work}/out of slow"], capture_output=True, text=True).stdout
+        return told.split()
+
+    def test_pipes_are_closed_and_none_keeps_the_default(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", ResourceWarning)
+            run = plumbline.run("p.yaml", out="out dir", file=None)
+        self.assertEqual((run.status, run.nodes["points"].status, str(run.outputs["points.json"])), ("ok", "executed", "out dir/points.json"))
+
+    def test_what_is_not_there_is_told_by_its_name(self):
+        with self.assertRaisesRegex(plumbline.UsageError, "there is no run in nowhere: give the output folder"):
+            plumbline.Run("nowhere")
+        os.environ["PLUMBLINE"] = "/nowhere/plumbline"
+        with self.assertRaisesRegex(plumbline.PlumblineError, "PLUMBLINE names /nowhere/plumbline, which is no program"):
+            plumbline.pipelines()
+
+    def test_a_record_of_another_time_is_not_taken_for_this_run(self):
+        pathlib.Path("points.csv").write_text("name,E,N,H,sigma\nA,1,2,x,0.001\n")
+        with self.assertRaises(plumbline.RunFailed):
+            plumbline.run("p.yaml", out="o")
+        pathlib.Path("points.csv").write_text("name,E,N,H,sigma\nA,1,2,3,0.001\n")
+        pathlib.Path("store2").write_text("no folder")
+        with self.assertRaises(plumbline.PlumblineError) as told:
+            plumbline.run("p.yaml", out="o", store="store2")
+        self.assertNotIsInstance(told.exception, plumbline.RunFailed)
+        self.assertIn("store2", str(told.exception))
+
+    def test_what_progress_raises_ends_the_run(self):
+        def refuse(node):
+            raise ZeroDivisionError(node.name)
+        with self.assertRaises(ZeroDivisionError):
+            plumbline.run("p.yaml", out=self.work / "out of slow", progress=refuse)
+        self.assertEqual(self.running(), [])
+        self.assertEqual(threading.active_count(), 1)
+
+    def test_ctrl_c_ends_the_run(self):
+        def interrupt():
+            for _ in range(200):
+                if self.running():
+                    break
+                time.sleep(0.05)
+            os.kill(os.getpid(), signal.SIGINT)
+        threading.Thread(target=interrupt).start()
+        with self.assertRaises(KeyboardInterrupt):
+            plumbline.run("slow.yaml", out=self.work / "out of slow")
+        self.assertEqual(self.running(), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
