@@ -1,16 +1,14 @@
 #include "building/ifc/design.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <regex>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "building/ifc/design_map.hpp"
 #include "building/ifc/design_properties.hpp"
-#include "building/ifc/ifc_extent.hpp"
+#include "building/ifc/element_choice.hpp"
+#include "building/ifc/element_shapes.hpp"
 #include "building/ifc/ifc_model.hpp"
 #include "building/ifc/ifc_placement.hpp"
 #include "building/ifc/ifc_units.hpp"
@@ -20,46 +18,20 @@
 namespace plumbline::ifc {
 namespace {
 
-/// Slack of "the placement lies within the shape": bim practice puts origins on surfaces, and surfaces are rounded.
-constexpr double kPlacementSlack = 0.005;
 /// GlobalId, OwnerHistory, Name, Description, ObjectType, ObjectPlacement, Representation.
 constexpr std::size_t kArgumentsOfProduct = 7;
 /// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
 constexpr std::size_t kOtherShapes = 100;
-
-/// Its own kind, behind Tag in every schema; IFC2X3 has none for plates. Empty where it says nothing.
-std::string own_kind(const Entity& entity) {
-  constexpr std::size_t predefined_type = 8;
-  if (entity.arguments().size() <= predefined_type) return "";
-  const step::Value& value = entity.arguments()[predefined_type];
-  return value.kind == step::Kind::enumeration && value.text != "NOTDEFINED" ? value.text : "";
-}
-
-bool clads(const std::string& ifc_class, const std::string& kind) {
-  return ifc_class == "IfcCurtainWall" || (ifc_class == "IfcCovering" && kind == "CLADDING") ||
-         (ifc_class.starts_with("IfcPlate") && kind == "CURTAIN_PANEL");
-}
-
-/// Walls too, where they hang before their anchors (wall_panels.cpp).
-bool may_be_panel(const std::string& ifc_class, const std::string& kind) {
-  const bool plate = ifc_class == "IfcPlate" || ifc_class == "IfcPlateStandardCase";
-  return clads(ifc_class, kind) || (plate && !is_fixing_plate(kind));
-}
 
 class Reader {
  public:
   Reader(const step::File& file, const AnchorRule& rule)
       : model_(file),
         rule_(rule),
-        names_(rule.names.begin(), rule.names.end()),
-        guids_(rule.guids.begin(), rule.guids.end()),
+        choice_(rule),
         tree_(model_, damage_),
         properties_(model_, damage_),
         placements_(model_) {
-    for (const std::string& text : rule.selections) selections_.emplace_back(text);
-    for (const std::string& text : rule.panels)
-      if (text != "none") panel_selections_.emplace_back(text);
-    selecting_.resize(selections_.size()), selecting_panels_.resize(panel_selections_.size());
     design_.file_name = file.name();
     design_.schema = schema_name(model_.schema());
   }
@@ -84,7 +56,7 @@ class Reader {
     read_elements();
     read_fixings();
     read_shapes();
-    place_aggregates();
+    place_aggregates(tree_, design_);
     refuse_unplaced();
     if (rule_.panels.empty()) find_hanging();
     read_properties();
@@ -93,7 +65,7 @@ class Reader {
     design_.grid = read_grid(model_, placements_, units_.length, design_.warnings);
     read_north();
     tell_damage();
-    tell_idle();
+    choice_.tell_idle(design_);
     assign_facades(design_, rule_.facades);
     return std::move(design_);
   }
@@ -141,18 +113,11 @@ class Reader {
   }
 
   void read_elements() {
-    std::regex pattern;
-    try {
-      pattern = std::regex(rule_.pattern);
-    } catch (const std::regex_error& error) {
-      throw step::Error("anchor pattern '" + rule_.pattern +
-                        "' is no regular expression (ECMAScript): " + error.what());
-    }
     std::vector<std::string_view> classes;  // by step::Instance::type
     for (const std::string& keyword : model_.file().type_names())
       classes.push_back(keyword == "IFCPROXY" ? "IfcProxy" : element_class_name(model_.schema(), keyword));
     const step::Instances instances = model_.file().instances();
-    if (needs_properties()) {
+    if (choice_.needs_properties()) {
       std::unordered_set<std::uint64_t> all;
       for (std::size_t i = 0; i < instances.size(); ++i)
         if (!classes[instances.type(i)].empty()) all.insert(instances[i].id);
@@ -165,12 +130,12 @@ class Reader {
       try {
         const Entity entity = model_.entity(instance);
         Element element = read_element(entity, classes[instance.type]);
-        element.is_anchor = matches(element, pattern);
+        element.is_anchor = choice_.is_anchor(element);
         // IfcProxy is no IfcElement, but old exporters write anchors as such.
         if (element.ifc_class == "IfcProxy" && !element.is_anchor) continue;
         const std::string kind = kind_of(entity, element.ifc_class);
-        element.is_panel = is_panel(element, kind) && !element.is_anchor;
-        element.is_cladding = element.is_panel && (!rule_.panels.empty() || clads(element.ifc_class, kind));
+        element.is_panel = choice_.is_panel(element, kind) && !element.is_anchor;
+        element.is_cladding = element.is_panel && choice_.is_cladding(element, kind);
         if (!entity.optional_reference("ObjectPlacement")) unplaced_.insert(element.instance);
         design_.elements.push_back(std::move(element));
       } catch (const step::Error& error) {
@@ -179,26 +144,11 @@ class Reader {
     }
   }
 
-  bool needs_properties() const {
-    const auto needs = [](const Selection& s) { return s.needs_properties(); };
-    return std::any_of(selections_.begin(), selections_.end(), needs) ||
-           std::any_of(panel_selections_.begin(), panel_selections_.end(), needs);
-  }
-
   /// What it says of itself goes before what its type says.
   std::string kind_of(const Entity& entity, const std::string& ifc_class) const {
     if (!ifc_class.starts_with("IfcPlate") && ifc_class != "IfcCovering") return "";
     const std::string own = own_kind(entity);
     return own.empty() ? properties_.kind_of_type(entity.id()) : own;
-  }
-
-  /// Those of the user alone, if he names any.
-  bool is_panel(const Element& element, const std::string& kind) {
-    if (rule_.panels.empty()) return may_be_panel(element.ifc_class, kind);
-    bool selected = false;
-    for (std::size_t i = 0; i < panel_selections_.size(); ++i)
-      if (panel_selections_[i].matches(facts_of(element))) selected = selecting_panels_[i] = true;
-    return selected;
   }
 
   /// Where something clads, walls are looked at only if there are anchors without it: there may be thousands, and most
@@ -229,18 +179,12 @@ class Reader {
       return false;
     };
     const std::size_t stride = rule_.all_shapes ? 1 : 1 + design_.elements.size() / kOtherShapes;
-    Extents extents(model_, units_.plane_angle);
+    ElementShapes shapes(model_, units_.length, units_.plane_angle, damage_);
     for (std::size_t i = 0; i < design_.elements.size(); ++i) {
       Element& element = design_.elements[i];
-      if (i % stride == 0 || counts(element.instance)) read_shape(model_.entity(element.instance), extents, element);
+      if (i % stride == 0 || counts(element.instance)) shapes.read(model_.entity(element.instance), element);
     }
-    for (const auto& [kind, unread] : unread_) {
-      const auto& [count, first] = unread;
-      design_.warnings.push_back((count == 1 ? first + " keeps the origin of its placement"
-                                             : std::to_string(count) + " elements, such as " + first +
-                                                   ", keep the origin of their placement") +
-                                 " as reference point: " + kind);
-    }
+    shapes.tell_unread(design_);
   }
 
   /// What hangs at anchors and is called no panel.
@@ -248,8 +192,8 @@ class Reader {
     std::unordered_set<std::uint64_t> fillings;
     for_all(model_, "IFCRELFILLSELEMENT", damage_,
             [&](const Entity& relation) { fillings.insert(relation.reference("RelatedBuildingElement")); });
-    Extents extents(model_, units_.plane_angle);
-    const auto read = [&](Element& element) { read_shape(model_.entity(element.instance), extents, element); };
+    ElementShapes shapes(model_, units_.length, units_.plane_angle, damage_);
+    const auto read = [&](Element& element) { shapes.read(model_.entity(element.instance), element); };
     if (const std::set<const Element*> bare = bare_anchors(design_); !bare.empty()) {
       for (Element& element : design_.elements)
         if (is_wall(element) && !element.has_box) read(element);
@@ -279,23 +223,6 @@ class Reader {
     }
     design_.skipped.push_back(std::string(ifc_class) + " '" + name + "' (#" + std::to_string(instance.id) +
                               "): " + reason);
-  }
-
-  /// What was named as an anchor or a panel and is nothing.
-  void tell_idle() {
-    const auto idle = [&](const std::string& asked, const char* by) {
-      design_.not_applied.push_back({asked, by, "it selects nothing in " + design_.file_name});
-    };
-    for (std::size_t i = 0; i < selections_.size(); ++i)
-      if (!selecting_[i]) idle(selections_[i].text(), "anchor_selection");
-    for (std::size_t i = 0; i < panel_selections_.size(); ++i)
-      if (!selecting_panels_[i]) idle(panel_selections_[i].text(), "panel_selection");
-    std::unordered_set<std::string> guids;
-    for (const Element& element : design_.elements) guids.insert(element.guid);
-    for (const std::string& guid : rule_.guids)
-      if (!guids.contains(guid)) idle(guid, "anchor_guids");
-    for (const NotApplied& request : design_.not_applied)
-      design_.warnings.push_back(request.by + " '" + request.asked + "': " + request.reason);
   }
 
   void tell_damage() {
@@ -331,101 +258,8 @@ class Reader {
     }
     element.project_from_element = placement_of(entity);
     element.position = element.project_from_element.translation;
-    if (needs_properties()) element.properties = properties_.of(element.instance);
+    if (choice_.needs_properties()) element.properties = properties_.of(element.instance);
     return element;
-  }
-
-  bool matches(const Element& element, const std::regex& pattern) const {
-    if (guids_.contains(element.guid)) return true;
-    // What an earlier campaign put beside an anchor bears its name and is none.
-    if ((element.object_type == "AsBuiltAnchor" || element.object_type == "AsBuiltPanel") &&
-        element.ifc_class == "IfcBuildingElementProxy")
-      return false;
-    bool selected = false;  // each is asked, to know those that select nothing
-    for (std::size_t i = 0; i < selections_.size(); ++i)
-      if (selections_[i].matches(facts_of(element))) selected = selecting_[i] = true;
-    if (selected) return true;
-    if (std::find(rule_.classes.begin(), rule_.classes.end(), element.ifc_class) != rule_.classes.end()) return true;
-    for (const std::string* text : {&element.name, &element.tag, &element.guid})
-      if (!text->empty() && names_.contains(*text)) return true;
-    if (rule_.pattern.empty()) return false;
-    // Bounded, because std::regex recurses once a character.
-    const auto found = [&](const std::string& text) { return std::regex_search(text.substr(0, 1000), pattern); };
-    return found(element.name) || found(element.object_type) || found(element.type_name) || found(element.tag);
-  }
-
-  /// The rule of the reference point: the placement if it lies within the element's own shape, else a point of the
-  /// shape.
-  void read_shape(const Entity& entity, Extents& extents, Element& element) {
-    std::vector<ItemExtent> items;
-    try {
-      if (const auto shape = entity.optional_reference("Representation")) items = extents.of_shape(*shape, entity.id());
-    } catch (const UnsupportedGeometry& reason) {
-      auto& [count, first] = unread_[reason.what()];
-      if (++count == 1)
-        first = element.ifc_class + " '" + element.name + "' (#" + std::to_string(element.instance) + ")";
-      return;
-    } catch (const step::Error& error) {  // a dangling reference, an argument of another kind
-      auto& [count, first] = damage_["IFCPRODUCTDEFINITIONSHAPE, whose elements keep the origin of their placement,"];
-      if (++count == 1) first = error.what();
-      return;
-    }
-    Eigen::AlignedBox3d box;
-    for (const ItemExtent& item : items)
-      for (const Eigen::Vector3d& point : item.points) box.extend(Eigen::Vector3d(point * units_.length));
-    if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return;
-    element.has_box = true;
-    element.box_low = box.min();
-    element.box_high = box.max();
-    const Eigen::Vector3d slack = Eigen::Vector3d::Constant(kPlacementSlack);
-    Eigen::Vector3d local = Eigen::Vector3d::Zero();
-    if (!Eigen::AlignedBox3d(box.min() - slack, box.max() + slack).contains(local)) {
-      const bool axis = items.size() == 1 && items[0].axis_middle;
-      element.rule = axis ? ReferencePointRule::axis_middle : ReferencePointRule::bounding_box_centre;
-      local = axis ? Eigen::Vector3d(*items[0].axis_middle * units_.length) : box.center();
-    }
-    element.position = element.project_from_element * local;
-    if (!element.is_anchor || items.size() < 2) return;
-    for (const ItemExtent& item : items) {
-      Eigen::AlignedBox3d own;
-      for (const Eigen::Vector3d& point : item.points) own.extend(Eigen::Vector3d(point * units_.length));
-      element.item_positions.push_back(element.project_from_element * own.center());
-    }
-  }
-
-  /// Aggregates without a shape of their own (curtain walls, assemblies) lie where their parts are.
-  void place_aggregates() {
-    std::unordered_map<std::uint64_t, std::size_t> index;
-    for (std::size_t i = 0; i < design_.elements.size(); ++i) index[design_.elements[i].instance] = i;
-    std::map<std::size_t, Eigen::AlignedBox3d> boxes;  // in the axes of the aggregate
-    for (const Element& part : design_.elements) {
-      std::uint64_t above = part.instance;
-      for (int depth = 0; depth < 100; ++depth) {
-        const auto up = tree_.whole.find(above);
-        if (up == tree_.whole.end() || !index.contains(up->second)) break;
-        above = up->second;
-        Element& whole = design_.elements[index[above]];
-        if (depth == 0) design_.elements[index[part.instance]].parent_guid = whole.guid;
-        if (whole.has_box || !part.has_box) continue;
-        const RigidTransform whole_from_part = whole.project_from_element.inverse() * part.project_from_element;
-        for (int corner = 0; corner < 8; ++corner) {
-          const Eigen::Vector3d point(corner & 1 ? part.box_high.x() : part.box_low.x(),
-                                      corner & 2 ? part.box_high.y() : part.box_low.y(),
-                                      corner & 4 ? part.box_high.z() : part.box_low.z());
-          boxes[index[above]].extend(Eigen::Vector3d(whole_from_part * point));
-        }
-      }
-    }
-    for (const auto& [i, box] : boxes) {
-      Element& whole = design_.elements[i];
-      whole.has_box = true;
-      whole.box_low = box.min();
-      whole.box_high = box.max();
-      const Eigen::Vector3d slack = Eigen::Vector3d::Constant(kPlacementSlack);
-      if (Eigen::AlignedBox3d(box.min() - slack, box.max() + slack).contains(Eigen::Vector3d::Zero().eval())) continue;
-      whole.rule = ReferencePointRule::parts_centre;
-      whole.position = whole.project_from_element * Eigen::Vector3d(box.center());
-    }
   }
 
   /// Which anchors the file itself ties to a panel, and to a wall or slab.
@@ -464,7 +298,7 @@ class Reader {
   }
 
   void read_properties() {
-    if (needs_properties()) return;
+    if (choice_.needs_properties()) return;
     std::unordered_set<std::uint64_t> judged;
     for (const Element& element : design_.elements)
       if (element.is_anchor || element.is_panel) judged.insert(element.instance);
@@ -490,9 +324,7 @@ class Reader {
 
   Model model_;
   const AnchorRule& rule_;
-  std::unordered_set<std::string> names_, guids_;
-  std::vector<Selection> selections_, panel_selections_;
-  mutable std::vector<bool> selecting_, selecting_panels_;  // those of them that select something
+  ElementChoice choice_;
   Damage damage_;
   Tree tree_;
   Properties properties_;
@@ -502,24 +334,9 @@ class Reader {
   std::unordered_map<std::uint64_t, std::size_t> storey_index_;
   std::unordered_set<std::uint64_t> unplaced_;  // elements without ObjectPlacement
   std::unordered_set<std::uint64_t> hosts_;     // walls and slabs that anchors are fixed to
-  std::map<std::string, std::pair<int, std::string>> unread_;
 };
 
 }  // namespace
-
-const char* name_of(ReferencePointRule rule) {
-  switch (rule) {
-    case ReferencePointRule::placement:
-      return "placement";
-    case ReferencePointRule::axis_middle:
-      return "axis_middle";
-    case ReferencePointRule::bounding_box_centre:
-      return "bounding_box_centre";
-    case ReferencePointRule::parts_centre:
-      return "parts_centre";
-  }
-  return "";
-}
 
 ElementFacts facts_of(const Element& element) {
   return {element.ifc_class,   element.guid,      element.name,   element.tag,

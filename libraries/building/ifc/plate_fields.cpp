@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "building/ifc/facade_lines.hpp"
 #include "building/ifc/what_hangs.hpp"
 #include "geometry/panel_fit.hpp"
 
