@@ -53,4 +53,12 @@ std::map<int, std::string> column_names(const AccuracyT& accuracy) {
   return names;
 }
 
+std::string end_of(const std::string& name) {
+  constexpr std::size_t kShort = 12, kEnd = 7;
+  if (name.size() <= kShort) return name;
+  std::size_t at = name.size() - kEnd;
+  while ((static_cast<unsigned char>(name[at]) & 0xC0U) == 0x80U) ++at;  // within a character of UTF-8
+  return "\u2026" + name.substr(at);
+}
+
 }  // namespace plumbline::report

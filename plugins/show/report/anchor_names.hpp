@@ -16,4 +16,8 @@ std::map<int, std::string> common_prefixes(const AccuracyT& accuracy);
 /// F01-C01-R1, F02-C01-R2; "K1" of F01-K1, F02-K1), else "column 3".
 std::map<int, std::string> column_names(const AccuracyT& accuracy);
 
+/// Where a long name has no room: its end, in which the names of programs differ ("…1043775" of
+/// "Anchor:HTA 38/17:1043775", "…Cp8h60o" of a GlobalId). Short names stay as they are.
+std::string end_of(const std::string& name);
+
 }  // namespace plumbline::report

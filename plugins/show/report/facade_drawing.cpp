@@ -64,15 +64,18 @@ void name_panels(Markup& svg, const Elevation& e, const FacadeView& view, LabelP
       const Eigen::Vector3d high = quad.corners[3] + across * (quad.corners[2] - quad.corners[3]);
       return e.drawn(low + up * (high - low));
     };
-    bool placed = false;
-    for (const double up : {0.9, 0.1, 0.7, 0.3, 0.6, 0.4, 0.5})
-      for (const double across : {0.5, 0.3, 0.7}) {
-        const Eigen::Vector2d p = at(across, up);
-        placed = placed || labels.place_at(svg, p.x(), p.y(), "middle", sign + quad.name, "small halo");
-      }
-    if (placed) continue;
+    const auto placed = [&](const std::string& text) {
+      for (const double up : {0.9, 0.1, 0.7, 0.3, 0.6, 0.4, 0.5})
+        for (const double across : {0.5, 0.3, 0.7}) {
+          const Eigen::Vector2d p = at(across, up);
+          if (labels.place_at(svg, p.x(), p.y(), "middle", text, "small halo")) return true;
+        }
+      return false;
+    };
+    const std::string end = sign + end_of(quad.name);
+    if (placed(sign + quad.name) || placed(end)) continue;
     const Eigen::Vector2d p = at(0.5, 0.9);
-    label(svg, p.x(), p.y(), sign + quad.name, "small halo", "middle");
+    label(svg, p.x(), p.y(), end, "small halo", "middle");
   }
 }
 
@@ -189,10 +192,11 @@ bool draw_elevation(Markup& html, const Elevation& e, const FacadeView& view, co
     const auto prefix = e.prefixes.find(s.floor);
     const bool cut = prefix != e.prefixes.end() && s.id.starts_with(prefix->second);
     const std::string name = s.id.substr(cut ? prefix->second.size() : 0);
-    if (labels.place(html, x, y, 13, name + value, "halo mark")) continue;
-    // A name that finds no free place stands over something else: covered is better than lost.
-    if (!labels.place(html, x, y, 13, name, "halo mark"))
-      label(html, x + 9, y + 4, name + value, "halo small", "start");
+    const std::string end = end_of(name);
+    const auto placed = [&](const std::string& text) { return labels.place(html, x, y, 13, text, "halo mark"); };
+    if (placed(name + value) || placed(name) || placed(end + value) || placed(end)) continue;
+    // What finds no free place stands over something else: covered is better than lost.
+    label(html, x + 9, y + 4, end + value, "halo small", "start");
   }
   name_panels(html, e, view, labels);
   return behind;

@@ -35,6 +35,13 @@ TEST(AnchorNames, AColumnIsCalledWhatItsAnchorsShare) {
   EXPECT_EQ(column_names(accuracy), (Names{{1, "C01"}, {5, "K1"}, {6, "column 6"}}));
 }
 
+TEST(AnchorNames, LongOnesAreCutToTheEndInWhichTheyDiffer) {
+  EXPECT_EQ(end_of("F01-C01-R1-X"), "F01-C01-R1-X");
+  EXPECT_EQ(end_of("Anchor:HTA 38/17:1043775"), "\u20261043775");
+  EXPECT_EQ(end_of("Befestigung S\u00fcd-12"), "\u2026S\u00fcd-12");
+  EXPECT_EQ(end_of("Befestigung S\u00fc-12345"), "\u2026-12345");  // not the second half of a letter
+}
+
 TEST(AnchorNames, NamesWithoutAnySystem) {
   EXPECT_EQ(column_names(anchors({{"12", 1, 1}, {"47", 2, 1}, {"13", 1, 2}, {"48", 2, 2}})),
             (Names{{1, "column 1"}, {2, "column 2"}}));
