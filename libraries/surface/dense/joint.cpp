@@ -55,6 +55,7 @@ struct EdgeSight {
 struct EdgePlace {
   bool found = false;
   double u = 0, variance = 0;  ///< random part [m], [m²]
+  double by_height = 0;        ///< what it is off if its height is by one standard deviation: all stations alike [m]
   Eigen::RowVectorXd by_orientation;
   int views = 0;
 };
@@ -67,11 +68,19 @@ class Station {
 
   /// Both edges; `found` says whether.
   std::array<EdgePlace, 2> edges(double along) const {
-    double heights[2];
-    for (size_t e : {0, 1}) heights[e] = height_at(lines_[e], joint_.plane, lines_[e].nominal, along).height;
+    double heights[2], sigmas[2];
+    int least[2];
+    for (size_t e : {0, 1}) {
+      const EdgeHeight at = height_at(lines_[e], joint_.plane, lines_[e].nominal, along);
+      heights[e] = at.height;
+      sigmas[e] = at.measured ? std::sqrt(options_.height_sigma * options_.height_sigma + at.variance)
+                              : options_.unmeasured_height_sigma;
+      // Where the height has to come from the same sights, two of them have nothing left to contradict each other by.
+      least[e] = at.measured ? options_.min_views : std::max(options_.min_views, 3);
+    }
     std::vector<EdgeSight> sights[2];
     for (const FacetView& view : views_) look(view, along, heights, sights);
-    return {intersect(std::move(sights[0])), intersect(std::move(sights[1]))};
+    return {intersect(std::move(sights[0]), sigmas[0], least[0]), intersect(std::move(sights[1]), sigmas[1], least[1])};
   }
 
  private:
@@ -110,8 +119,8 @@ class Station {
     }
   }
 
-  /// Covariance of the sights' places: noise, the edge's height over the panel, and the orientations.
-  Eigen::MatrixXd covariance_of(const std::vector<EdgeSight>& sights) const {
+  /// Covariance of the sights' places: noise, the edge's height, and the orientations.
+  Eigen::MatrixXd covariance_of(const std::vector<EdgeSight>& sights, double height_sigma) const {
     const Eigen::Index n = static_cast<Eigen::Index>(sights.size());
     Eigen::MatrixXd by(n, orientations_.size());
     Eigen::VectorXd parallax(n), noise(n);
@@ -119,18 +128,20 @@ class Station {
       const EdgeSight& s = sights[i];
       by.row(i) = s.by_orientation, parallax(i) = s.parallax, noise(i) = s.sigma * s.sigma;
     }
-    Eigen::MatrixXd covariance = options_.height_sigma * options_.height_sigma * parallax * parallax.transpose();
+    Eigen::MatrixXd covariance = height_sigma * height_sigma * parallax * parallax.transpose();
     covariance.diagonal() += noise;
     if (by.cols() > 0) covariance += by * orientations_.matrix * by.transpose();
     return covariance;
   }
 
-  /// The best mean of the sights; those that stand out go, the worst first.
-  EdgePlace intersect(std::vector<EdgeSight> sights) const {
+  /// The best mean of the sights; those that stand out go, the worst first. With a `height_sigma` that is large beside
+  /// the noise over the difference of the rays' slopes, this is the intersection of the rays: the weights are such that
+  /// the height leaves the place as it is.
+  EdgePlace intersect(std::vector<EdgeSight> sights, double height_sigma, int least) const {
     EdgePlace place;
-    while (static_cast<int>(sights.size()) >= options_.min_views) {
+    while (static_cast<int>(sights.size()) >= least) {
       const Eigen::Index n = static_cast<Eigen::Index>(sights.size());
-      const Eigen::MatrixXd inverse = covariance_of(sights).inverse();
+      const Eigen::MatrixXd inverse = covariance_of(sights, height_sigma).inverse();
       const Eigen::VectorXd ones = Eigen::VectorXd::Ones(n);
       const Eigen::RowVectorXd weight = ones.transpose() * inverse / ones.dot(inverse * ones);
       Eigen::VectorXd seen(n);
@@ -140,21 +151,21 @@ class Station {
       const double factor = std::max(1.0, (seen - u * ones).dot(off) / std::max<double>(static_cast<double>(n) - 1, 1));
       Eigen::Index worst = 0;  // by its own test: (C⁻¹ v)ᵢ over the root of (C⁻¹)ᵢᵢ
       const double largest = (off.array().abs() / inverse.diagonal().array().sqrt()).maxCoeff(&worst);
-      if (largest > 4 && n > options_.min_views) {
+      if (largest > 4 && n > least) {
         sights.erase(sights.begin() + static_cast<std::ptrdiff_t>(worst));
         continue;
       }
       if (factor > 16) break;  // photographs that show different edges
       place.found = true, place.views = static_cast<int>(n), place.u = u;
       place.by_orientation = Eigen::RowVectorXd::Zero(orientations_.size());
-      double noise = 0, height = 0;
+      double noise = 0;
       for (Eigen::Index i = 0; i < n; ++i) {
         const EdgeSight& s = sights[i];
         place.by_orientation += weight(i) * s.by_orientation;
         noise += weight(i) * weight(i) * s.sigma * s.sigma;
-        height += weight(i) * s.parallax * options_.height_sigma;
+        place.by_height += std::sqrt(factor) * weight(i) * s.parallax * height_sigma;
       }
-      place.variance = factor * (noise + height * height);
+      place.variance = factor * noise;
       break;
     }
     return place;
@@ -191,6 +202,15 @@ bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views) {
   return difference <= 0;
 }
 
+/// The panels that were not measured, in words; empty: both were.
+std::string unmeasured_of(const EdgeLine& a, const EdgeLine& b) {
+  std::string names;
+  for (const EdgeLine* line : {&a, &b})
+    if (!line->surface || !line->surface->not_measured.empty())
+      names += (names.empty() ? "panel '" : " and panel '") + line->face->id + "'";
+  return names;
+}
+
 JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& line_a, const EdgeLine& line_b,
                         const Joint& joint, const OrientationCovariance& orientations, double along) {
   JointStation station;
@@ -198,7 +218,9 @@ JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& 
   station.width = b.u - a.u;
   const Eigen::RowVectorXd row = b.by_orientation - a.by_orientation;
   const double common = orientations.size() > 0 ? (row * orientations.matrix * row.transpose())(0) : 0;
-  station.width_sigma = std::sqrt(a.variance + b.variance + common);
+  station.width_random = std::sqrt(a.variance + b.variance);
+  station.width_by_edge = {-a.by_height, b.by_height}, station.width_by_orientation = row;
+  station.width_sigma = std::sqrt(a.variance + b.variance + station.width_by_edge.squaredNorm() + common);
   station.views = std::min(a.views, b.views);
   add_step(station, line_a, line_b, joint.plane, a.u, b.u);
   return station;
@@ -264,8 +286,11 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
     edges.push_back({{edge_a.u, edge_b.u}, {edge_a.variance, edge_b.variance}});
   }
   if (measured.stations.empty()) {
+    const std::string unknown = unmeasured_of(a, b);
     measured.not_measured =
-        one_edge > 0 ? "only one of its edges shows in " + std::to_string(options.min_views) + " photographs or more"
+        !unknown.empty() ? "its edges show in fewer than 3 photographs, and " + unknown +
+                              " is not measured, so that two say nothing of where its edge is in depth"
+        : one_edge > 0 ? "only one of its edges shows in " + std::to_string(options.min_views) + " photographs or more"
                      : "its edges show in fewer than " + std::to_string(options.min_views) + " photographs";
     return measured;
   }

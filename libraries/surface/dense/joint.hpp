@@ -5,6 +5,7 @@
 // the joint as it is lit.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -33,11 +34,18 @@ struct JointOptions {
   double search = 0.012;       ///< how far an edge is looked for from where the design has it [m]
   int min_views = 2;           ///< photographs that have to show an edge
   double height_sigma = 3e-4;  ///< of the edge over the panel's fitted surface: bevels, dents [m]
+  /// Of the edge of a panel that was not measured, from where the design has it: large enough that the photographs say
+  /// where it is, and not the design [m].
+  double unmeasured_height_sigma = 0.02;
 };
 
 struct JointStation {
   double along = 0;                   ///< from the joint's middle [m]
-  double width = 0, width_sigma = 0;  ///< [m]; sigma has the random and the systematic part
+  double width = 0, width_sigma = 0;  ///< [m]; sigma has all of the parts that follow
+  double width_random = 0;            ///< what differs from station to station [m]
+  /// By the heights of both edges, each by its standard deviation: alike in all stations of a joint [m].
+  Eigen::Vector2d width_by_edge = Eigen::Vector2d::Zero();
+  Eigen::RowVectorXd width_by_orientation;  ///< in the order of OrientationCovariance
   double step = 0, step_sigma = 0;    ///< b over a, out of the facade [m]; nan if a panel was not measured
   int views = 0;                      ///< photographs that show both edges, or the fewer of the two
 };

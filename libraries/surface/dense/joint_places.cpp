@@ -32,6 +32,7 @@ EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, d
     result.measured = true;
     result.base = line.surface->base(on_face.x(), on_face.y());
     place.z() = result.base.dot(line.surface->form);
+    result.variance = result.base.dot(line.surface->form_random * result.base);
   }
   result.height = plane.local(line.face->plane.world(place)).z();
   return result;
@@ -84,9 +85,10 @@ void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, 
   for (size_t s = 0; s < edges.size(); ++s) {
     if (!straight[s]) continue;
     JointStation station = measured.stations[s];
-    double variance = station.width_sigma * station.width_sigma;
-    for (int e : {0, 1}) variance += (factor[e] - 1) * edges[s].variance[e];
-    station.width_sigma = std::sqrt(variance);
+    double more = 0;
+    for (int e : {0, 1}) more += (factor[e] - 1) * edges[s].variance[e];
+    station.width_sigma = std::hypot(station.width_sigma, std::sqrt(more));
+    station.width_random = std::hypot(station.width_random, std::sqrt(more));
     kept.push_back(station);
   }
   measured.stations = std::move(kept);

@@ -24,7 +24,8 @@ std::array<EdgeLine, 2> edge_lines(const Joint& joint, const std::vector<PanelFa
 /// Height of the panel's surface over the joint's plane at a place of that plane, and what it is a product of; the
 /// design's height where the panel has no figures.
 struct EdgeHeight {
-  double height = 0;  ///< [m]
+  double height = 0;    ///< [m]
+  double variance = 0;  ///< of its random part: what the orientations do to it they do to the neighbour's too [m²]
   Vector6 base = Vector6::Zero();
   bool measured = false;
 };

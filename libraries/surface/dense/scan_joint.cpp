@@ -169,7 +169,8 @@ MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace
     if (saw != Saw::joint) continue;
     JointStation station;
     station.along = stations.along(s), station.width = found.u[1] - found.u[0];
-    station.width_sigma = std::sqrt(found.variance[0] + found.variance[1] + options.beam * options.beam / 3);
+    station.width_random = std::sqrt(found.variance[0] + found.variance[1]);
+    station.width_sigma = std::hypot(station.width_random, options.beam / std::sqrt(3.0));
     add_step(station, lines[0], lines[1], joint.plane, found.u[0], found.u[1]);
     measured.stations.push_back(station), edges.push_back(found);
   }

@@ -17,9 +17,9 @@ using plumbline::testing::FacadeScene;
 double width_at(double v) { return 0.0121 + 0.004 * v; }  // [m]
 constexpr double kStep = 0.0023;                          // b stands out by it [m]
 
-FacadeScene jointed(double panel, double gap) {
+FacadeScene jointed(double panel, double gap, double step = kStep) {
   FacadeScene scene;
-  scene.height = [](double u, double) { return kStep * std::min(1.0, std::max(0.0, u / 0.004 + 0.5)); };
+  scene.height = [step](double u, double) { return step * std::min(1.0, std::max(0.0, u / 0.004 + 0.5)); };
   scene.reflectance = [panel, gap](double u, double v) {
     return std::abs(u) < 0.5 * width_at(v) ? gap : panel + 0.15 * plumbline::testing::plaster(u, v, 0.002);
   };
@@ -40,7 +40,9 @@ struct Outcome {
   MeasuredJoint joint;
 };
 
-Outcome measure(const Site& site) {
+/// `unmeasured`: number of a panel without figures, as if nothing showed on it; `seen_by`: numbers of the photographs
+/// that show the joint.
+Outcome measure(const Site& site, int unmeasured = -1, const std::vector<size_t>& seen_by = {0, 1, 2, 3, 4}) {
   Outcome outcome;
   const std::vector<PanelFace> faces = faces_of(site);
   std::vector<FacetTile> tiles;
@@ -55,9 +57,15 @@ Outcome measure(const Site& site) {
   options.border = 0.008;
   std::vector<PanelSurface> surfaces;
   for (const PanelFace& face : faces) surfaces.push_back(measure_panel(face, measured, options));
+  if (unmeasured >= 0) {
+    surfaces[unmeasured] = PanelSurface();
+    surfaces[unmeasured].not_measured = "nothing on it to measure";
+  }
+  std::vector<FacetView> views;
+  for (size_t k : seen_by) views.push_back(site.facet_views()[k]);
   outcome.joints = joints_of(faces);
   if (!outcome.joints.empty())
-    outcome.joint = measure_joint(outcome.joints[0], faces, surfaces, site.facet_views(), site.orientations, {});
+    outcome.joint = measure_joint(outcome.joints[0], faces, surfaces, views, site.orientations, {});
   return outcome;
 }
 
@@ -93,6 +101,34 @@ TEST(Joint, WhereNoEdgeShowsNothingIsStated) {
   const Outcome outcome = measure(make_site(scene));
   EXPECT_EQ(outcome.joint.stations.size(), 0U);
   EXPECT_NE(outcome.joint.not_measured, "");
+}
+
+/// A panel of glass or of plain paint has no measured surface, and the design's is not where it hangs: seen from one
+/// side its edge is off by its height times the rays' slope.
+TEST(Joint, BesideAPanelThatWasNotMeasuredTheHeightOfItsEdgeIsUnknown) {
+  const FacadeScene scene = jointed(0.5, 0.05, 0.005);
+  for (int unmeasured : {0, 1}) {
+    FacadeScene moved = scene;
+    if (unmeasured == 0) moved.height = [scene](double u, double v) { return scene.height(u, v) - 0.005; };
+    const Site site = make_site(moved);
+    for (const std::vector<size_t>& seen_by : {std::vector<size_t>{0, 1, 2, 3, 4}, {0, 2, 3}, {0, 1, 2}}) {
+      const Outcome outcome = measure(site, unmeasured, seen_by);
+      ASSERT_GE(outcome.joint.stations.size(), 9U) << outcome.joint.not_measured;
+      double squares = 0;
+      for (const JointStation& station : outcome.joint.stations) {
+        squares += std::pow((station.width - width_at(station.along)) / station.width_sigma, 2);
+        EXPECT_FALSE(std::isfinite(station.step));
+      }
+      const double count = static_cast<double>(outcome.joint.stations.size());
+      EXPECT_LT(squares / count, 2.5) << "panel " << unmeasured << ", " << seen_by.size() << " photographs";
+    }
+    const Outcome two = measure(site, unmeasured, {0, 1});
+    EXPECT_NE(two.joint.not_measured.find("panel '" + std::string(unmeasured == 0 ? "left" : "right") + "'"),
+              std::string::npos)
+        << "of two photographs the one says where the edge is and the other how high: nothing tells whether they show "
+           "the same edge; "
+        << two.joint.not_measured;
+  }
 }
 
 TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
