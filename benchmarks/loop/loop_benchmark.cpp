@@ -69,6 +69,22 @@ struct Sum {
   double stated[12] = {}, inside[12] = {}, count[12] = {};
 };
 
+/// Of each tower by itself, for intervals that know that its panels share a survey: seed, bin, panels, sum of what is
+/// stated, panels inside (benchmarks/loop/reliability.py).
+void print_reliability(const TrialResult& r, std::uint64_t seed) {
+  double stated[11] = {};
+  int inside[11] = {}, count[11] = {};
+  for (const Stated& one : r.stated) {
+    if (!(one.p_in >= 0)) continue;
+    const int bin = one.p_in >= 0.95 ? 10 : static_cast<int>(10 * one.p_in);
+    stated[bin] += one.p_in, inside[bin] += one.inside, ++count[bin];
+  }
+  for (int bin = 0; bin <= 10; ++bin)
+    if (count[bin] > 0)
+      std::printf("tower %llu %d %d %.6f %d\n", static_cast<unsigned long long>(seed), bin, count[bin], stated[bin],
+                  inside[bin]);
+}
+
 void add(const TrialResult& r, Sum& s) {
   s.panels.add(100.0 * r.panels_inside / r.panels),
       s.joints.add(r.joints > 0 ? 100.0 * r.joints_inside / r.joints : 100.0);
@@ -143,6 +159,7 @@ int main(int argc, char** argv) {
       const TrialResult r = run_trial(options, kStrategies[i], first + static_cast<std::uint64_t>(t));
       sums[i].seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
       add(r, sums[i]);
+      if (kStrategies[i] == Strategy::measured_once) print_reliability(r, first + static_cast<std::uint64_t>(t));
       share[i] = 100.0 * r.panels_inside / r.panels;
     }
     for (std::size_t i = 0; i < kCount; ++i) paired[i].add(share[kCount - 1] - share[i]);

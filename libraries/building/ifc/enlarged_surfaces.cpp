@@ -21,7 +21,10 @@ void enlarge(SurfacesT& surfaces, double factor) {
     for (auto& gap : panel->flatness) gap->sigma *= root, gap->noise_mean *= root, gap->noise_sigma *= root;
   }
   for (auto& joint : surfaces.joints)
-    for (auto& place : joint->places) place->width_sigma *= root, place->step_sigma *= root;
+    for (auto& place : joint->places) {
+      place->width_sigma *= root, place->width_random *= root, place->step_sigma *= root;
+      scale(place->width_by_edge, root), scale(place->width_factor, root);
+    }
 }
 
 }  // namespace plumbline::ifc

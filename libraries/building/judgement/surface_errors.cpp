@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -112,17 +113,136 @@ double between(const std::vector<std::unique_ptr<JointPlaceT>>& places, double a
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, std::vector<SurfaceError>& errors) {
+/// An error at a place of a joint.
+struct PlaceError {
+  const JointFiguresT* joint;
+  const JointPlaceT* place;
+  double error;
+};
+
+/// What the places of all joints are off by.
+struct JointErrors {
+  std::vector<PlaceError> width, beside, step;
+};
+
+void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, bool beside, JointErrors& joints,
+              std::vector<SurfaceError>& errors) {
   for (const auto& place : measured.places) {
     // Both may count along the joint from different middles, and in opposite directions.
     const double along = truth.along.dot(measured.origin + place->along * measured.along - truth.origin);
     const std::string where = fmt::format("{} | {} at {:+.2f} m", measured.first, measured.second, place->along);
     const double width = between(truth.places, along, &JointPlaceT::width),
                  step = between(truth.places, along, &JointPlaceT::step);
-    if (std::isfinite(width)) errors.push_back({where, "width", place->width, width, place->width_sigma});
-    if (std::isfinite(step) && std::isfinite(place->step))
-      errors.push_back({where, "step", place->step, step, place->step_sigma});
+    if (std::isfinite(width)) {
+      (beside ? joints.beside : joints.width).push_back({&measured, place.get(), place->width - width});
+      errors.push_back({where, beside ? "width_beside_unmeasured" : "width", place->width, width, place->width_sigma});
+    }
+    if (beside || !std::isfinite(step) || !std::isfinite(place->step)) continue;
+    joints.step.push_back({&measured, place.get(), place->step - step});
+    errors.push_back({where, "step", place->step, step, place->step_sigma});
   }
+}
+
+/// e' C⁻¹ e with C = D + U U', by the lemma of Woodbury: D differs from place to place, U is what all joints have in
+/// common and what the places of one joint have. nan where nobody said so.
+double nees_of_widths(const std::vector<PlaceError>& errors, int rank) {
+  std::map<const JointFiguresT*, Eigen::Index> column;
+  for (const PlaceError& one : errors)
+    column.try_emplace(one.joint, rank + 2 * static_cast<Eigen::Index>(column.size()));
+  const auto n = static_cast<Eigen::Index>(errors.size()), k = rank + 2 * static_cast<Eigen::Index>(column.size());
+  Eigen::MatrixXd common = Eigen::MatrixXd::Zero(n, k);  // over the random part
+  Eigen::VectorXd own(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const JointPlaceT& place = *errors[i].place;
+    if (!(place.width_random > 0) || static_cast<int>(place.width_factor.size()) != rank)
+      return std::numeric_limits<double>::quiet_NaN();
+    for (int c = 0; c < rank; ++c) common(i, c) = place.width_factor[c] / place.width_random;
+    for (size_t e = 0; e < place.width_by_edge.size() && e < 2; ++e)
+      common(i, column.at(errors[i].joint) + static_cast<Eigen::Index>(e)) =
+          place.width_by_edge[e] / place.width_random;
+    own(i) = errors[i].error / place.width_random;
+  }
+  const Eigen::VectorXd right = common.transpose() * own;
+  const Eigen::MatrixXd inner = Eigen::MatrixXd::Identity(k, k) + common.transpose() * common;
+  return own.squaredNorm() - right.dot(inner.llt().solve(right));
+}
+
+/// c0 … c5 of a panel's height at a place of its border.
+Vector6 base_at(const SurfaceFaceT& face, const Eigen::Vector3d& place) {
+  const double x = std::clamp(2 * face.right.dot(place - face.origin) / face.width, -1.0, 1.0),
+               y = std::clamp(2 * face.up.dot(place - face.origin) / face.height, -1.0, 1.0);
+  return (Vector6() << 1, x, y, 1 - x * x, 1 - y * y, x * y).finished();
+}
+
+/// Along a joint a step is of second degree: its first, middle and last place hold all of it.
+std::vector<PlaceError> three_of_each(const std::vector<PlaceError>& errors) {
+  std::vector<PlaceError> kept;
+  for (size_t from = 0, to; from < errors.size(); from = to) {
+    for (to = from; to < errors.size() && errors[to].joint == errors[from].joint;) ++to;
+    const size_t middle = from + (to - from) / 2;
+    for (size_t i = from; i < to; ++i)
+      if (i == from || i == middle || i + 1 == to) kept.push_back(errors[i]);
+  }
+  return kept;
+}
+
+void count_steps(const std::vector<PlaceError>& all, const std::vector<MeasuredPanel>& panels, int rank,
+                 SurfaceErrorsOf& of) {
+  std::map<std::string, Eigen::Index> number;
+  for (size_t p = 0; p < panels.size(); ++p) number[panels[p].figures->face->id] = static_cast<Eigen::Index>(p);
+  std::vector<PlaceError> errors = three_of_each(all);
+  std::erase_if(errors, [&](const PlaceError& one) {
+    return !number.contains(one.joint->first) || !number.contains(one.joint->second);
+  });
+  const Eigen::MatrixXd covariance = covariance_of(panels, rank);
+  Eigen::MatrixXd by = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(errors.size()), covariance.rows());
+  Eigen::VectorXd off(by.rows());
+  for (Eigen::Index i = 0; i < by.rows(); ++i) {
+    const PlaceError& one = errors[i];
+    const Eigen::Vector3d at = one.joint->origin + one.place->along * one.joint->along;
+    for (const auto& [name, sign] : {std::pair{one.joint->first, -1.0}, {one.joint->second, 1.0}}) {
+      const Eigen::Index p = number.at(name);
+      by.row(i).segment<6>(6 * p) += sign * base_at(*panels[p].figures->face, at).transpose();
+    }
+    off(i) = one.error;
+  }
+  if (off.size() == 0) return void(of.nees = of.freedom = 0);
+  // Steps around a corner of four panels add up to nothing: such directions have no error, and none is tested.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(by * covariance * by.transpose());
+  constexpr double kLeast = 2e-6;  // [m]
+  of.nees = of.freedom = 0;
+  for (Eigen::Index i = 0; i < off.size(); ++i) {
+    const double variance = spectrum.eigenvalues()(i);
+    if (variance < std::max(kLeast * kLeast, 1e-6 * spectrum.eigenvalues()(off.size() - 1))) continue;
+    of.nees += std::pow(spectrum.eigenvectors().col(i).dot(off), 2) / variance, ++of.freedom;
+  }
+}
+
+void of_joints(const JointErrors& errors, const std::vector<MeasuredPanel>& panels, const SurfacesT& measured,
+               SurfaceErrors& result) {
+  for (const auto& [name, places, joints] : {std::tuple{"width", &errors.width, result.joints_measured},
+                                             {"width_beside_unmeasured", &errors.beside, result.joints_beside}}) {
+    if (places->empty()) continue;
+    SurfaceErrorsOf of = summary_of(name, result.all);
+    const double nees = nees_of_widths(*places, measured.joint_rank);
+    of.one_by_one = !std::isfinite(nees);
+    if (of.one_by_one)
+      of.nees *= joints, of.freedom = joints;
+    else
+      of.nees = nees;
+    result.of.push_back(of);
+  }
+  if (errors.step.empty()) return;
+  result.of.push_back(summary_of("step", result.all));
+  count_steps(errors.step, panels, measured.rank, result.of.back());
+}
+
+void refuse_equal_names(const SurfacesT& surfaces, const char* which) {
+  std::map<std::string, int> count;
+  for (const auto& panel : surfaces.panels)
+    if (++count[panel->face->id] == 2)
+      throw std::runtime_error("two panels of " + std::string(which) + " are called '" + panel->face->id +
+                               "': which of them is which nobody can tell; evaluate one facade at a time");
 }
 
 }  // namespace
@@ -147,6 +267,7 @@ Eigen::Matrix<double, 6, 1> coefficients_on(const SurfaceFaceT& face, const Pane
 
 SurfaceErrors surface_errors(const SurfacesT& measured, const SurfacesT& truth) {
   SurfaceErrors result;
+  refuse_equal_names(measured, "the measured surfaces"), refuse_equal_names(truth, "the truth");
   std::map<std::string, const PanelSurfaceFiguresT*> panels;
   for (const auto& panel : measured.panels) panels[panel->face->id] = panel.get();
   std::vector<MeasuredPanel> compared;
@@ -166,19 +287,18 @@ SurfaceErrors surface_errors(const SurfacesT& measured, const SurfacesT& truth) 
   of_panels(compared, measured.rank, result);
   std::map<std::pair<std::string, std::string>, const JointFiguresT*> joints;
   for (const auto& joint : measured.joints) joints[{joint->first, joint->second}] = joint.get();
+  JointErrors errors;
   for (const auto& joint : truth.joints) {
-    if (!can_be[joint->first] || !can_be[joint->second]) continue;
+    const bool beside = !can_be[joint->first] || !can_be[joint->second];
     const auto found = joints.find({joint->first, joint->second});
     const bool has = found != joints.end() && !found->second->places.empty();
-    ++result.joints_wanted, result.joints_measured += has;
-    if (has) of_joint(*found->second, *joint, result.all);
+    if (beside)
+      result.joints_beside += has;
+    else
+      ++result.joints_wanted, result.joints_measured += has;
+    if (has) of_joint(*found->second, *joint, beside, errors, result.all);
   }
-  for (const char* name : {"width", "step"}) {
-    if (std::none_of(result.all.begin(), result.all.end(), [&](const auto& one) { return one.quantity == name; }))
-      continue;
-    result.of.push_back(summary_of(name, result.all));
-    result.of.back().nees *= result.joints_measured, result.of.back().freedom = result.joints_measured;
-  }
+  of_joints(errors, compared, measured, result);
   for (const SurfaceError& one : result.all) result.beyond_3_sigma += std::abs(one.found - one.truth) > 3 * one.sigma;
   if (!result.all.empty()) result.beyond_3_sigma /= static_cast<double>(result.all.size());
   return result;

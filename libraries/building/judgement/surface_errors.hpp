@@ -11,8 +11,9 @@ namespace plumbline::judgement {
 
 /// One quantity of one panel, or one place of a joint; a tilt is the height that it makes over one metre.
 struct SurfaceError {
-  std::string where;                       ///< "P01-02", "P01-01 | P01-02 at +0.30 m"
-  std::string quantity;                    ///< offset, tilt, bow, twist, width, step
+  std::string where;  ///< "P01-02", "P01-01 | P01-02 at +0.30 m"
+  /// offset, tilt, bow, twist, width, step; width_beside_unmeasured where the truth has a panel that nobody can measure
+  std::string quantity;
   double found = 0, truth = 0, sigma = 0;  ///< [m]
 };
 
@@ -21,9 +22,12 @@ struct SurfaceErrorsOf {
   std::string quantity;
   double rms = 0, bias = 0, largest = 0;  ///< of the errors [m]
   double predicted = 0;                   ///< root of the mean of the stated variances [m]
-  /// eᵀ Σ⁻¹ e with the whole covariance of all panels; of joints, whose places have no common covariance, the mean
-  /// square over what is stated times the number of joints.
+  /// eᵀ Σ⁻¹ e with the whole covariance of all panels or joints, and how many of its directions have an error of more
+  /// than 2 µm: of steps along a joint three at most, as both surfaces are of second degree.
   double nees = 0, freedom = 0;
+  /// Nobody said what the widths have in common: `nees` is the mean square over what is stated times the number of
+  /// joints, and a factor in common to all of them would make it look untrue.
+  bool one_by_one = false;
 };
 
 struct SurfaceErrors {
@@ -32,6 +36,7 @@ struct SurfaceErrors {
   int wanted = 0, measured = 0;                ///< panels that can be measured, and those of them that were
   int invented = 0;                            ///< panels that cannot be, and have figures
   int joints_wanted = 0, joints_measured = 0;  ///< joints of the truth between panels that can be measured
+  int joints_beside = 0;                       ///< measured ones beside a panel that cannot be
   double coverage = 0;                         ///< share of the panels that can be measured that has points
   double beyond_3_sigma = 0;                   ///< share of `all`
 };
@@ -41,7 +46,8 @@ struct SurfaceErrors {
 /// 1e-6.
 Eigen::Matrix<double, 6, 1> coefficients_on(const SurfaceFaceT& face, const PanelSurfaceFiguresT& truth);
 
-/// Panels are found by name, joints by the names of both. Throws std::runtime_error if no panel has a truth.
+/// Panels are found by name, joints by the names of both. Throws std::runtime_error if no panel has a truth, and for
+/// two panels of one name: which of them is which nobody could tell.
 SurfaceErrors surface_errors(const SurfacesT& measured, const SurfacesT& truth);
 
 }  // namespace plumbline::judgement

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "loop/fit/facade.hpp"
+#include "loop/job/unknown_keys.hpp"
 #include "loop/state/date.hpp"
 
 namespace plumbline::loop {
@@ -159,6 +160,8 @@ class StateReader {
         refuse(said.line, "says that action " + said.action + " " + said.status + ", a message before said " +
                               before->second + ": a state that is final does not change; look at the item");
     }
+    if (const std::string words = words_of_ignored(ignored_); !words.empty())
+      out_.ignored.push_back(source_ + ": in results of actions " + words);
     return std::move(out_);
   }
 
@@ -201,6 +204,12 @@ class StateReader {
     actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
     const auto result = ordered_json::parse(said.result, nullptr, false);
     if (result.is_object()) {
+      try {
+        refuse_other_units(result);
+        note_unknown_keys(result, {"measured", "sigma", "setting", "note", "units", "unit", "frame"}, ignored_);
+      } catch (const std::runtime_error& error) {
+        return refuse(said.line, "the result of action " + said.action + ": " + error.what());
+      }
       const bool read = read_vector(result, "measured", actual->measured) &&
                         read_vector(result, "sigma", actual->sigma) && read_vector(result, "setting", actual->setting);
       if (!read)
@@ -229,6 +238,7 @@ class StateReader {
   std::string source_;
   std::map<std::string, const JobItem*> item_of_;
   std::vector<Said> said_;
+  std::map<std::string, int> ignored_;  ///< keys of results
   ActualsT out_;
 };
 

@@ -1,18 +1,33 @@
 #include "loop/fit/bracket_rules.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <stdexcept>
 
 #include "building/ifc/selection_rule.hpp"
 
 namespace plumbline::loop {
+namespace {
+
+void check_steps(const BracketType& type, const std::string& where) {
+  for (int k = 0; k < 3; ++k)
+    if (type.step[k] > std::max(type.high[k], -type.low[k]))
+      throw std::runtime_error(where + ": its step " + kDirections[k] +
+                               " is longer than its range: it could not be set at all");
+}
+
+}  // namespace
 
 BracketRule parse_bracket_rule(const std::string& text) {
   auto [selection, lengths, whole] =
       ifc::parse_lengths(text, "class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm");
   BracketRule rule{std::move(selection), {}};
   rule.type.name = whole;
+  std::set<std::string> said;
   for (const auto& [name, length, part] : lengths) {
+    if (!said.insert(name).second)
+      throw std::runtime_error("bracket rule '" + text + "' says '" + name + "' twice: which of them counts?");
     if (!(length >= 0 && length <= 0.5))
       throw std::runtime_error("bracket rule '" + text + "': found '" + part +
                                "', expected a length from 0 to 0.5 m with its unit, such as 20mm");
@@ -26,28 +41,50 @@ BracketRule parse_bracket_rule(const std::string& text) {
       throw std::runtime_error("bracket rule '" + text + "': '" + name +
                                "' is not known; expected right, up, out, step_right, step_up or step_out");
   }
-  for (int k = 0; k < 3; ++k)
-    if (rule.type.step[k] > std::max(rule.type.high[k], -rule.type.low[k]))
-      throw std::runtime_error("bracket rule '" + text + "': its step " + kDirections[k] +
-                               " is longer than its range: it could not be set at all");
+  check_steps(rule.type, "bracket rule '" + text + "'");
   return rule;
 }
+
+namespace {
+
+/// Of the design's Pset_BracketRange. A name or a number that is not understood would leave what is assumed in its
+/// place, and a bracket would be planned that cannot be set so.
+BracketType type_of_design(const ifc::ElementFacts& anchor, const BracketType& assumed) {
+  static const std::map<std::string, std::pair<int, bool>> kKnown = {{"Right", {0, false}}, {"Up", {1, false}},
+                                                                     {"Out", {2, false}},   {"StepRight", {0, true}},
+                                                                     {"StepUp", {1, true}}, {"StepOut", {2, true}}};
+  BracketType type = assumed;
+  const std::string where = "Pset_BracketRange of anchor " + (anchor.name.empty() ? anchor.guid : anchor.name);
+  for (const ifc::Property& property : *anchor.properties) {
+    if (property.set != "Pset_BracketRange") continue;
+    const auto known = kKnown.find(property.name);
+    if (known == kKnown.end())
+      throw std::runtime_error(where + " has '" + property.name +
+                               "'; expected Right, Up, Out, StepRight, StepUp or StepOut");
+    if (!(property.number >= 0 && property.number <= 0.5))
+      throw std::runtime_error(where + ": " + property.name + " is " +
+                               (property.text.empty() ? std::to_string(property.number) : property.text) +
+                               ", expected a length from 0 to 0.5 m (a length measure of the design counts in the "
+                               "design's unit, a plain number in metres)");
+    const auto [k, is_step] = known->second;
+    type.name = "design: Pset_BracketRange";
+    if (is_step)
+      type.step[k] = property.number;
+    else
+      type.low[k] = -property.number, type.high[k] = property.number;
+  }
+  check_steps(type, where);
+  return type;
+}
+
+}  // namespace
 
 std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules, const ifc::ElementFacts& anchor) {
   for (auto rule = rules.rbegin(); rule != rules.rend(); ++rule)
     if (rule->selection.matches(anchor)) return rule->type;
-  BracketType type;
-  bool told = false;
-  static constexpr const char* kNames[] = {"Right", "Up", "Out"};
-  if (anchor.properties)
-    for (const ifc::Property& property : *anchor.properties)
-      for (int k = 0; k < 3 && property.set == "Pset_BracketRange"; ++k) {
-        if (!(property.number >= 0 && property.number <= 0.5)) continue;
-        if (property.name == kNames[k]) type.low[k] = -property.number, type.high[k] = property.number, told = true;
-        if (property.name == std::string("Step") + kNames[k]) type.step[k] = property.number, told = true;
-      }
-  if (told) type.name = "design: Pset_BracketRange";
-  if (told || rules.empty()) return type;
+  const BracketType assumed;
+  const BracketType type = anchor.properties ? type_of_design(anchor, assumed) : assumed;
+  if (type.name != assumed.name || rules.empty()) return type;
   return std::nullopt;
 }
 

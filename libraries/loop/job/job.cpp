@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "loop/fit/facade.hpp"
+#include "loop/job/unknown_keys.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/hash.hpp"
 
@@ -171,6 +172,18 @@ class Reader {
       throw std::runtime_error("job: " + (path_.empty() ? "the file" : path_) + " lacks '" + key + "'");
     return {value_.at(key), path_.empty() ? key : path_ + "." + key};
   }
+  /// A robot does not carry out what it knows only a part of.
+  const Reader& only(const std::vector<std::string>& known) const {
+    if (!value_.is_object()) fail("an object");
+    for (const auto& [key, value] : value_.items())
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        const std::string meant = meant_by(key, known);
+        throw std::runtime_error("job: " + (path_.empty() ? "the file" : path_) + " has '" + key + "', " +
+                                 (meant.empty() ? "which is no key: what it asks for would not be done"
+                                                : "which is no key; '" + meant + "' is"));
+      }
+    return *this;
+  }
   bool has(const std::string& key) const { return value_.is_object() && value_.contains(key); }
   std::string text() const {
     if (!value_.is_string()) fail("text");
@@ -228,6 +241,14 @@ class Reader {
 
 JobItem read_item(const Reader& reader, const std::string& frame) {
   JobItem item;
+  reader.only({"id", "kind", "operation", "ifcGuid", "storey", "revision", "dependsOn", "frame", "designPose",
+               "targetPose", "setting", "toleranceZone", "forbiddenZones", "gate"});
+  reader.at("designPose").only({"position", "orientation"}), reader.at("targetPose").only({"position", "orientation"});
+  if (reader.has("setting")) reader.at("setting").only({"right", "up", "out"});
+  reader.at("toleranceZone").only({"right", "up", "out"});
+  reader.at("gate").only({"verdict", "reason", "probability"});
+  if (!reader.at("forbiddenZones").items().empty())
+    reader.at("forbiddenZones").fail("none: what reads jobs here does not keep a tool out of zones");
   item.id = reader.at("id").text(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
   item.operation = reader.at("operation").one_of({"setBracket", "placePanel", "drill", "setAnchor", "mountBracket"});
   if (reader.has("ifcGuid")) item.guid = reader.at("ifcGuid").text();
@@ -264,9 +285,16 @@ void check_items(const Job& job) {
 }  // namespace
 
 Job read_job(const std::string& text) {
-  const auto parsed = ordered_json::parse(text, nullptr, false);
-  if (parsed.is_discarded()) throw std::runtime_error("job: the file is no JSON");
+  ordered_json parsed;
+  try {
+    parsed = parse_each_key_once(text);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(std::string("job: the file ") + error.what());
+  }
   const Reader root(parsed, "");
+  root.only({"jobId", "revision", "createdAt", "validUntil", "units", "sources", "frames", "assumedRobot", "items"});
+  root.at("units").only({"length", "angle"}), root.at("sources").only({"basis", "designFile"});
+  root.at("assumedRobot").only({"settingSigma", "stationSigma"});
   Job job;
   job.id = root.at("jobId").text(), job.revision = root.at("revision").whole(0);
   if (root.has("createdAt")) job.created_at = root.at("createdAt").text();
@@ -276,10 +304,13 @@ Job read_job(const std::string& text) {
   if (root.at("sources").has("designFile")) job.design_file = root.at("sources").at("designFile").text();
   const auto frames = root.at("frames").items();
   if (frames.size() != 1) root.at("frames").fail("one root frame");
+  frames[0].only({"name", "origin", "orientation", "robotInFrameCovariance"});
   job.frame = frames[0].at("name").text(), job.origin = frames[0].at("origin").vector();
-  frames[0].at("orientation").rotation();
+  if (frames[0].at("orientation").rotation().vec().norm() > 1e-9)
+    frames[0].at("orientation").fail("0, 0, 0, 1: the root frame is not turned, and items would be");
   if (frames[0].at("robotInFrameCovariance").items().size() != 36)
     frames[0].at("robotInFrameCovariance").fail("36 numbers, row by row");
+  for (const Reader& one : frames[0].at("robotInFrameCovariance").items()) one.number();
   job.setting_sigma = root.at("assumedRobot").at("settingSigma").number_from(0, 1);
   job.station_sigma = root.at("assumedRobot").at("stationSigma").number_from(0, 1);
   for (const Reader& item : root.at("items").items()) job.items.push_back(read_item(item, job.frame));

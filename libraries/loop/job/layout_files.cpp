@@ -10,6 +10,7 @@
 
 #include "base/text/text.hpp"
 #include "loop/fit/facade.hpp"
+#include "loop/job/unknown_keys.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -120,7 +121,10 @@ std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPo
 
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::string> kActualKeys = {"item",  "job",     "revision", "by",    "at",   "outcome", "measured",
+                                              "sigma", "setting", "note",     "units", "unit", "frame"};
 
 Json parsed_actuals(const std::string& text, const std::string& source) {
   static const char* const kExpected = "expected {\"items\": [{\"item\": \"F01-C01-R1\", \"outcome\": \"done\"}]}";
@@ -128,12 +132,10 @@ Json parsed_actuals(const std::string& text, const std::string& source) {
     throw std::runtime_error(source + ": is empty; " + kExpected);
   Json parsed;
   try {
-    parsed = Json::parse(text);
-  } catch (const Json::exception& error) {
-    const std::string words = error.what();  // "[json.exception.parse_error.101] parse error at line 1, column 29: ..."
-    const auto begin = words.find("] ");
-    throw std::runtime_error(source +
-                             ": is no JSON: " + (begin == std::string::npos ? words : words.substr(begin + 2)));
+    parsed = parse_each_key_once(text);
+    if (parsed.is_object()) refuse_other_units(parsed);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(source + ": " + error.what());
   }
   if (parsed.is_object() && parsed.contains("jobId"))
     throw std::runtime_error(source + ": is a job, what is to be done; expected reports of what was done");
@@ -142,9 +144,11 @@ Json parsed_actuals(const std::string& text, const std::string& source) {
   return parsed;
 }
 
-/// Throws std::runtime_error that says which key is wrong, and how.
-std::unique_ptr<ActualT> actual_of(const Json& entry) {
+/// Throws std::runtime_error that says which key is wrong, and how; keys that nobody reads are counted in `ignored`.
+std::unique_ptr<ActualT> actual_of(const Json& entry, std::map<std::string, int>& ignored) {
   if (!entry.is_object()) throw std::runtime_error("is no object with 'item' and 'outcome'");
+  refuse_other_units(entry);
+  note_unknown_keys(entry, kActualKeys, ignored);
   auto actual = empty_actual();
   const auto wrong = [&](const char* key, const char* expected) {
     throw std::runtime_error(std::string("'") + key + "' is " + entry.at(key).dump() + ", expected " + expected);
@@ -160,21 +164,37 @@ std::unique_ptr<ActualT> actual_of(const Json& entry) {
   take_text("note", actual->note, false);
   if (entry.contains("revision")) {
     if (!entry["revision"].is_number_integer()) wrong("revision", "a whole number");
+    if (!(std::abs(entry["revision"].get<double>()) <= 1e9)) wrong("revision", "that of the job");
     actual->revision = entry["revision"].get<int>();
   }
   const auto take_three = [&](const char* key, Eigen::Vector3d& place, const char* expected, bool by_direction) {
     if (!entry.contains(key)) return;
     for (int k = 0; k < 3; ++k) {
       const Json::json_pointer at(by_direction ? std::string("/") + kDirections[k] : "/" + std::to_string(k));
-      const bool has = entry[key].is_structured() && entry[key].is_object() == by_direction && entry[key].contains(at);
+      const bool has = entry[key].is_structured() && entry[key].is_object() == by_direction && entry[key].size() == 3 &&
+                       entry[key].contains(at);
       if (!has || !entry[key][at].is_number()) wrong(key, expected);
       place[k] = entry[key][at].get<double>();
     }
   };
   take_three("measured", actual->measured, "[E, N, H] in metres", false);
   take_three("sigma", actual->sigma, "three standard deviations in metres", false);
+  if ((actual->sigma.array() <= 0).any()) wrong("sigma", "three standard deviations in metres, each above 0");
   take_three("setting", actual->setting, "{\"right\": 0.002, \"up\": 0, \"out\": -0.001} in metres", true);
   return actual;
+}
+
+}  // namespace
+
+namespace {
+
+/// Beside 'items'.
+void note_unknown_of_file(const Json& parsed, const std::string& source, std::map<std::string, int>& ignored) {
+  try {
+    note_unknown_keys(parsed, {"items", "units", "unit", "frame"}, ignored);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(source + ": " + error.what());
+  }
 }
 
 }  // namespace
@@ -184,14 +204,17 @@ ActualsT read_actuals_json(const std::string& text, const std::string& source) {
   ActualsT out;
   out.sources.push_back(source);
   std::size_t index = 0;
+  std::map<std::string, int> ignored;
   for (const Json& entry : parsed["items"]) {
     const std::string place = source + ": items[" + std::to_string(index++) + "]: ";
     try {
-      out.items.push_back(actual_of(entry));
+      out.items.push_back(actual_of(entry, ignored));
     } catch (const std::runtime_error& error) {
       out.refused.push_back(place + error.what());
     }
   }
+  note_unknown_of_file(parsed, source, ignored);
+  if (const std::string words = words_of_ignored(ignored); !words.empty()) out.ignored.push_back(source + ": " + words);
   return out;
 }
 

@@ -30,13 +30,16 @@ std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPo
 
 /// Staked points of such a file as reports "done" with their place. `format`: which tool wrote it, and so in which
 /// order; a head that names E, N and H (in words of English or German) goes before it, as do a name's and a time
-/// stamp's column. Decimal commas are read where ';' separates. What is no point is refused with its line: too few
-/// columns, no number, a name twice. Throws std::runtime_error if the head says a unit other than metres.
+/// stamp's column. Columns that it names otherwise, and a head that names none of the coordinates, are named in
+/// `ignored`. Decimal commas are read where ';' separates. What is no point is refused with its line: too few columns,
+/// no number, a name twice. Throws std::runtime_error if the head says a unit other than metres, or one thing of two
+/// columns.
 ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source);
 
 /// actuals.json: {"items": [{"item", "job", "revision", "by", "at", "outcome", "measured": [E, N, H], "sigma": [...],
-/// "setting": {right, up, out}, "note"}]}. Throws std::runtime_error if it is no such file; single entries that are
-/// wrong are refused by name.
+/// "setting": {right, up, out}, "note"}]}, with "units" (metres) and "frame" ("building") of the file or of an entry if
+/// it likes. Throws std::runtime_error if it is no such file; single entries that are wrong, or have a key that seems
+/// to mean another one, are refused by name. Other keys are named in `ignored`.
 ActualsT read_actuals_json(const std::string& text, const std::string& source);
 
 }  // namespace plumbline::loop

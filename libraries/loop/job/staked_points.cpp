@@ -11,6 +11,7 @@
 #include "base/text/text.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/job/layout_files.hpp"
+#include "loop/job/unknown_keys.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -50,14 +51,24 @@ const std::map<std::string, char>& meaning_of_heads() {
 }
 
 /// Takes the head's word for the order of the columns if it names all three. Throws std::runtime_error for a unit that
-/// is not metres, and for a head that names some of the columns: the tool's own order may contradict it.
-void read_head(const std::vector<std::string_view>& cells, const std::string& source, StakedColumns& columns) {
+/// is not metres, for a head that names some of the columns, because the tool's own order may contradict it, and for
+/// one that names something twice, such as where a point was to be and where it is. Columns that are not read are named
+/// in `ignored`.
+void read_head(const std::vector<std::string_view>& cells, const std::string& source, StakedColumns& columns,
+               std::vector<std::string>& ignored) {
   std::map<char, std::size_t> found;
+  std::vector<std::size_t> unknown;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto [name, unit] = name_and_unit(cells[i]);
     const auto known = meaning_of_heads().find(name);
-    if (known == meaning_of_heads().end()) continue;
-    found.emplace(known->second, i);
+    if (known == meaning_of_heads().end()) {
+      if (!name.empty() && name != "code") unknown.push_back(i);
+      continue;
+    }
+    if (!found.emplace(known->second, i).second)
+      throw std::runtime_error(source + ": its columns '" + std::string(text::trim(cells[found.at(known->second)])) +
+                               "' and '" + std::string(text::trim(cells[i])) +
+                               "' say the same: which of them was measured nobody can tell; keep that one alone");
     if (std::string("enh").find(known->second) != std::string::npos && !unit.empty() && unit != "m" &&
         unit != "metre" && unit != "meter")
       throw std::runtime_error(source + ": its column '" + std::string(text::trim(cells[i])) + "' is in " + unit +
@@ -72,6 +83,20 @@ void read_head(const std::vector<std::string_view>& cells, const std::string& so
                              "all three as E, N and H");
   if (found.count('p')) columns.name = found['p'];
   if (found.count('t')) columns.date = found['t'];
+  std::map<std::string, int> not_read;
+  for (const std::size_t i : unknown) {
+    const std::string name(text::trim(cells[i]));
+    const char* taken = i == columns.east     ? "easting"
+                        : i == columns.north  ? "northing"
+                        : i == columns.height ? "height"
+                                              : nullptr;
+    if (taken)
+      ignored.push_back(source + ": what its column '" + name + "' is nobody knows here; it is taken for the " + taken +
+                        ", by the order of the tool's own files");
+    else if (i != columns.name)
+      ++not_read[name];
+  }
+  if (const std::string words = words_of_ignored(not_read); !words.empty()) ignored.push_back(source + ": " + words);
 }
 
 /// Whether a line names easting, northing and height: a head, wherever it stands.
@@ -136,7 +161,7 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
                          std::none_of(cells.begin() + 1, cells.end(),
                                       [&](std::string_view cell) { return staked_number(cell, format).has_value(); });
     if (is_head) {
-      read_head(cells, source, columns);
+      read_head(cells, source, columns, out.ignored);
       continue;
     }
     if (cells.size() <= columns.most()) {

@@ -184,17 +184,15 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
   return tile_of(plane, area, facets, views, orientations);
 }
 
-void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,
-                         const OrientationCovariance& orientations, double lost) {
+Eigen::MatrixXd reduced_factor(const Eigen::MatrixXd& rows, const OrientationCovariance& orientations, double lost) {
   const Eigen::Index unknowns = orientations.size();
-  if (planes.size() != tiles.size()) throw std::invalid_argument("each tile needs its plane");
   if (orientations.matrix.rows() != unknowns || orientations.matrix.cols() != unknowns)
     throw std::invalid_argument("the covariance of the orientations has " + std::to_string(orientations.matrix.rows()) +
                                 " rows, expected " + std::to_string(unknowns));
   std::vector<Eigen::Index> used;  // unknowns that are held have no variance
   for (Eigen::Index i = 0; i < unknowns; ++i)
     if (orientations.matrix(i, i) > 0) used.push_back(i);
-  if (used.empty()) return;
+  if (used.empty()) return Eigen::MatrixXd(rows.rows(), 0);
   const Eigen::VectorXd scale = orientations.matrix.diagonal()(used).cwiseSqrt();
   const Eigen::MatrixXd correlations =
       scale.cwiseInverse().asDiagonal() * orientations.matrix(used, used) * scale.cwiseInverse().asDiagonal();
@@ -203,19 +201,27 @@ void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<Facade
     throw std::runtime_error("the covariance of the orientations has a negative eigenvalue: it is none");
   const Eigen::MatrixXd root =
       scale.asDiagonal() * spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
-  // All tiles below each other; slopes count with half a metre's lever, so that the rows are lengths.
-  constexpr double lever = 0.5;
-  const Eigen::Vector3d rows(1, lever, lever);
-  Eigen::MatrixXd stacked(3 * static_cast<Eigen::Index>(tiles.size()), root.cols());
-  for (size_t t = 0; t < tiles.size(); ++t)
-    stacked.middleRows<3>(3 * static_cast<Eigen::Index>(t)) =
-        rows.asDiagonal() * (tiles[t].sensitivity(Eigen::all, used) * root);
+  const Eigen::MatrixXd stacked = rows(Eigen::all, used) * root;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> principal(stacked.transpose() * stacked);
   const double all = principal.eigenvalues().sum();
   Eigen::Index kept = 0;
   double rest = all;
   while (kept < root.cols() && rest > lost * all) rest -= principal.eigenvalues()(root.cols() - 1 - kept++);
-  const Eigen::MatrixXd reduced = stacked * principal.eigenvectors().rightCols(kept);
+  return stacked * principal.eigenvectors().rightCols(kept);
+}
+
+void add_systematic_part(std::vector<FacetTile>& tiles, const std::vector<FacadePlane>& planes,
+                         const OrientationCovariance& orientations, double lost) {
+  if (planes.size() != tiles.size()) throw std::invalid_argument("each tile needs its plane");
+  // All tiles below each other; slopes count with half a metre's lever, so that the rows are lengths.
+  constexpr double lever = 0.5;
+  const Eigen::Vector3d lengths(1, lever, lever);
+  Eigen::MatrixXd rows(3 * static_cast<Eigen::Index>(tiles.size()), orientations.size());
+  for (size_t t = 0; t < tiles.size(); ++t)
+    rows.middleRows<3>(3 * static_cast<Eigen::Index>(t)) = lengths.asDiagonal() * tiles[t].sensitivity;
+  const Eigen::MatrixXd reduced = reduced_factor(rows, orientations, lost);
+  const Eigen::Index kept = reduced.cols();
+  if (kept == 0) return;
   for (size_t t = 0; t < tiles.size(); ++t) {
     const auto part = reduced.middleRows<3>(3 * static_cast<Eigen::Index>(t));
     auto& factor = tiles[t].measured.factor;

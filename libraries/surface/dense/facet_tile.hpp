@@ -42,6 +42,11 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
                   const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
                   const OrientationCovariance& orientations);
 
+/// `rows`, derivatives of lengths by the orientations, times a root of their joint covariance: F with F Fᵀ = rows Σ
+/// rowsᵀ, in as few columns as hold all but `lost` of the variance. Throws as add_systematic_part().
+Eigen::MatrixXd reduced_factor(const Eigen::MatrixXd& rows, const OrientationCovariance& orientations,
+                               double lost = 1e-6);
+
 /// Gives all tiles, measured on one of `planes` each, their factor: what the orientations' joint covariance says of
 /// each, reduced to the directions that hold all but `lost` of the variance. Throws std::invalid_argument for a
 /// covariance of another size, and std::runtime_error for one that is not positive semidefinite.

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <set>
 
 #include "plumbline/stop.hpp"
 #include "surface/dense/edge_profile.hpp"
@@ -17,10 +19,10 @@ namespace {
 constexpr double kSamples = 2;  // of a profile for one pixel on the ground
 constexpr double kWindow = 6;   // half the window of an edge's fit [px]
 
-/// Mean grey values across the joint in one photograph, from `from` on and `step` apart. What lies left of the joint's
-/// middle is taken at one height, what lies right of it at another, because each edge is its panel's.
+/// Mean grey values across the joint in one photograph, from `from` on and `step` apart. What lies left of `split` is
+/// taken at one height, what lies right of it at another, because each edge is its panel's.
 std::vector<double> profile(const FacetView& view, const LocalMap& map, const Eigen::Vector3d& centre, double from,
-                            double step, int count, double along, const double heights[2]) {
+                            double step, int count, double along, const double heights[2], double split) {
   const int rows = std::max(1, static_cast<int>(std::lround(along / map.ground_pixel())));
   const GreyImage& image = view.image->level[0];
   std::vector<double> values(static_cast<size_t>(count));
@@ -29,7 +31,7 @@ std::vector<double> profile(const FacetView& view, const LocalMap& map, const Ei
     const double u = from + i * step;
     for (int r = 0; r < rows; ++r) {
       const Eigen::Vector3d offset(u - centre.x(), ((r + 0.5) / rows - 0.5) * along,
-                                   heights[u < 0 ? 0 : 1] - centre.z());
+                                   heights[u < split ? 0 : 1] - centre.z());
       const Eigen::Vector2d pixel = map.pixel + map.by_place * offset;
       const int x = static_cast<int>(std::floor(pixel.x())), y = static_cast<int>(std::floor(pixel.y()));
       if (x < 0 || y < 0 || x + 1 >= image.width || y + 1 >= image.height) return {};
@@ -91,13 +93,22 @@ class Station {
     const double step = map->ground_pixel() / kSamples, window = kWindow * kSamples;
     const double reach = 0.5 * joint_.width + options_.search + window * step;
     const int half = static_cast<int>(std::ceil(reach / step));
-    const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights);
-    if (grey.empty()) return;
-    const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
-    const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
-    if (first < 0 || second <= first) return;
-    const auto gap = fit_gap(grey, first, second, window, dark_);
-    if (!gap) return;
+    // Panels may hang so far aside that an edge lies beyond the joint's middle in the design, at its neighbour's
+    // height: the second time the profile is divided where the joint is.
+    std::optional<GapEdges> gap;
+    double split = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+      const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights, split);
+      if (grey.empty()) return;
+      const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
+      const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
+      if (first < 0 || second <= first) return;
+      gap = fit_gap(grey, first, second, window, dark_);
+      if (!gap) return;
+      if (gap->place[0] - half < split / step && gap->place[1] - half > split / step) break;
+      if (pass == 1) return;
+      split = (0.5 * (gap->place[0] + gap->place[1]) - half) * step;
+    }
     for (int e : {0, 1}) {
       const double u = (gap->place[e] - half) * step;
       const auto at = map_at(*view.view, joint_.plane, {u, along, heights[e]}, 0);
@@ -190,7 +201,7 @@ bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views) {
       if (!map) continue;
       const double reach = 0.5 * joint.width + 0.01;
       const double on_the_plane[2] = {0, 0};
-      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, on_the_plane);
+      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, on_the_plane, 0);
       if (grey.empty()) continue;
       const auto side = [&](size_t from, size_t to) {
         double sum = 0;
@@ -263,6 +274,57 @@ std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest,
   return joints;
 }
 
+namespace {
+
+struct Edge {
+  Eigen::Vector3d from, along;  ///< along: unit vector
+  double length;
+};
+
+std::array<Edge, 4> edges_of(const PanelFace& face) {
+  const Eigen::Vector3d right = face.plane.axes.col(0), up = face.plane.axes.col(1);
+  const Eigen::Vector3d low = face.plane.origin - 0.5 * (face.width * right + face.height * up);
+  return {Edge{low, right, face.width}, Edge{low + face.height * up, right, face.width}, Edge{low, up, face.height},
+          Edge{low + face.width * right, up, face.height}};
+}
+
+bool lie_beside(const Edge& a, const Edge& b, double apart) {
+  const double cosine = a.along.dot(b.along);
+  if (std::abs(cosine) < std::cos(M_PI / 18)) return false;
+  const Eigen::Vector3d middle = b.from + 0.5 * b.length * b.along - a.from;
+  const double at = middle.dot(a.along), half = 0.5 * b.length * std::abs(cosine);
+  return std::min(a.length, at + half) - std::max(0.0, at - half) >= 0.05 && (middle - at * a.along).norm() <= apart;
+}
+
+}  // namespace
+
+std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest,
+                                                       double offset) {
+  std::set<std::pair<size_t, size_t>> joined;
+  for (const Joint& joint : joints_of(faces, widest, offset)) joined.insert(std::minmax(joint.face_a, joint.face_b));
+  std::vector<std::pair<size_t, size_t>> corners;
+  for (size_t i = 0; i < faces.size(); ++i)
+    for (size_t j = i + 1; j < faces.size(); ++j) {
+      const PanelFace &a = faces[i], &b = faces[j];
+      const double reach = 0.5 * (std::hypot(a.width, a.height) + std::hypot(b.width, b.height)) + widest;
+      if ((a.plane.origin - b.plane.origin).squaredNorm() > reach * reach || joined.contains({i, j})) continue;
+      bool beside = false;
+      for (const Edge& of_a : edges_of(a))
+        for (const Edge& of_b : edges_of(b)) beside = beside || lie_beside(of_a, of_b, widest);
+      if (beside) corners.emplace_back(i, j);
+    }
+  return corners;
+}
+
+std::string words_of_corners(const std::vector<PanelFace>& faces, double widest) {
+  const auto corners = corners_between(faces, widest);
+  if (corners.empty()) return {};
+  const std::string more =
+      corners.size() > 1 ? " (and " + std::to_string(corners.size() - 1) + " more such pairs)" : "";
+  return "panels " + faces[corners[0].first].id + " and " + faces[corners[0].second].id + more +
+         " meet at a corner, or one stands further out by more than 50 mm: no joint is measured or judged between them";
+}
+
 MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& faces,
                             const std::vector<PanelSurface>& surfaces, const std::vector<FacetView>& views,
                             const OrientationCovariance& orientations, const JointOptions& options) {
@@ -289,9 +351,9 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
     const std::string unknown = unmeasured_of(a, b);
     measured.not_measured =
         !unknown.empty() ? "its edges show in fewer than 3 photographs, and " + unknown +
-                              " is not measured, so that two say nothing of where its edge is in depth"
+                               " is not measured, so that two say nothing of where its edge is in depth"
         : one_edge > 0 ? "only one of its edges shows in " + std::to_string(options.min_views) + " photographs or more"
-                     : "its edges show in fewer than " + std::to_string(options.min_views) + " photographs";
+                       : "its edges show in fewer than " + std::to_string(options.min_views) + " photographs";
     return measured;
   }
   constexpr double bow = 0.0015;  // of an edge: grain that looked like one lies further off [m]

@@ -29,6 +29,14 @@ struct Joint {
 /// further apart than `widest` [m]. In the order of the faces.
 std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest = 0.06, double offset = 0.05);
 
+/// Faces that come as near to each other, along at least 50 mm of an edge of each, and have no joint by joints_of():
+/// they meet at a corner, or one stands further out than `offset`.
+std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest = 0.06,
+                                                       double offset = 0.05);
+
+/// "panels A and B (and 3 more pairs) meet ...": why no joint is measured between them; empty without such pairs.
+std::string words_of_corners(const std::vector<PanelFace>& faces, double widest);
+
 struct JointOptions {
   double station = 0.02;       ///< length along the joint that one station takes the mean of [m]
   double search = 0.012;       ///< how far an edge is looked for from where the design has it [m]
@@ -46,8 +54,8 @@ struct JointStation {
   /// By the heights of both edges, each by its standard deviation: alike in all stations of a joint [m].
   Eigen::Vector2d width_by_edge = Eigen::Vector2d::Zero();
   Eigen::RowVectorXd width_by_orientation;  ///< in the order of OrientationCovariance
-  double step = 0, step_sigma = 0;    ///< b over a, out of the facade [m]; nan if a panel was not measured
-  int views = 0;                      ///< photographs that show both edges, or the fewer of the two
+  double step = 0, step_sigma = 0;          ///< b over a, out of the facade [m]; nan if a panel was not measured
+  int views = 0;                            ///< photographs that show both edges, or the fewer of the two
 };
 
 struct MeasuredJoint {

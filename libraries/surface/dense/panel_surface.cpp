@@ -6,7 +6,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include "geometry/median.hpp"
@@ -46,6 +49,25 @@ Vector6 base_at(double x, double y) {
 Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u / face.width, 2 * s.v / face.height); }
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// How often each place has a point. Told by one place in sixteen, chosen by its own bits: all points of a place are
+/// chosen or none.
+double times_repeated(const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles) {
+  std::vector<std::array<double, 3>> places;
+  for (const Sample& s : samples) {
+    // Whichever tile it is of; a tenth of a micrometre, as offsets are of single precision.
+    const Eigen::Vector3d place = tiles[s.tile].centre + s.arm;
+    const std::array<double, 3> at = {std::round(1e7 * place.x()), std::round(1e7 * place.y()),
+                                      std::round(1e7 * place.z())};
+    std::uint64_t hash = 0;
+    for (const double value : at) hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x9E3779B97F4A7C15ULL;
+    if (hash >> 60 == 0 || samples.size() < 1000) places.push_back(at);
+  }
+  if (places.empty()) return 1;
+  std::sort(places.begin(), places.end());
+  const auto distinct = std::unique(places.begin(), places.end()) - places.begin();
+  return static_cast<double>(places.size()) / static_cast<double>(distinct);
+}
 
 /// Tukey's weights about the median height: what stands a good deal before the panel is out from the start, where least
 /// squares over all points would bend the surface towards it and keep it.
@@ -270,7 +292,8 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   const OutlyingCells outlying = outlying_cells(face, samples, counts, widened, options);
   panel.not_measured = stands_before(face, samples, outlying, form);
   if (!panel.not_measured.empty()) return panel;
-  const HeightGrid grid = grid_of(face, samples, tiles, counts, widened, options);
+  panel.repeated = times_repeated(samples, tiles);
+  const HeightGrid grid = grid_of(face, samples, tiles, counts, widened * std::sqrt(panel.repeated), options);
   panel.coverage = grid.coverage();
   if (panel.coverage < options.least_coverage) {
     panel.not_measured = "points cover " + std::to_string(static_cast<int>(100 * panel.coverage)) + " % of it, " +
@@ -280,7 +303,7 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());
   const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse);
   panel.form = form;
-  panel.form_random = widened * widened * inverse;
+  panel.form_random = panel.repeated * widened * widened * inverse;
   panel.form_factor = common;
   panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
   // The best plane of that form over the whole panel: (1 − x²) has the mean 2/3 and no slope.
@@ -295,7 +318,7 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   if (outlying.points.empty()) return panel;
   for (const std::vector<size_t>& points : outlying.points)
     for (const size_t i : points) counts[i] = 1;
-  const HeightGrid whole = grid_of(face, samples, tiles, counts, widened, options);
+  const HeightGrid whole = grid_of(face, samples, tiles, counts, widened * std::sqrt(panel.repeated), options);
   for (Gap& gap : panel.flatness) gap.with_outlying = whole.largest_gap(gap.length).gap;
   return panel;
 }

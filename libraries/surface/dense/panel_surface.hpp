@@ -61,6 +61,9 @@ struct PanelSurface {
   double coverage = 0;         ///< share of the face's cells with points
   double rms = 0;              ///< of the points about the surface [m]
   double variance_factor = 1;  ///< of the points' own sigmas; they were widened by it where it is above 1
+  /// How often each place has a point, on average: 2 of a cloud that was put into its file twice. Such points say
+  /// nothing new, and variances are larger by it.
+  double repeated = 1;
   /// The best plane: out of the design's face at the panel's middle [m], and its slopes by right and up.
   Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   Eigen::Matrix3d plane_random = Eigen::Matrix3d::Zero(), plane_systematic = Eigen::Matrix3d::Zero();

@@ -26,6 +26,15 @@
 namespace plumbline::ifc {
 namespace {
 
+/// What to do where nobody says when it was measured: a survey's date stands in its campaign, a scan's is said to the
+/// run.
+std::string undated(bool by_survey, const std::string& so, const std::string& parameter) {
+  return by_survey ? "the survey does not say when it was measured: " + so + "; 'date' in campaign.yaml or '" +
+                         parameter + "' says it"
+                   : "nobody says when it was measured: " + so + "; '" + parameter +
+                         "' says it (of scan_surfaces measured=2026-05-12T10:30:00)";
+}
+
 struct ReadIfc : Node {
   static constexpr Info info{"bim.read_ifc", "", 4,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
@@ -160,8 +169,7 @@ struct WriteIfc : Node {
     if (options.timestamp == 0 && when) options.timestamp = when->seconds;
     if (options.timestamp == 0)
       context.warn(
-          "the survey does not say when it was measured: the additions carry the latest date of the design; "
-          "'date' in campaign.yaml or 'observation_time' says it");
+          undated(static_cast<bool>(survey), "the additions carry the latest date of the design", "observation_time"));
     add_provenance(read, when, options);
     SurfacesT measured;
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
@@ -214,9 +222,7 @@ struct WriteBcf : Node {
     if (when.empty() && survey && survey->info() && survey->info()->date())
       if (const auto instant = instant_of(survey->info()->date()->str())) when = instant->text;
     if (when.empty())
-      context.warn(
-          "the survey does not say when it was measured: the BCF topics are dated 1970; 'date' in campaign.yaml or "
-          "here says it");
+      context.warn(undated(static_cast<bool>(survey), "the BCF topics are dated 1970", "date"));
     else
       options.date = when;
     FileT to;

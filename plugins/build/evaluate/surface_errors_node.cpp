@@ -16,10 +16,14 @@ void EvaluateSurfaces::run(Context& context) {
     context.metric(of.quantity + "_predicted", of.predicted, "m");
     context.metric(of.quantity + "_nees", of.nees, "1");
     context.metric(of.quantity + "_freedom", of.freedom, "1");
+    if (of.one_by_one)
+      context.warn("the widths of joints say nothing of what they have in common: " + of.quantity +
+                   "_nees takes each joint by itself, and errors that all share make it look untrue");
   }
   context.metric("panels_wanted", errors.wanted, "1");
   context.metric("panels_missing", errors.wanted - errors.measured, "1");
   context.metric("panels_invented", errors.invented, "1");
+  context.metric("joints_beside_unmeasured", errors.joints_beside, "1");
   context.metric("joints_missing", errors.joints_wanted - errors.joints_measured, "1");
   context.metric("coverage", errors.coverage, "1");
   context.metric("beyond_3_sigma", errors.beyond_3_sigma, "1");

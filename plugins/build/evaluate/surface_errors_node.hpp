@@ -9,7 +9,7 @@ namespace plumbline::judgement {
 
 struct EvaluateSurfaces : Node {
   static constexpr Info info{
-      "evaluate.surfaces", "", 1,
+      "evaluate.surfaces", "", 2,
       "Measured surfaces against the true ones: planes, bow, joints and steps, what is found and what is stated"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
   In<Surfaces> truth{"truth", frame("frame=?F"),

@@ -57,7 +57,8 @@ void ReadActuals::run(Context& context) {
                   : *format == "hilti"   ? read_staked(text, LayoutFormat::hilti, name)
                   : *format == "trimble" ? read_staked(text, LayoutFormat::trimble, name)
                                          : read_staked(text, LayoutFormat::leica, name);
-  for (const std::string& line : read.refused) context.warn(line);
+  for (const auto* lines : {&read.refused, &read.ignored})
+    for (const std::string& line : *lines) context.warn(line);
   if (read.items.empty())
     throw std::runtime_error(name + " has no report or point in it" +
                              (read.refused.empty() ? "" : "; " + read.refused[0]));

@@ -43,6 +43,7 @@ void ReadReports::take(ActualsT read, ActualsT& into) {
   }
   into.sources.insert(into.sources.end(), read.sources.begin(), read.sources.end());
   into.refused.insert(into.refused.end(), read.refused.begin(), read.refused.end());
+  into.ignored.insert(into.ignored.end(), read.ignored.begin(), read.ignored.end());
 }
 
 void ReadReports::run(Context& context) {
@@ -66,6 +67,7 @@ void ReadReports::run(Context& context) {
                    "measured, nothing judges what was done nobody knows when; 'at' (reported_at) gives them one");
       break;
     }
+  for (const std::string& line : all.ignored) context.warn(line);
   context.metric("reports", static_cast<double>(all.items.size()), "1");
   context.metric("refused", static_cast<double>(all.refused.size()), "1");
   actuals.commit(all);

@@ -45,7 +45,7 @@ void ReleaseState::run(Context& context) {
                              "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
   const InstallationPlanT planned = plan.unpack();
   const SettingScatter scatter = setting_scatter(state, planned, options.measured_at);
-  if (const std::string words = scatter_words(scatter, planned); !words.empty()) context.warn(words);
+  for (const std::string& words : scatter_words(scatter, planned)) context.warn(words);
   apply_plan(state, planned, options);
   note_jobs(planned, state);
   close_round(state);
@@ -70,6 +70,7 @@ void ReleaseState::run(Context& context) {
   if (scatter.brackets > 0) {
     context.metric("brackets_set", scatter.brackets, "1");
     context.metric("setting_scatter", scatter.setting(), "m");
+    if (!scatter.stations.empty()) context.metric("station_scatter", scatter.station(), "m");
   }
   std::string lines;
   for (const std::string& line : state.journal) lines += line + "\n";

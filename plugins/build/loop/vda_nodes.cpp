@@ -20,7 +20,8 @@ void WriteVda5050::run(Context& context) {
 void ReadVda5050::run(Context& context) {
   const Job ordered = read_job(content_of(*job, context));
   const ActualsT read = vda_actuals(content_of(*states, context), ordered, states->name()->str());
-  for (const std::string& line : read.refused) context.warn(line);
+  for (const auto* lines : {&read.refused, &read.ignored})
+    for (const std::string& line : *lines) context.warn(line);
   context.metric("reports", static_cast<double>(read.items.size()), "1");
   context.metric("refused", static_cast<double>(read.refused.size()), "1");
   actuals.commit(read);

@@ -7,7 +7,7 @@
 namespace plumbline::surface {
 
 struct Joints : Node {
-  static constexpr Info info{"surface.joints", "", 1,
+  static constexpr Info info{"surface.joints", "", 2,
                              "Width and flush step along the joints between panels, from edges in all photographs"};
   List<Image> images{"images", "the photographs"};
   In<Poses> poses{"poses", frame("frame=?F"), "their orientations, with the joint covariance of all"};
@@ -20,6 +20,9 @@ struct Joints : Node {
   Param<int64_t> min_views{"min_views", 2, between(1, 20), "photographs that have to show an edge"};
   Param<double> edge_height_sigma{"edge_height_sigma", 3e-4, "m", between(1e-6, 0.01),
                                   "of an edge over its panel: bevels, dents"};
+  Param<double> unmeasured_height_sigma{
+      "unmeasured_height_sigma", 0.02, "m", between(1e-4, 0.5),
+      "of an edge whose panel was not measured, from where the design has it: the photographs say where it is"};
   Param<double> memory{"memory", 1.5, "GiB", between(0.05, 64), "for the photographs' pixels"};
   Out<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints"};
   Out<File> table{"table", "one line a joint, CSV"};
@@ -40,12 +43,14 @@ struct Joints : Node {
       measured.push_back(panel_of(*panel, result.rank));
     }
     const std::vector<Joint> joints = joints_of(faces, *widest);
+    if (const std::string words = words_of_corners(faces, *widest); !words.empty()) context.warn(words);
     if (joints.empty())
       context.warn("no two panels are nearer than " + std::to_string(*widest) + " m: there are no joints");
     JointOptions options;
     options.station = *station, options.search = *search, options.min_views = static_cast<int>(*min_views);
-    options.height_sigma = *edge_height_sigma;
+    options.height_sigma = *edge_height_sigma, options.unmeasured_height_sigma = *unmeasured_height_sigma;
     int found = 0;
+    std::vector<Eigen::RowVectorXd> by_orientation;
     for (size_t j = 0; j < joints.size(); ++j) {
       context.progress(static_cast<double>(j) / static_cast<double>(joints.size()), joints[j].a + " | " + joints[j].b);
       PanelFace strip{"", joints[j].plane, joints[j].width + 0.04, joints[j].length};
@@ -64,7 +69,11 @@ struct Joints : Node {
         context.warn("joint " + joints[j].a + " | " + joints[j].b + " is not measured: " + joint.not_measured);
       found += joint.not_measured.empty();
       result.joints.push_back(describe(joint, joints[j]));
+      for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);
     }
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(by_orientation.size()), photographs.orientations().size());
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = by_orientation[static_cast<size_t>(i)];
+    if (rows.rows() > 0) add_common_errors(reduced_factor(rows, photographs.orientations()), result);
     context.info(std::to_string(found) + " of " + std::to_string(joints.size()) + " joints measured");
     context.metric("joints", found, "1");
     surfaces.commit(result);

@@ -106,6 +106,11 @@ struct Panels : Node {
       const PanelSurface& panel = found[f];
       if (!panel.not_measured.empty()) context.warn(panel.id + " is not measured: " + panel.not_measured);
       if (panel.not_measured.empty() && given.source == "scan") warn_of_inner_side(context, where, panel);
+      if (panel.repeated > 1.05)
+        context.warn(fmt::format(
+            "{}: each place has {:.2f} points on average, as if scans had been put into the file more than once: its "
+            "variances are larger by it; give the cloud without what is in it twice",
+            panel.id, panel.repeated));
       measured += panel.not_measured.empty();
       result.panels.push_back(describe(panel, where, given.faces[f]->guid, given.rank));
     }

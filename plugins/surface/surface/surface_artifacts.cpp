@@ -140,12 +140,21 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
     auto place = std::make_unique<JointPlaceT>();
     place->along = station.along, place->width = station.width, place->width_sigma = station.width_sigma;
     place->step = station.step, place->step_sigma = station.step_sigma, place->views = station.views;
+    place->width_random = station.width_random;
+    place->width_by_edge = {station.width_by_edge.x(), station.width_by_edge.y()};
     result->places.push_back(std::move(place));
   }
   if (measured.stations.empty()) return result;
   result->narrowest = static_cast<int>(measured.narrowest), result->widest = static_cast<int>(measured.widest);
   result->largest_step = static_cast<int>(measured.largest_step);
   return result;
+}
+
+void add_common_errors(const Eigen::MatrixXd& factor, SurfacesT& surfaces) {
+  Eigen::Index row = 0;
+  surfaces.joint_rank = static_cast<int>(factor.cols());
+  for (auto& joint : surfaces.joints)
+    for (auto& place : joint->places) place->width_factor = row_by_row(factor.row(row++));
 }
 
 std::string csv_text(const std::string& text) {

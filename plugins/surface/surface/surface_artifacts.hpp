@@ -32,6 +32,9 @@ PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank);
 
 std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joint& joint);
 
+/// Gives the widths of all joints what they have in common: one row a place, in the order of joints and places.
+void add_common_errors(const Eigen::MatrixXd& factor, SurfacesT& surfaces);
+
 /// A cell of a CSV table, in quotes where it has to be.
 std::string csv_text(const std::string& text);
 

@@ -177,6 +177,44 @@ TEST(BracketRule, AStepThatIsLongerThanTheRangeIsRefused) {
   EXPECT_THROW(parse_bracket_rule("*: right=20mm, up=15mm, out=10mm, step_out=50mm"), std::runtime_error);
 }
 
+/// A number or a name that is not understood would leave what is assumed: 20 mm for a bracket that has 8.
+TEST(BracketRule, TheDesignsRangeIsReadOrNamed) {
+  const auto type = [](const std::vector<ifc::Property>& properties, const std::vector<BracketRule>& rules = {}) {
+    ifc::ElementFacts anchor;
+    anchor.name = "F01-C01-R1", anchor.ifc_class = "IfcMechanicalFastener", anchor.properties = &properties;
+    return bracket_type_of(rules, anchor);
+  };
+  const auto words = [&](const std::vector<ifc::Property>& properties) {
+    try {
+      type(properties);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string("read");
+  };
+  const BracketType read = *type({{"Pset_BracketRange", "Up", "", 0.008},
+                                  {"Pset_BracketRange", "StepUp", "", 0.002},
+                                  {"Pset_Other", "Rigth", "", 8}});
+  EXPECT_EQ(read.high, Eigen::Vector3d(0.020, 0.008, 0.025));
+  EXPECT_EQ(read.low, Eigen::Vector3d(-0.020, -0.008, -0.025));
+  EXPECT_EQ(read.step, Eigen::Vector3d(0, 0.002, 0));
+  EXPECT_EQ(read.name, "design: Pset_BracketRange");
+  EXPECT_EQ(type({})->name, "assumed");
+  EXPECT_FALSE(type({}, {parse_bracket_rule("class=IfcWall: up=5mm")})) << "rules, and none for it";
+  EXPECT_EQ(type({{"Pset_BracketRange", "Up", "", 0.008}}, {parse_bracket_rule("*: up=5mm")})->high.y(), 0.005);
+  EXPECT_NE(words({{"Pset_BracketRange", "Rigth", "", 0.008}}).find("has 'Rigth'; expected Right, Up"),
+            std::string::npos);
+  EXPECT_NE(words({{"Pset_BracketRange", "Up", "8", 8}}).find("Up is 8, expected a length from 0 to 0.5 m"),
+            std::string::npos)
+      << "millimetres in a design in metres";
+  EXPECT_NE(words({{"Pset_BracketRange", "Up", "8 mm", ifc::Property::nan}}).find("Up is 8 mm, expected"),
+            std::string::npos);
+  EXPECT_NE(words({{"Pset_BracketRange", "Up", "", 0.001}, {"Pset_BracketRange", "StepUp", "", 0.002}})
+                .find("its step up is longer than its range"),
+            std::string::npos);
+  EXPECT_THROW(parse_bracket_rule("*: up=5mm, up=8mm"), std::runtime_error);
+}
+
 /// Not "no optimum", wherever Ipopt was.
 TEST(Fit, StopsWhenNobodyWaitsForIt) {
   const ConvexProgram program = whole_program(random_facade({2, 2}, 1, 0.010));

@@ -180,11 +180,53 @@ TEST(Job, WhatNoSchemaSeesIsNamedToo) {
   EXPECT_EQ(fault_of("nonsense"), "job: the file is \"nonsense\", expected an object");
 }
 
+/// A drill that knows a part of what it is told does not drill.
+TEST(Job, WhatNobodyReadsIsNotCarriedOut) {
+  const Released r;
+  const json good = json::parse(job_json(make_job(r.plan, r.state, 0, "", "")));
+  const auto changed = [&](auto&& change) {
+    json document = good;
+    change(document);
+    EXPECT_FALSE(valid(document)) << document.dump().substr(0, 200);
+    return fault_of(document);
+  };
+  EXPECT_EQ(changed([](json& j) { j["validUntill"] = "2026-05-03T08:00:00Z"; }),
+            "job: the file has 'validUntill', which is no key; 'validUntil' is");
+  EXPECT_EQ(changed([](json& j) { j["items"][0]["mirror"] = true; }),
+            "job: items[0] has 'mirror', which is no key: what it asks for would not be done");
+  EXPECT_EQ(changed([](json& j) { j["items"][0]["setting"]["turn"] = 0.1; }).substr(0, 36),
+            "job: items[0].setting has 'turn', wh");
+  EXPECT_EQ(changed([](json& j) { j["units"]["mass"] = "kg"; }).substr(0, 25), "job: units has 'mass', wh");
+  EXPECT_EQ(changed([](json& j) { j["assumedRobot"]["reach"] = 2; }).substr(0, 32), "job: assumedRobot has 'reach', w");
+  json turned = good;
+  turned["frames"][0]["orientation"] = {0, 0, 1, 0};
+  EXPECT_NE(fault_of(turned).find("the root frame is not turned"), std::string::npos) << fault_of(turned);
+  json zones = good;
+  zones["items"][0]["forbiddenZones"] = {{{"centre", {0, 0, 0}}, {"halfWidths", {0.1, 0.1, 0.1}}}};
+  EXPECT_TRUE(valid(zones)) << "others may write them";
+  EXPECT_NE(fault_of(zones).find("does not keep a tool out of zones"), std::string::npos) << fault_of(zones);
+}
+
 TEST(Job, AnOldOneIsRefused) {
   const Released r;
-  const Job job = make_job(r.plan, r.state, 0, "2026-05-02T08:00:00Z", "2026-05-03T08:00:00Z");
+  Job job = make_job(r.plan, r.state, 0, "2026-05-02T08:00:00Z", "2026-05-03T08:00:00Z");
   EXPECT_TRUE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis).empty());
-  EXPECT_EQ(job_objections(job, 4, "2026-05-04T12:00:00Z", std::string(64, 'a')).size(), 3u);
+  const auto all = job_objections(job, 4, "2026-05-04T12:00:00Z", std::string(64, 'a'));
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_NE(all[0].find("revision 4 is out: fetch that one"), std::string::npos) << all[0];
+  EXPECT_NE(all[1].find("was valid until 2026-05-03T08:00:00Z"), std::string::npos) << all[1];
+  // In whatever zone it is said.
+  EXPECT_TRUE(job_objections(job, 1, "2026-05-03T09:59:59+02:00", job.basis).empty());
+  EXPECT_EQ(job_objections(job, 1, "2026-05-03T10:00:01+02:00", job.basis).size(), 1u);
+  job.valid_until = "next Tuesday";
+  EXPECT_NE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis)
+                .at(0)
+                .find("is valid until 'next Tuesday', expected ISO 8601 with a zone"),
+            std::string::npos);
+  job.valid_until.clear();
+  EXPECT_TRUE(job_objections(job, 1, "2027-05-02T12:00:00Z", job.basis).empty()) << "nobody said until when";
+  EXPECT_NE(job_objections(job, 1, "noon", job.basis).at(0).find("the date of today, 'noon', is none"),
+            std::string::npos);
 }
 
 std::string pem(EVP_PKEY* key, bool is_private) {
@@ -248,6 +290,25 @@ TEST(LayoutFiles, AHeadSaysWhichColumnIsWhat) {
   // "Ortho" is no name of a height that is known: then north and east would be taken for each other.
   EXPECT_THROW(read_staked("PtID;N;E;Ortho\nA;77.5;401.25;12.125\n", LayoutFormat::hilti, "s"), std::runtime_error);
   EXPECT_EQ(place("PtID;E;N;Ortho\nA;401.25;77.5;12.125\n", LayoutFormat::hilti), p);
+}
+
+TEST(LayoutFiles, ColumnsThatNobodyReadsAreNamed) {
+  const auto ignored = [](const std::string& text) {
+    const ActualsT back = read_staked(text, LayoutFormat::hilti, "s.csv");
+    EXPECT_EQ(back.items.size(), 1U);
+    std::string words;
+    for (const std::string& line : back.ignored) words += line + "\n";
+    return words;
+  };
+  EXPECT_EQ(ignored("PtID;E;N;H;Code;Timestamp\nA;1;2;3;x;\n"), "");
+  EXPECT_EQ(ignored("A;1;2;3\n"), "");
+  EXPECT_EQ(ignored("PtID;E;N;H;Remark;Setting\nA;1;2;3;bolt stuck;0.004\n"),
+            "s.csv: 'Remark' and 'Setting' are not read\n");
+  EXPECT_NE(ignored("PtID;Design E;Design N;Design H;Staked E;Staked N;Staked H\nA;1;2;3;4;5;6\n")
+                .find("what its column 'Design E' is nobody knows here; it is taken for the easting"),
+            std::string::npos);
+  // Where it was to be and where it is: the first would be an echo of the design.
+  EXPECT_THROW(ignored("PtID;E;N;H;East;North;Height\nA;1;2;3;4;5;6\n"), std::runtime_error);
 }
 
 /// Machine control exports put comments before their head: easting and northing were exchanged then.
@@ -357,12 +418,57 @@ TEST(Actuals, SingleEntriesThatAreWrongAreRefusedByName) {
   const auto refused = [](const std::string& entry) {
     return read_actuals_json(R"({"items": [)" + entry + "]}", "a.json").refused.at(0);
   };
-  EXPECT_EQ(refused(R"({"itme": "A", "outcome": "done"})"), "a.json: items[0]: has no 'item'");
+  EXPECT_EQ(refused(R"({"itme": "A", "outcome": "done"})"), "a.json: items[0]: has 'itme', which is no key; 'item' is");
+  EXPECT_EQ(refused(R"({"outcome": "done"})"), "a.json: items[0]: has no 'item'");
   EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "revision": "1"})"),
             "a.json: items[0]: 'revision' is \"1\", expected a whole number");
   EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "measured": [1, 2]})"),
             "a.json: items[0]: 'measured' is [1,2], expected [E, N, H] in metres");
   EXPECT_NE(refused(R"({"item": "A", "outcome": "done", "setting": [1, 2, 3]})").find("\"right\""), std::string::npos);
+}
+
+/// A key that nobody reads is named; one that seems to mean another key is not taken, because what it says would be
+/// lost: a report without its revision answers any job.
+TEST(Actuals, KeysThatNobodyReadsAreNamed) {
+  const auto read = [](const std::string& entry, const std::string& beside = "") {
+    return read_actuals_json("{" + beside + R"("items": [{"item": "A", "outcome": "done")" + entry + "}]}", "a.json");
+  };
+  EXPECT_TRUE(read(R"(, "revision": 2, "units": "m", "frame": "building")").ignored.empty());
+  for (const auto& [wrong, meant] : {std::pair{"revison", "revision"},
+                                     {"Revision", "revision"},
+                                     {"sgima", "sigma"},
+                                     {"mesured", "measured"},
+                                     {"settings", "setting"},
+                                     {"jobb", "job"},
+                                     {"not", "note"}}) {
+    const ActualsT actuals = read(", \"" + std::string(wrong) + "\": 1");
+    ASSERT_EQ(actuals.refused.size(), std::string(meant).size() < 4 ? 0U : 1U) << wrong;
+    if (actuals.refused.empty()) {
+      EXPECT_EQ(actuals.ignored.at(0), "a.json: '" + std::string(wrong) + "' is not read") << "too short to guess";
+    } else {
+      EXPECT_EQ(actuals.refused[0],
+                "a.json: items[0]: has '" + std::string(wrong) + "', which is no key; '" + meant + "' is");
+    }
+  }
+  const ActualsT other = read(R"(, "temperature": 21, "robot": {"speed": 3})", R"("project": "tower", )");
+  ASSERT_EQ(other.items.size(), 1U);
+  ASSERT_EQ(other.ignored.size(), 1U);
+  EXPECT_EQ(other.ignored[0], "a.json: 'project', 'robot' and 'temperature' are not read");
+  EXPECT_THROW(read("", R"("unit": "in", )"), std::runtime_error);
+  EXPECT_THROW(read("", R"("units": {"length": "ft", "angle": "rad"}, )"), std::runtime_error);
+  EXPECT_THROW(read("", R"("frame": "floor 3", )"), std::runtime_error);
+  EXPECT_NE(read(R"(, "units": "mm")").refused.at(0).find("lengths are in metres"), std::string::npos);
+  EXPECT_NE(read(R"(, "measured": [1, 2, 3, 4])").refused.at(0).find("[E, N, H]"), std::string::npos);
+  EXPECT_NE(read(R"(, "setting": {"right": 0, "up": 0, "out": 0, "turn": 1})").refused.at(0).find("'setting'"),
+            std::string::npos);
+  EXPECT_NE(read(R"(, "revision": 4294967298)").refused.at(0).find("expected that of the job"), std::string::npos);
+  EXPECT_NE(read(R"(, "sigma": [0.001, 0, 0.001])").refused.at(0).find("each above 0"), std::string::npos);
+  try {
+    read(R"(, "outcome": "failed")");
+    ADD_FAILURE() << "done or failed?";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("a.json: has 'outcome' twice"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Actuals, WhatIsNoFileOfReportsIsSaid) {

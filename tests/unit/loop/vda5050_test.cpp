@@ -253,6 +253,22 @@ TEST(Vda5050, MessagesThatAreWrongAreRefusedWithTheirLine) {
     EXPECT_NE(refused.find(words), std::string::npos) << words << " in\n" << refused;
 }
 
+TEST(Vda5050, KeysOfAResultThatNobodyReadsAreNamed) {
+  const Job job = make_job();
+  const auto read = [&](const std::string& result) {
+    json state = make_state(job, "f", 1, at_second(1), VdaVersion::v2_0);
+    state["actionStates"][0]["resultDescription"] = result;
+    return vda_actuals(state.dump(), job, "s");
+  };
+  const ActualsT named = read(R"({"note": "ok", "torque": 12})");
+  ASSERT_EQ(named.items.size(), 1u);
+  EXPECT_EQ(named.ignored.at(0), "s: in results of actions 'torque' is not read");
+  EXPECT_NE(read(R"({"mesured": [1, 2, 3]})").refused.at(0).find("has 'mesured', which is no key; 'measured' is"),
+            std::string::npos);
+  EXPECT_NE(read(R"({"measured": [1, 2, 3], "unit": "in"})").refused.at(0).find("lengths are in metres"),
+            std::string::npos);
+}
+
 /// Bytes changed, left out and cut off at random: refused with the line or read, never an error, and never a report of
 /// what the message does not hold.
 TEST(Vda5050, BrokenMessagesEndNothing) {

@@ -160,6 +160,40 @@ TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
   EXPECT_GT(of_step, 0.2);
 }
 
+/// Panels that hang 8 mm aside: one edge lies beyond the joint's middle in the design, and is at its own panel's height
+/// all the same.
+TEST(Joint, AnEdgeBeyondTheMiddleOfTheDesignsJointIsStillItsPanels) {
+  constexpr double aside = 0.008, step = 0.005;
+  FacadeScene scene;
+  scene.height = [](double u, double) { return u < aside ? 0.0 : step; };
+  scene.reflectance = [](double u, double v) {
+    return std::abs(u - aside) < 0.006 ? 0.05 : 0.5 + 0.15 * plumbline::testing::plaster(u, v, 0.002);
+  };
+  for (const std::vector<size_t>& seen_by : {std::vector<size_t>{0, 1, 2, 3, 4}, {0, 2, 3}}) {
+    const Outcome outcome = measure(make_site(scene), -1, seen_by);
+    ASSERT_GE(outcome.joint.stations.size(), 9U) << outcome.joint.not_measured;
+    for (const JointStation& station : outcome.joint.stations)
+      EXPECT_NEAR(station.width, 0.012, 3 * station.width_sigma) << seen_by.size() << " photographs";
+  }
+}
+
+/// What meets at a corner of the building has no joint here, and that is said.
+TEST(Joint, PanelsThatMeetAtACornerAreNamed) {
+  const auto face = [](const std::string& id, const Eigen::Vector3d& middle, const Eigen::Vector3d& out) {
+    return PanelFace{id, facade_plane(middle, out), 1, 2};
+  };
+  std::vector<PanelFace> faces = {face("A", {0, 0, 0}, {0, -1, 0}), face("B", {1.02, 0, 0}, {0, -1, 0}),
+                                  face("C", {1.53, 0.51, 0}, {1, 0, 0}), face("D", {0, 0.1, 2.02}, {0, -1, 0})};
+  EXPECT_EQ(joints_of(faces).size(), 1U);
+  const auto corners = corners_between(faces);
+  ASSERT_EQ(corners.size(), 1U) << "D stands 100 mm back, out of reach";
+  EXPECT_EQ(corners[0], std::pair(size_t{1}, size_t{2}));
+  EXPECT_EQ(words_of_corners(faces, 0.06).rfind("panels B and C meet at a corner", 0), 0U);
+  EXPECT_EQ(corners_between(faces, 0.15).size(), 2U);
+  faces.erase(faces.begin() + 2, faces.end());
+  EXPECT_EQ(words_of_corners(faces, 0.06), "");
+}
+
 TEST(EdgeProfile, BothEdgesOfAGapToAFewThousandthsOfASample) {
   // Down to a gap of five samples under a blur of 1.7, where each edge lies in the other's skirt.
   for (double width : {5.0, 9.3, 20.6}) {

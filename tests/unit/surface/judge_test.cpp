@@ -77,6 +77,19 @@ TEST(JudgeSurfaces, FlatnessByTheLastRuleThatSelects) {
   EXPECT_EQ(result.not_judged, 4);
 }
 
+/// Half of a panel is no panel: a scan that ends there says nothing of the other half, unless what it saw fails.
+TEST(JudgeSurfaces, WhatWasHalfSeenDoesNotPassAsFlat) {
+  SurfacesT what = surfaces();
+  what.panels[0]->coverage = 0.48, what.panels[1]->coverage = 0.8;
+  const auto result = judged(what, {"*: flatness(1m)=3mm"});
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::not_measured);
+  EXPECT_EQ(result.verdicts[0]->not_judged,
+            "it is flat enough where points are, and they cover 48 % of it: what the rest is nobody saw");
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::pass);
+  what.panels[0]->flatness[0]->gap = 0.009;
+  EXPECT_EQ(judged(what, {"*: flatness(1m)=3mm"}).verdicts[0]->verdict, ToleranceVerdict::fail);
+}
+
 TEST(JudgeSurfaces, NearTheLimitItIsUndecided) {
   SurfacesT what = surfaces();
   what.panels[0]->flatness[0]->gap = 0.0029, what.panels[1]->flatness[0]->gap = 0.0031;

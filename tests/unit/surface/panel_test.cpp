@@ -52,6 +52,20 @@ TEST(Panel, ADentIsStillOne) {
   EXPECT_GT(panel.flatness[1].with_outlying, 0.005);
 }
 
+/// A cloud that was exported together with itself.
+TEST(Panel, PointsThatStandTwiceSayNothingNew) {
+  const auto once = points_at([](double, double) { return 0.002; });
+  MeasuredTile twice = once;
+  twice.points.insert(twice.points.end(), once.points.begin(), once.points.end());
+  const PanelSurface of_once = measure_panel(kFace, {once}, {}), of_twice = measure_panel(kFace, {twice}, {}),
+                     of_both = measure_panel(kFace, {once, once}, {});
+  EXPECT_LT(of_once.repeated, 1.01);
+  EXPECT_NEAR(of_twice.repeated, 2, 0.01);
+  EXPECT_NEAR(of_both.repeated, 2, 0.01) << "as two scans of one file";
+  EXPECT_NEAR(of_twice.plane_random(0, 0) / of_once.plane_random(0, 0), 1, 0.02);
+  EXPECT_NEAR(of_twice.flatness[1].noise_mean / of_once.flatness[1].noise_mean, 1, 0.02);
+}
+
 /// A design's box says nothing of a panel's form: what is folded, corrugated or a step is no bow.
 TEST(Panel, WhatIsNoPlaneIsNotMeasuredAsOne) {
   const std::function<double(double, double)> forms[] = {

@@ -128,6 +128,79 @@ TEST(SurfaceErrors, SayWhatIsMissingAndWhatIsInvented) {
   EXPECT_THROW(surface_errors(measured, none), std::runtime_error);
 }
 
+/// Errors drawn from what joints state: what all places share, what those of one joint do, and what each is off by
+/// itself. A metric that took each place by itself would say 1 whatever they share.
+TEST(SurfaceErrors, WidthsAndStepsCountWithWhatTheyHaveInCommon) {
+  std::mt19937_64 engine(9);
+  std::normal_distribution<double> normal(0, 1);
+  const Vector6 flat = Vector6::Zero();
+  constexpr int trials = 100;
+  double width = 0, step = 0, beside = 0;
+  SurfacesT truth, measured;
+  for (int trial = 0; trial < trials; ++trial) {
+    truth = SurfacesT(), measured = SurfacesT();
+    measured.rank = 1, measured.joint_rank = 2;
+    const double common[3] = {normal(engine), normal(engine), normal(engine)};
+    std::vector<Vector6> forms;
+    for (int p = 0; p < 4; ++p) {
+      truth.panels.push_back(panel("P" + std::to_string(p), p * Eigen::Vector3d(0.8, 0.6, 0), 0.9, 0.9, flat));
+      Vector6 form;
+      std::vector<double> factor(6);
+      for (int i = 0; i < 6; ++i)
+        factor[i] = 1e-4 * (p + 1) * (i < 3), form(i) = 3e-5 * normal(engine) + factor[i] * common[2];
+      measured.panels.push_back(panel("P" + std::to_string(p), p * Eigen::Vector3d(0.8, 0.6, 0), 0.9, 0.9, form));
+      measured.panels.back()->coefficients_random =
+          pack_symmetric(Eigen::Matrix<double, 6, 6>(9e-10 * Eigen::Matrix<double, 6, 6>::Identity()));
+      measured.panels.back()->coefficients_factor = factor;
+      forms.push_back(form);
+    }
+    truth.panels[3]->not_measured = "glass", measured.panels[3]->not_measured = "nothing on it to measure";
+    for (int j = 0; j < 3; ++j) {
+      const auto nominal = [](double) { return 0.1; };
+      for (SurfacesT* of : {&truth, &measured}) {
+        of->joints.push_back(joint("P" + std::to_string(j), "P" + std::to_string(j + 1), 0, nominal, 0));
+        of->joints.back()->origin = (j + 0.5) * Eigen::Vector3d(0.8, 0.6, 0);
+      }
+      for (auto& place : truth.joints.back()->places) place->step = 0;
+      const double edges[2] = {normal(engine), normal(engine)};
+      for (auto& place : measured.joints.back()->places) {
+        place->width_random = 2e-5, place->width_by_edge = {-3e-5, j == 2 ? 2e-4 : 3e-5};
+        place->width_factor = {1e-4, 5e-5 * place->along};
+        place->width += 2e-5 * normal(engine);
+        for (int k = 0; k < 2; ++k)
+          place->width += place->width_by_edge[k] * edges[k] + place->width_factor[k] * common[k];
+        place->width_sigma = 2e-4;  // no matter: the parts count
+        const double y = 2 * place->along / 0.9;
+        place->step = row_at(-1, y).dot(forms[j + 1]) - row_at(1, y).dot(forms[j]), place->step_sigma = 1e-4;
+      }
+    }
+    const SurfaceErrors errors = surface_errors(measured, truth);
+    ASSERT_EQ(of(errors, "width").freedom, 42);
+    ASSERT_EQ(of(errors, "step").freedom, 6) << "three of each of two joints";
+    EXPECT_FALSE(of(errors, "width").one_by_one);
+    width += of(errors, "width").nees / 42 / trials, step += of(errors, "step").nees / 6 / trials;
+    beside += of(errors, "width_beside_unmeasured").nees / 21 / trials;
+    EXPECT_EQ(errors.joints_wanted, 2);
+    EXPECT_EQ(errors.joints_beside, 1);
+  }
+  EXPECT_NEAR(width, 1, 4 * std::sqrt(2.0 / (42 * trials)));
+  EXPECT_NEAR(step, 1, 4 * std::sqrt(2.0 / (6 * trials)));
+  EXPECT_NEAR(beside, 1, 4 * std::sqrt(2.0 / (21 * trials)));
+  for (auto& place : measured.joints[0]->places) place->width_factor.clear();
+  EXPECT_TRUE(of(surface_errors(measured, truth), "width").one_by_one) << "nobody says what they have in common";
+  EXPECT_EQ(of(surface_errors(measured, truth), "width").freedom, 2);
+}
+
+/// Two facades that count their panels alike.
+TEST(SurfaceErrors, PanelsOfOneNameAreNotCompared) {
+  SurfacesT truth, measured;
+  for (double x : {0.0, 5.0}) {
+    truth.panels.push_back(panel("A", {x, 0, 0}, 1, 1, Vector6::Zero()));
+    measured.panels.push_back(panel("A", {x, 0, 0}, 1, 1, Vector6::Zero()));
+  }
+  EXPECT_THROW(surface_errors(measured, truth), std::runtime_error);
+}
+
 /// Places of a joint are compared where they lie, also where its middle is described elsewhere or it runs the other
 /// way.
 TEST(SurfaceErrors, JointsArePlacesInSpace) {

@@ -1,0 +1,160 @@
+// What nodes of the loop and the program that speaks to robots say, and what they refuse.
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <fstream>
+
+#include "artifacts/actuals.hpp"
+#include "artifacts/file.hpp"
+#include "artifacts/installation_plan.hpp"
+#include "artifacts/loop_state.hpp"
+#include "artifacts/points.hpp"
+#include "artifacts/survey_observations.hpp"
+#include "loop/job/job.hpp"
+#include "loop/state/machine.hpp"
+#include "loop/state/plan_artifact.hpp"
+#include "node_harness.hpp"
+#include "random_facade.hpp"
+
+namespace {
+
+using namespace plumbline;
+using namespace plumbline::loop;
+using plumbline::test::NodeFailed;
+using plumbline::test::NodeHarness;
+
+/// A plan with its state after the first release.
+struct Released {
+  InstallationPlanT plan;
+  LoopStateT state;
+  Released() {
+    const Facade facade = test::random_facade({2, 2}, 4, 0.004, 0.0003, 0.0004);
+    const Fit fit = plan_settings(facade);
+    plan = plan_artifact(facade, fit, judge_plan(facade, fit));
+    apply_plan(state, plan, {});
+  }
+};
+
+std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
+
+std::string said_of(NodeHarness& node) {
+  try {
+    node.run();
+  } catch (const NodeFailed& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(WriteJob, DatesThatRobotsWouldRefuseAreRefusedBeforeTheJobIsOut) {
+  const Released released;
+  const auto said = [&](const std::string& created, const std::string& until, std::string* job = nullptr) {
+    NodeHarness node("write.job");
+    node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", released.state);
+    node.set("created_at", created), node.set("valid_until", until);
+    const std::string words = said_of(node);
+    if (job) *job = text_of(node.output<File>("job"));
+    return words;
+  };
+  std::string job;
+  EXPECT_EQ(said("2026-05-02T08:00:00Z", "2026-05-02T10:00:01+02:00", &job), "");
+  EXPECT_EQ(read_job(job).valid_until, "2026-05-02T10:00:01+02:00");
+  EXPECT_NE(said("2026-05-02T08:00:00Z", "2026-05-02T10:00:00+02:00").find("every robot would refuse it"),
+            std::string::npos);
+  EXPECT_NE(said("", "3.5.2026").find("valid_until is '3.5.2026'; expected ISO 8601 with a zone"), std::string::npos);
+  EXPECT_NE(said("2026-05-02T08:00:00", "").find("created_at is '2026-05-02T08:00:00'; expected"), std::string::npos);
+}
+
+TEST(ReadActuals, WhatIsNotReadIsSaid) {
+  FileT file;
+  file.name = "actuals.json", file.media_type = "application/json";
+  const std::string text =
+      R"({"items": [{"item": "A", "outcome": "done", "torque": 4}, {"item": "B", "otcome": "done"}]})";
+  file.content.assign(text.begin(), text.end());
+  NodeHarness node("read.actuals");
+  node.input<File>("file", file), node.run();
+  ASSERT_EQ(node.warnings().size(), 2U);
+  EXPECT_EQ(node.warnings()[0], "actuals.json: items[1]: has 'otcome', which is no key; 'outcome' is");
+  EXPECT_EQ(node.warnings()[1], "actuals.json: 'torque' is not read");
+  EXPECT_EQ(node.metric("reports"), 1);
+  EXPECT_EQ(node.output<Actuals>("actuals").items.at(0)->item, "A");
+}
+
+TEST(SimulateSite, AKnockedMarkIsElsewhereThanItIsKnown) {
+  PointsT truth;
+  for (double x : {0.0, 6.0})
+    for (double z : {3.0, 6.0}) {
+      auto point = std::make_unique<PointT>();
+      point->id = "A" + std::to_string(truth.points.size()), point->position = Eigen::Vector3d(x, 10, z);
+      point->sigma.setZero();
+      truth.points.push_back(std::move(point));
+    }
+  NodeHarness node("simulate.site");
+  node.input<Points>("truth", truth), node.set("knocked", "K2"), node.run();
+  const PointsT real = node.output<Points>("markers"), known = node.output<Points>("control");
+  ASSERT_EQ(known.points.size(), 6U);
+  for (const auto& mark : known.points)
+    for (const auto& point : real.points) {
+      if (point->id != mark->id) continue;
+      const Eigen::Vector3d off = point->position - mark->position;
+      EXPECT_NEAR(off.z(), mark->id == "K2" ? 0.006 : 0, 1e-12) << mark->id;
+      EXPECT_LT(off.head<2>().norm(), 1e-12) << mark->id;
+    }
+  node.set("knocked", "K7");
+  EXPECT_NE(said_of(node).find("'knocked' names K7, and the control marks are K1 to K6"), std::string::npos);
+}
+
+struct Ended {
+  int code = -1;
+  std::string said;
+};
+
+Ended robots(const std::string& words) {
+  Ended ended;
+  FILE* pipe = popen((std::string(PLUMBLINE_ROBOTS) + " " + words + " 2>&1").c_str(), "r");
+  char part[512];
+  while (pipe && fgets(part, sizeof part, pipe)) ended.said += part;
+  const int status = pipe ? pclose(pipe) : -1;
+  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return ended;
+}
+
+/// Before any broker is asked.
+TEST(Robots, WhatCannotBeCarriedOutIsSaidWithItsCode) {
+  const std::string folder = ::testing::TempDir() + "/plumbline_robots_words";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const std::string& name, const std::string& text) {
+    std::ofstream(folder + "/" + name, std::ios::binary) << text;
+    return folder + "/" + name;
+  };
+  const Released released;
+  const std::string job = write("job.json", job_json(make_job(released.plan, released.state, 0, "", "")));
+  const std::string common = " --folder " + folder + "/spool --longest 1 --port 1 ";
+  const auto expect = [&](const std::string& words, int code, const std::string& said) {
+    const Ended ended = robots(words + common);
+    EXPECT_EQ(ended.code, code) << words << "\n" << ended.said;
+    EXPECT_NE(ended.said.find(said), std::string::npos) << words << "\n" << ended.said;
+  };
+  expect("--job " + job + " --robot Acme", 1, "--robot is 'Acme'; expected MANUFACTURER/SERIAL-NUMBER");
+  expect("--job " + job + " --robot 'Acme/R 2'", 1, "serial number is 'R 2'");
+  expect("--job " + job + " --robot Acme/R2 --version 1.1", 2, "--version");
+  expect("--robot Acme/R2", 2, "--job");
+  expect("--job " + folder + "/none.json --robot Acme/R2", 1, "cannot read " + folder + "/none.json");
+  expect("--job " + write("torn.json", "{\"jobId\": ") + " --robot Acme/R2", 1, "torn.json: job: the file is no JSON");
+  expect("--job " +
+             write("late.json", job_json(make_job(released.plan, released.state, 0, "", "2020-01-01T00:00:00Z"))) +
+             " --robot Acme/R2",
+         1, "was valid until 2020-01-01T00:00:00Z");
+  expect("--job " + job + " --robot Acme/R2 --public-key " + write("key.pem", "none"), 1,
+         "cannot read " + job + ".sig");
+  write("job.json.sig", std::string(64, 'x'));
+  expect("--job " + job + " --robot Acme/R2 --public-key " + folder + "/key.pem", 1, "no Ed25519 public key in PEM");
+  expect("--job " + job + " --robot Acme/R2 --host 192.0.2.1", 1, "give --ca");
+  // A broker that is not there: not an error, and not the end of the job.
+  const Ended away = robots("--job " + job + " --robot Acme/R2" + common);
+  EXPECT_EQ(away.code, 3) << away.said;
+  EXPECT_NE(away.said.find("start again with the same words to go on"), std::string::npos) << away.said;
+}
+
+}  // namespace
