@@ -12,6 +12,7 @@
 
 #include "commands.hpp"
 #include "progress.hpp"
+#include "result_screen.hpp"
 #include "runtime/base/memory_budget.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/record/deliver.hpp"
@@ -48,8 +49,11 @@ void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::p
   for (const auto& delivery : deliveries) {
     if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
-    for (std::string line; std::getline(stream, line);)
-      std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) lines.push_back(runtime::printable(line));
+    for (const std::string& line :
+         in_a_screen(lines, terminal_columns(), terminal_rows(), (out / delivery.file).string()))
+      std::printf("%s\n", paint_verdict(line).c_str());
   }
 }
 

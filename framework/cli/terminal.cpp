@@ -106,6 +106,11 @@ size_t terminal_columns() {
   return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
+size_t terminal_rows() {
+  winsize size{};
+  return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_row : 0;
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 100) return fmt::format("{:.2f} s", seconds);
   const long whole = std::lround(seconds);

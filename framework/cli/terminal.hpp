@@ -18,6 +18,7 @@ std::string paint_verdict(const std::string& line);
 bool can_rewrite_lines();
 /// Columns of standard output's terminal; 0 if it is none.
 size_t terminal_columns();
+size_t terminal_rows();  ///< likewise
 
 /// From now on what nodes print to standard output goes to standard error: a line of theirs among those of --json, or
 /// in the middle of one, would make it no JSON. Throws std::runtime_error.

@@ -24,10 +24,10 @@ def expect(holds, what):
         faults.append(what)
 
 
-def on_terminal(words, columns=80, **environment):
+def on_terminal(words, columns=80, rows=40, **environment):
     """What the program writes on a terminal of that width."""
     leader, follower = pty.openpty()
-    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 40, columns, 0, 0))
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
     child = subprocess.Popen([PROGRAM, *words], stdin=follower, stdout=follower, stderr=follower, cwd=WORK, env={**BASE, **environment})
     os.close(follower)
     text = b""
@@ -64,6 +64,18 @@ expect(re.search(r"\x1b\[[0-9;]*m[^\x1b]*FAIL", judged), "no FAIL in colour")
 expect("\x1b[" in judged, "a terminal has no colour")
 expect("Took part:" in plain(judged), "the run does not say what took part")
 expect(not re.search(r"about \d+\.\d+ s", plain(judged)), "time left to hundredths of a second")
+
+# The result of a building is at most a screen, says so where it is shortened, and breaks no word. Its file and a pipe have all of it.
+tower = ["run", "building", "floors=4", "--out", "tower"]
+for columns, rows in ((80, 24), (200, 24), (80, 60)):
+    result = plain(on_terminal(tower, columns, rows)).split("tower/run.jsonl\n")[1].splitlines()
+    taken = sum(max(1, -(-len(line) // columns)) for line in result)
+    expect(taken < rows, f"the result takes {taken} rows of {rows} at {columns} columns")
+    expect(result[0].startswith("Installation:") and "Took part:" in " ".join(result[-3:]), f"the result lacks its beginning or end: {result}")
+    expect(any(re.search(r"… \d+ more (here|in tower/summary.txt)", line) for line in result) == (rows == 24), f"at {rows} rows: {result}")
+    expect(not any(len(line) > columns and "  " not in line for line in result), f"a sentence is not broken between words: {result}")
+whole = (WORK / "tower/summary.txt").read_text()
+expect(subprocess.run([PROGRAM, *tower], capture_output=True, text=True, cwd=WORK, env=BASE).stdout.endswith(whole), "a pipe gets less than the summary")
 
 # Tables and help; a word that is longer than its column stands alone.
 commands = re.findall(r"^  (\w+) ", on_terminal(["--help"], 200).split("Subcommands:")[1], re.M)

@@ -224,6 +224,16 @@ class Served(unittest.TestCase):
             status, head, _ = self.ask("/", method=method)
             self.assertEqual((status, "Allow: GET, HEAD" in head), (405, True), method)
 
+    @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed (scripts/setup --tests)")
+    def test_a_browser_shows_the_runs_on_a_desk_and_on_a_telephone(self):
+        for size in ("1300,900", "390,800"):
+            dom = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", f"--user-data-dir={self.work}/chromium",
+                                  "--virtual-time-budget=4000", f"--window-size={size}", "--dump-dom", self.address], capture_output=True, text=True, timeout=60).stdout
+            for word in ("one", "two", "computed"):
+                self.assertIn(f">{word}<", dom, f"{size}: {dom[-3000:]}")
+            self.assertNotIn("<img", dom)  # a name that somebody wrote into a record
+            self.assertIn('name="viewport"', dom)
+
     def test_that_it_was_computed_does_not_say_that_the_building_is_in_order(self):
         out = self.out / "loop"
         out.mkdir()

@@ -1,0 +1,154 @@
+#include "result_screen.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <sstream>
+
+#include "terminal.hpp"
+
+namespace plumbline::cli {
+
+namespace {
+
+const std::string kMore = "  … ";
+
+struct Shown {
+  std::string text;
+  size_t list = 0;  ///< lines of one list have one number; 0: of none
+  size_t rows = 1;
+};
+
+std::string first_word(const std::string& text) {
+  std::string word;
+  std::istringstream(text) >> word;
+  return word;
+}
+
+/// By character, not byte.
+std::vector<std::string> characters(const std::string& text) {
+  std::vector<std::string> all;
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0) != 0x80 || all.empty()) all.emplace_back();
+    all.back() += c;
+  }
+  return all;
+}
+
+bool is_sentence(const std::string& line) { return line.find("  ") == std::string::npos; }
+
+/// Rows of a table that is wider than the screen move together where all of them have two blanks.
+void squeeze(std::vector<std::string>& lines, size_t begin, size_t end, size_t columns) {
+  std::vector<std::vector<std::string>> rows;
+  size_t widest = 0;
+  for (size_t i = begin; i < end; ++i) {
+    rows.push_back(characters(lines[i]));
+    widest = std::max(widest, rows.back().size());
+  }
+  const auto blank = [&](size_t at) {
+    return std::ranges::all_of(rows, [&](const auto& row) { return at >= row.size() || row[at] == " "; });
+  };
+  for (size_t at = widest; widest > columns && at-- > 1;) {
+    if (!blank(at) || !blank(at - 1)) continue;
+    for (auto& row : rows)
+      if (at < row.size()) row.erase(row.begin() + static_cast<std::ptrdiff_t>(at));
+    --widest;
+  }
+  for (size_t i = begin; i < end; ++i) {
+    lines[i].clear();
+    for (const std::string& character : rows[i - begin]) lines[i] += character;
+  }
+}
+
+std::vector<std::string> squeezed(std::vector<std::string> lines, size_t columns) {
+  for (size_t begin = 0; begin < lines.size();) {
+    size_t end = begin;
+    while (end < lines.size() && !is_sentence(lines[end]) && lines[end][0] != ' ') ++end;
+    squeeze(lines, begin, end, columns);
+    begin = end + 1;
+  }
+  return lines;
+}
+
+bool is_indented(const std::string& text) { return text.starts_with("  ") && !text.starts_with(kMore); }
+
+/// "floor 3 ..." of a table; of an indented line the word that begins several ("panel"), for the others "".
+std::string list_of(const std::string& text, const std::map<std::string, size_t>& begin) {
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  const std::string word = first_word(text);
+  if (is_indented(text))
+    return std::none_of(word.begin(), word.end(), is_digit) && begin.at(word) > 1 ? "  " + word : "  ";
+  std::istringstream words(text);
+  std::string second;
+  words >> second >> second;
+  return !second.empty() && std::all_of(second.begin(), second.end(), is_digit) ? word : "";
+}
+
+std::vector<Shown> shown(const std::vector<std::string>& lines, size_t columns) {
+  std::map<std::string, size_t> begin;
+  for (const std::string& line : lines) ++begin[first_word(line)];
+  std::vector<Shown> all;
+  std::string before;
+  size_t lists = 0;
+  for (const std::string& line : lines) {
+    const std::string list = list_of(line, begin);
+    if (list != before) ++lists;
+    before = list;
+    const bool sentence = is_sentence(line);
+    const std::string text = sentence ? wrapped(line, columns) : line;
+    const auto breaks = static_cast<size_t>(std::ranges::count(text, '\n'));
+    const size_t length = sentence ? 1 : characters(text).size();
+    all.push_back({text, list.empty() ? 0 : lists, breaks + std::max<size_t>(1, (length + columns - 1) / columns)});
+  }
+  return all;
+}
+
+/// The line to be left out of a list: the last one that passes, or else the last one.
+std::vector<Shown>::iterator least(std::vector<Shown>& all, size_t list) {
+  auto last = all.end(), passes = all.end();
+  for (auto it = all.begin(); it != all.end(); ++it) {
+    if (it->list != list) continue;
+    last = it;
+    if (it->text.find(" pass") != std::string::npos) passes = it;
+  }
+  return passes != all.end() ? passes : last;
+}
+
+}  // namespace
+
+std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size_t columns, size_t rows,
+                                     const std::string& file) {
+  if (columns == 0 || rows == 0) return lines;
+  std::vector<Shown> all = shown(squeezed(lines, columns), columns);
+  std::map<size_t, size_t> left_out;
+  const auto ends_list = [&](size_t i) { return i + 1 == all.size() || all[i + 1].list != all[i].list; };
+  const auto says_more = [&](size_t i) { return i < all.size() && all[i].text.starts_with(kMore); };
+  const auto total = [&] {
+    size_t sum = 0;
+    for (size_t i = 0; i < all.size(); ++i)  // a line for each list that is shortened and has none yet
+      sum += all[i].rows + (left_out.count(all[i].list) && ends_list(i) && !says_more(i + 1) ? 1 : 0);
+    return sum;
+  };
+  while (total() >= rows) {  // one row is the next prompt's
+    std::map<size_t, size_t> lengths;
+    for (const Shown& line : all)
+      if (line.list != 0) ++lengths[line.list];
+    const auto longest = std::ranges::max_element(lengths, {}, [](const auto& one) { return one.second; });
+    if (longest == lengths.end() || longest->second < 2) break;
+    ++left_out[longest->first];
+    all.erase(least(all, longest->first));
+  }
+  std::vector<std::string> texts;
+  for (size_t i = 0; i < all.size(); ++i) {
+    texts.push_back(all[i].text);
+    if (!left_out.count(all[i].list) || !ends_list(i)) continue;
+    const std::string more = kMore + std::to_string(left_out[all[i].list]) + " more";
+    if (says_more(i + 1))
+      texts.push_back(more + " here, " + all[++i].text.substr(kMore.size()));
+    else
+      texts.push_back(more + " in " + file);
+  }
+  return texts;
+}
+
+}  // namespace plumbline::cli
