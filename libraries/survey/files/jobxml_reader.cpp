@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -10,6 +12,32 @@ namespace {
 
 using text::attribute;
 using text::child_text;
+
+/// Points that were typed in or taken over from another file or job. The schema (5.3) has the words in SurveyMethod
+/// beside Method "Coordinates"; other programs write them as the Method itself.
+bool is_keyed_in(pugi::xml_node record) {
+  const std::string method = child_text(record, "Method"), how = child_text(record, "SurveyMethod");
+  if (method == "KeyedIn") return true;
+  return (method == "Coordinates" || method == "CopiedPoint") && (how == "KeyedIn" || how == "Copied");
+}
+
+/// Of its class in the job: its coordinates go before others of its name.
+bool is_control(pugi::xml_node record) {
+  return child_text(record, "Classification") == "Control" && is_keyed_in(record) && !text::child(record, "Circle");
+}
+
+/// Methods whose Circle is no reading but what was computed from several; those are read, or lie within the record.
+bool is_mean(const std::string& method) {
+  return method.starts_with("MeanTurnedAngle") || method.starts_with("MatchedPair");
+}
+
+/// Methods whose Circle was computed from the reading and something that was entered or measured beside it.
+bool is_offset(const std::string& method) {
+  static constexpr std::array offsets = {"AngleOffset",    "HorizontalAngleOffset", "VerticalAngleOffset",
+                                         "DistanceOffset", "DualPrismOffset",       "CircularObject",
+                                         "RemoteObject"};
+  return std::find(offsets.begin(), offsets.end(), method) != offsets.end();
+}
 
 class JobXmlReader {
  public:
@@ -25,7 +53,9 @@ class JobXmlReader {
     double height = kNotGiven, prism_constant = kNotGiven;
   };
 
+  void index(pugi::xml_node record);
   void read_record(pugi::xml_node record);
+  void tell_what_was_left_out();
   void read_station(pugi::xml_node record);
   void read_target(pugi::xml_node record);
   void read_back_bearing(pugi::xml_node record);
@@ -42,12 +72,13 @@ class JobXmlReader {
 
   text::XmlFile xml_;
   SurveyBuilder builder_;
-  std::map<std::string, int> stations_;                // ID -> set-up
-  std::map<std::string, double> atmospheres_;          // ID -> ppm
-  std::map<std::string, std::string> air_of_station_;  // station ID -> atmosphere ID
+  std::map<std::string, pugi::xml_node> station_records_, control_records_;  // by ID, by name
+  std::map<std::string, int> stations_;                                      // ID -> set-up
+  std::map<std::string, double> atmospheres_;                                // ID -> ppm
+  std::map<std::string, std::string> air_of_station_;                        // station ID -> atmosphere ID
   std::map<std::string, Target> targets_;
   std::string last_station_, last_atmosphere_;
-  std::size_t deleted_ = 0, means_ = 0;
+  std::size_t deleted_ = 0, means_ = 0, offsets_ = 0, levelled_ = 0, gnss_ = 0;
 };
 
 double JobXmlReader::number(pugi::xml_node parent, const char* name) {
@@ -69,6 +100,7 @@ void JobXmlReader::read_station(pugi::xml_node record) {
   const std::string name = child_text(record, "StationName"), id = attribute(record, "ID");
   if (child_text(record, "Deleted") == "true") return;
   if (name.empty()) return reject(record, "a StationRecord", "its StationName");
+  if (!id.empty() && stations_.contains(id)) return;  // a sighting in front of it asked for it
   stations_[id] = builder_.start_set_up(name, number(record, "TheodoliteHeight"), xml_.position(record));
   last_station_ = id;
   const std::string air = child_text(record, "AtmosphereID");
@@ -87,11 +119,11 @@ void JobXmlReader::read_target(pugi::xml_node record) {
 
 // What is added to the circle's readings to make them azimuths.
 void JobXmlReader::read_back_bearing(pugi::xml_node record) {
-  const auto station = stations_.find(child_text(record, "StationRecordID"));
+  auto station = stations_.find(child_text(record, "StationRecordID"));
   const double correction = degrees(record, "OrientationCorrection");
-  const int set_up = station != stations_.end() ? station->second : builder_.current_set_up();
-  if (set_up >= 0 && !std::isnan(correction))
-    builder_.survey.set_ups[set_up].stated_orientation = wrap_to_circle(correction);
+  if (station == stations_.end()) station = stations_.find(last_station_);
+  if (station != stations_.end() && !std::isnan(correction))
+    builder_.survey.set_ups[station->second].stated_orientation = wrap_to_circle(correction);
 }
 
 void JobXmlReader::read_coordinates(const std::string& name, pugi::xml_node grid, bool known) {
@@ -135,8 +167,10 @@ void JobXmlReader::read_circle(pugi::xml_node record, pugi::xml_node circle, con
     sighting.target_height = target->second.height;
   std::string station = child_text(record, "StationID");
   if (station.empty()) station = last_station_;
-  const auto known = stations_.find(station);
-  if (known == stations_.end()) {
+  if (const auto behind = station_records_.find(station);
+      !stations_.contains(station) && behind != station_records_.end())
+    read_station(behind->second);
+  if (!stations_.contains(station)) {
     builder_.warn("observations refer to the station record " + text::quoted(station) + ", which is not in the file");
     stations_[station] = builder_.start_unnamed_set_up(kNotGiven, sighting.source);
   }
@@ -152,29 +186,57 @@ void JobXmlReader::read_point(pugi::xml_node record) {
   }
   if (name.empty()) return reject(record, "a PointRecord", "its Name");
   const std::string method = child_text(record, "Method");
-  if (method == "MeanTurnedAngle") {
+  if (is_mean(method)) {
     ++means_;
     return;
   }
+  levelled_ += method.ends_with("LevelObservation"), gnss_ += method.starts_with("Gps");
   const pugi::xml_node circle = text::child(record, "Circle");
-  if (circle)
+  if (circle) {
+    offsets_ += is_offset(method);
     read_circle(record, circle, name);
-  else
-    read_coordinates(name, text::child(record, "Grid"), method == "KeyedIn");
+  } else {
+    const auto control = control_records_.find(name);
+    if (control != control_records_.end() && control->second != record)
+      read_coordinates(name, text::child(control->second, "Grid"), true);
+    read_coordinates(name, text::child(record, "Grid"), is_keyed_in(record));
+  }
   const std::string code = child_text(record, "Code");
   if (!code.empty()) builder_.point(name, xml_.position(record)).code = code;
+}
+
+/// What others refer to may stand behind them.
+void JobXmlReader::index(pugi::xml_node record) {
+  const std::string_view kind = text::local_name(record);
+  if (kind == "TargetRecord") return read_target(record);
+  if (kind == "StationRecord") station_records_.emplace(attribute(record, "ID"), record);
+  if (kind == "PointRecord" && is_control(record)) control_records_.emplace(child_text(record, "Name"), record);
+}
+
+void JobXmlReader::tell_what_was_left_out() {
+  const auto tell = [&](std::size_t count, const std::string& what) {
+    if (count > 0) builder_.warn(std::to_string(count) + " " + what);
+  };
+  tell(deleted_, "deleted point records were left out");
+  tell(means_, "mean turned angles were left out; the single sightings are read");
+  tell(offsets_,
+       "sightings were computed from an offset that was measured or entered (AngleOffset, DistanceOffset, "
+       "DualPrismOffset, CircularObject, RemoteObject); they are taken as read");
+  tell(levelled_, "levelling records (LevelObservation) are not read");
+  tell(gnss_, "GNSS records (Method Gps...) are not read; their points have the coordinates of the file alone");
 }
 
 void JobXmlReader::read_record(pugi::xml_node record) {
   const std::string_view kind = text::local_name(record);
   NetworkInfo& info = builder_.survey.info;
   if (kind == "StationRecord") return read_station(record);
-  if (kind == "TargetRecord") return read_target(record);
   if (kind == "BackBearingRecord") return read_back_bearing(record);
   if (kind == "PointRecord") return read_point(record);
   if (kind == "AtmosphereRecord") {
     last_atmosphere_ = attribute(record, "ID");
-    atmospheres_[last_atmosphere_] = number(record, "PPM");
+    // "false": the distances have the correction already.
+    atmospheres_[last_atmosphere_] =
+        child_text(record, "ApplyPPMToRawDistances") == "false" ? kNotGiven : number(record, "PPM");
   } else if (kind == "InstrumentRecord") {
     if (info.instrument.empty()) info.instrument = child_text(record, "Model");
     if (info.instrument_serial.empty()) info.instrument_serial = child_text(record, "Serial");
@@ -189,14 +251,17 @@ SurveyObservations JobXmlReader::read() {
   builder_.survey.info.program = attribute(xml_.root(), "product");
   builder_.survey.info.date = attribute(xml_.root(), "TimeStamp");
   builder_.survey.info.angles_in_degrees = true;
-  for (pugi::xml_node record : text::child(xml_.root(), "FieldBook").children())
+  const pugi::xml_node field_book = text::child(xml_.root(), "FieldBook");
+  for (pugi::xml_node record : field_book.children())
+    if (record.type() == pugi::node_element) index(record);
+  for (pugi::xml_node record : field_book.children())
     if (record.type() == pugi::node_element) read_record(record);
-  for (pugi::xml_node point : text::children(text::child(xml_.root(), "Reductions"), "Point"))
-    if (const std::string name = child_text(point, "Name"); !name.empty())
-      read_coordinates(name, text::child(point, "Grid"));
-  if (deleted_ > 0) builder_.warn(std::to_string(deleted_) + " deleted point records were left out");
-  if (means_ > 0)
-    builder_.warn(std::to_string(means_) + " mean turned angles were left out; the single sightings are read");
+  // Of the controller, and of the office program that hands out points to set out.
+  for (const char* part : {"Reductions", "InventoryData"})
+    for (pugi::xml_node point : text::children(text::child(xml_.root(), part), "Point"))
+      if (const std::string name = child_text(point, "Name"); !name.empty())
+        read_coordinates(name, text::child(point, "Grid"));
+  tell_what_was_left_out();
   if (xml_.damage()) builder_.survey.skipped.push_back(*xml_.damage());
   return builder_.finish("JobXML without observations or coordinates", "PointRecord elements with Circle or Grid");
 }

@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <regex>
+
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
@@ -30,6 +35,103 @@ TEST(JobXml, ReadsStationsTargetsAndCorrectsDistances) {
   EXPECT_EQ(survey.skipped.size(), 2u) << "'NaN' and an angle of 1e9 degrees";
   EXPECT_EQ(survey.skipped[0].source.line, 14);
   EXPECT_EQ(survey.warnings.size(), 2u) << "a deleted record and a mean";
+}
+
+std::string job(const std::string& records, const std::string& behind = "") {
+  return "<JOBFile version=\"5.3\"><FieldBook>" + records + "</FieldBook>" + behind + "</JOBFile>";
+}
+
+std::string coordinates(const std::string& name, const std::string& how, double north) {
+  return "<PointRecord><Name>" + name + "</Name>" + how + "<Deleted>false</Deleted><Grid><North>" +
+         std::to_string(north) + "</North><East>1</East><Elevation>2</Elevation></Grid></PointRecord>";
+}
+
+std::string sighting(const std::string& to, const std::string& method) {
+  return "<PointRecord><Name>" + to + "</Name><Method>" + method +
+         "</Method><Circle><HorizontalCircle>10</HorizontalCircle><VerticalCircle>90</VerticalCircle><EDMDistance>100"
+         "</EDMDistance><Face>Face1</Face></Circle><StationID>5</StationID></PointRecord>";
+}
+
+bool warns_of(const SurveyObservations& survey, const std::string& text) {
+  return std::any_of(survey.warnings.begin(), survey.warnings.end(),
+                     [&](const auto& warning) { return warning.find(text) != std::string::npos; });
+}
+
+// The words of the schema 5.3 and of jobs that a Survey Controller wrote (KubaSzostak/JobXML, docs): Method says that
+// there are coordinates, SurveyMethod where they are from.
+TEST(JobXml, CoordinatesAreKnownWhereTheyWereTypedInOrTakenOver) {
+  const auto way = [](const std::string& method, const std::string& how, const std::string& rank = "Normal") {
+    return "<Method>" + method + "</Method><SurveyMethod>" + how + "</SurveyMethod><Classification>" + rank +
+           "</Classification>";
+  };
+  const auto survey = read_jobxml(
+      job(coordinates("KEYED", way("Coordinates", "KeyedIn"), 10) +
+          coordinates("COPIED", way("CopiedPoint", "Copied"), 20) +
+          coordinates("COMPUTED", way("CogoCalculated", "KeyedIn"), 30) +
+          coordinates("FREE", way("Resection", "Code"), 40) + coordinates("TWICE", way("Coordinates", "KeyedIn"), 50) +
+          coordinates("TWICE", way("Coordinates", "KeyedIn", "Control"), 60) +
+          coordinates("RTK", way("GpsRTKQuickMark", "NetworkFix"), 70)),
+      "x.jxl");
+  using Known = std::array<bool, 3>;
+  const Known all{true, true, true}, none{};
+  EXPECT_EQ(Known(point(survey, "KEYED").known), all);
+  EXPECT_EQ(Known(point(survey, "COPIED").known), all);
+  EXPECT_EQ(Known(point(survey, "COMPUTED").known), none);
+  EXPECT_EQ(Known(point(survey, "FREE").known), none);
+  EXPECT_EQ(point(survey, "TWICE").coordinates.y(), 60) << "control goes before what is none";
+  EXPECT_EQ(Known(point(survey, "TWICE").known), all);
+  EXPECT_TRUE(warns_of(survey, "point 'TWICE' has different coordinates"));
+  EXPECT_TRUE(warns_of(survey, "1 GNSS records"));
+}
+
+TEST(JobXml, DistancesThatAreCorrectedAlreadyStayAsTheyAre) {
+  const auto distance = [](const std::string& apply) {
+    return value(
+        read_jobxml(job("<AtmosphereRecord ID=\"3\"><PPM>25</PPM>" + apply +
+                        "</AtmosphereRecord><StationRecord ID=\"5\"><StationName>S</StationName><AtmosphereID>3"
+                        "</AtmosphereID></StationRecord>" +
+                        sighting("P", "DirectReading")),
+                    "x.jxl"),
+        0, slope_distance);
+  };
+  EXPECT_DOUBLE_EQ(distance(""), 100 * (1 + 25e-6));
+  EXPECT_DOUBLE_EQ(distance("<ApplyPPMToRawDistances>true</ApplyPPMToRawDistances>"), 100 * (1 + 25e-6));
+  EXPECT_EQ(distance("<ApplyPPMToRawDistances>false</ApplyPPMToRawDistances>"), 100);
+}
+
+TEST(JobXml, AStationMayStandBehindWhatWasSeenFromIt) {
+  const std::string station = "<StationRecord ID=\"5\"><StationName>S</StationName></StationRecord>";
+  const auto survey =
+      read_jobxml(job("<StationRecord ID=\"4\"><StationName>R</StationName></StationRecord>"
+                      "<BackBearingRecord><OrientationCorrection>30</OrientationCorrection></BackBearingRecord>" +
+                      std::regex_replace(sighting("Q", "DirectReading"), std::regex(">5<"), ">4<") +
+                      sighting("P", "DirectReading") + station),
+                  "x.jxl");
+  ASSERT_EQ(survey.set_ups.size(), 2u);
+  EXPECT_TRUE(survey.warnings.empty());
+  EXPECT_EQ(survey.set_ups[observation(survey, 1, direction).set_up].station, "S");
+  EXPECT_DOUBLE_EQ(survey.set_ups[0].stated_orientation, 30 * kDegree);
+  EXPECT_TRUE(std::isnan(survey.set_ups[1].stated_orientation));
+}
+
+TEST(JobXml, WhatIsNoReadingIsSaidAndLeftOut) {
+  const auto survey = read_jobxml(
+      job("<StationRecord ID=\"5\"><StationName>S</StationName></StationRecord>" + sighting("A", "DirectReading") +
+          sighting("B", "MatchedPair") + sighting("B", "MeanTurnedAngleHidden") + sighting("C", "DistanceOffset") +
+          "<PointRecord><Name>L</Name><Method>LevelObservation</Method></PointRecord>"),
+      "x.jxl");
+  EXPECT_EQ(survey.observations.size(), 6u) << "of A and C, three each";
+  EXPECT_TRUE(warns_of(survey, "2 mean turned angles"));
+  EXPECT_TRUE(warns_of(survey, "1 sightings were computed from an offset"));
+  EXPECT_TRUE(warns_of(survey, "1 levelling records"));
+}
+
+TEST(JobXml, PointsThatTheOfficeHandsOutAreRead) {
+  const auto survey = read_jobxml(job("",
+                                      "<InventoryData><Point><Name>100A</Name><Grid><North>5</North><East>6</East>"
+                                      "<Elevation>7</Elevation></Grid></Point></InventoryData>"),
+                                  "x.jxl");
+  EXPECT_EQ(point(survey, "100A").coordinates, Eigen::Vector3d(6, 5, 7));
 }
 
 TEST(JobXml, EveryTruncationIsReadOrRefused) {
