@@ -247,7 +247,7 @@ JobItem read_item(const Reader& reader, const std::string& frame) {
   if (reader.has("setting")) reader.at("setting").only({"right", "up", "out"});
   reader.at("toleranceZone").only({"right", "up", "out"});
   reader.at("gate").only({"verdict", "reason", "probability"});
-  if (!reader.at("forbiddenZones").items().empty())
+  if (reader.has("forbiddenZones") && !reader.at("forbiddenZones").items().empty())
     reader.at("forbiddenZones").fail("none: what reads jobs here does not keep a tool out of zones");
   item.id = reader.at("id").text(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
   item.operation = reader.at("operation").one_of({"setBracket", "placePanel", "drill", "setAnchor", "mountBracket"});
