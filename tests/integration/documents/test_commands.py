@@ -182,7 +182,8 @@ def run(page, line, command):
         if command.startswith("plumbline new "):
             shutil.rmtree(WORK / "NEW", ignore_errors=True)
         done = shell(with_output)
-        wrong = "" if done.returncode == OTHER_ENDS.get(command, 0) else f"exit code {done.returncode}\n  " + "\n  ".join((done.stdout + done.stderr).splitlines()[-4:])
+        told = done.stdout.split("run.jsonl\n")[-1].strip() if command.startswith("plumbline run ") and "--help" not in command else "as it likes"
+        wrong = "it ends without its result" if not told else "" if done.returncode == OTHER_ENDS.get(command, 0) else f"exit code {done.returncode}\n  " + "\n  ".join((done.stdout + done.stderr).splitlines()[-4:])
     ran[command] = time.monotonic() - begin
     if wrong:
         faults.append(f"{page}: `{line}`\n  ran as: {command}\n  {wrong}")
