@@ -142,11 +142,11 @@ std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size
   for (size_t i = 0; i < all.size(); ++i) {
     texts.push_back(all[i].text);
     if (!left_out.count(all[i].list) || !ends_list(i)) continue;
-    const std::string more = kMore + std::to_string(left_out[all[i].list]) + " more";
+    const std::string more = kMore + "+" + std::to_string(left_out[all[i].list]);  // in no language
     if (says_more(i + 1))
-      texts.push_back(more + " here, " + all[++i].text.substr(kMore.size()));
+      texts.push_back(more + " " + all[++i].text.substr(kMore.size()));
     else
-      texts.push_back(more + " in " + file);
+      texts.push_back(more + ": " + file);
   }
   return texts;
 }

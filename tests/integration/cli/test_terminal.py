@@ -72,7 +72,7 @@ for columns, rows in ((80, 24), (200, 24), (80, 60)):
     taken = sum(max(1, -(-len(line) // columns)) for line in result)
     expect(taken < rows, f"the result takes {taken} rows of {rows} at {columns} columns")
     expect(result[0].startswith("Installation:") and "Took part:" in " ".join(result[-3:]), f"the result lacks its beginning or end: {result}")
-    expect(any(re.search(r"… \d+ more (here|in tower/summary.txt)", line) for line in result) == (rows == 24), f"at {rows} rows: {result}")
+    expect(any(re.search(r"… \+\d+(: tower/summary.txt| and )", line) for line in result) == (rows == 24), f"at {rows} rows: {result}")
     expect(not any(len(line) > columns and "  " not in line for line in result), f"a sentence is not broken between words: {result}")
 whole = (WORK / "tower/summary.txt").read_text()
 expect(subprocess.run([PROGRAM, *tower], capture_output=True, text=True, cwd=WORK, env=BASE).stdout.endswith(whole), "a pipe gets less than the summary")
