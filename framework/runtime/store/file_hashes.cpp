@@ -180,8 +180,19 @@ fs::path FileHashes::resolve(const std::string& uri, fs::path* place) {
 }
 
 FileHashes::Tree FileHashes::files_of(const fs::path& folder) {
+  constexpr size_t most = 8;
   Tree tree;
-  for (const std::string& file : list_files(folder).files) tree.emplace_back(file, of_file(folder / file));
+  std::string unreadable;  // all of them at once, or a folder from a broken disk is mended file by file
+  size_t failed = 0;
+  for (const std::string& file : list_files(folder).files) {
+    try {
+      tree.emplace_back(file, of_file(folder / file));
+    } catch (const std::runtime_error& error) {
+      if (failed++ < most) unreadable += (unreadable.empty() ? "" : "\n") + std::string(error.what());
+    }
+  }
+  if (failed > most) unreadable += "\nand " + std::to_string(failed - most) + " more files";
+  if (failed > 0) throw std::runtime_error(unreadable + "; check the rights, or take away what is not needed");
   return tree;
 }
 

@@ -51,6 +51,24 @@ TEST(FileHashes, AFileThatIsOpenForWritingIsReadEachTime) {
   EXPECT_EQ(hashes.of_file(file), sha256_of_file(file)) << "what was read while it was open was not remembered";
 }
 
+/// Of a folder with several, one was told a run.
+TEST(FileHashes, AllFilesOfAFolderThatCannotBeReadAreToldAtOnce) {
+  const TemporaryFolder folder, log;
+  std::ofstream(folder.path() / "sound") << "a";
+  for (const char* name : {"b", "c"})  // a regular file that nobody can read, whoever runs this
+    std::filesystem::create_symlink("/proc/self/mem", folder.path() / name);
+  FileHashes hashes(log.path() / "log");
+  std::string told;
+  try {
+    hashes.of(folder.path());
+  } catch (const std::runtime_error& error) {
+    told = error.what();
+  }
+  for (const char* name : {"b", "c"})
+    EXPECT_NE(told.find("cannot read " + (folder.path() / name).string() + ": "), std::string::npos) << told;
+  EXPECT_NE(told.find("check the rights"), std::string::npos) << told;
+}
+
 TEST(FileHashes, ReadsAllAgainIfTheMemoryIsDistrusted) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "data";
