@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <unordered_map>
+#include <vector>
 
 namespace plumbline::survey {
 
@@ -160,17 +161,21 @@ std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservatio
                         (files.first == files.second ? "in it a second time" : "in " + other + " too") + set_ups +
                         ": they are the same readings and count once; take one of the two out");
   }
-  std::vector<SurveyObservations> left;
+  // Which files go is found while all of them are there: the groups of one are compared with those of another.
+  std::vector<bool> goes(surveys.size());
   for (size_t file = 0; file < surveys.size(); ++file) {
     SurveyObservations& s = surveys[file];
-    if (!out[file].empty()) take_out(s, out[file]);
-    bool nothing_else = !out[file].empty() && s.observations.empty() && s.local_coordinates.empty();
-    if (nothing_else && !(s.coordinates.empty() && s.vectors.empty()))
-      nothing_else = std::any_of(repeats.begin(), repeats.end(), [&](const auto& r) {
+    if (out[file].empty()) continue;
+    take_out(s, out[file]);
+    goes[file] = s.observations.empty() && s.local_coordinates.empty();
+    if (goes[file] && !(s.coordinates.empty() && s.vectors.empty()))
+      goes[file] = std::any_of(repeats.begin(), repeats.end(), [&](const auto& r) {
         return r.first.first == file && r.first.second != file && same_groups(s, surveys[r.first.second]);
       });
-    if (!nothing_else) left.push_back(std::move(s));
   }
+  std::vector<SurveyObservations> left;
+  for (size_t file = 0; file < surveys.size(); ++file)
+    if (!goes[file]) left.push_back(std::move(surveys[file]));
   surveys = std::move(left);
   return sentences;
 }

@@ -548,6 +548,13 @@ TEST(Properties, BoundsWithoutAUnitAreNoLengths) {
   EXPECT_EQ(bounded.text, "-2 to 5") << "what was found is said";
 }
 
+TEST(Properties, AValueOfNothingIsNone) {
+  for (const char* nothing : {"IFCPOSITIVELENGTHMEASURE()", "()", "$"})
+    EXPECT_TRUE(
+        tolerances_in(kSetOfAnchor + "#501=IFCPROPERTYSINGLEVALUE('VerticalTolerance',$," + nothing + ",$);").empty())
+        << nothing;
+}
+
 TEST(Properties, WhatIsNoSingleValueIsKeptByItsKind) {
   const auto found = tolerances_in(kSetOfAnchor +
                                    "#501=IFCCOMPLEXPROPERTY('OrthogonalTolerance',$,'limits',(#502));"

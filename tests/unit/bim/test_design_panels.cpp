@@ -52,6 +52,7 @@ TEST(Panels, AKindMayStandAtTheType) {
   };
   const Design clads = read(small_building("IFC2X3", with("CURTAIN_PANEL", "")));
   EXPECT_TRUE(named(clads, "Base").is_panel && named(clads, "Base").is_cladding);
+  EXPECT_EQ(named(clads, "Base").type_name, "Type");
   const Design fixing = read(small_building("IFC4X3", with("BASE_PLATE", ",.NOTDEFINED.")));
   EXPECT_FALSE(named(fixing, "Base").is_panel);
   const Design own = read(small_building("IFC4X3", with("BASE_PLATE", ",.CURTAIN_PANEL.")));

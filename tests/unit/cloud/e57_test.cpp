@@ -131,6 +131,9 @@ TEST(E57, WhatIsDamagedOrCutShortIsRefusedWithItsPlace) {
   expect_e57_refused(with_new_checksums(bad), "is beyond the file's");
   bad = good, put(bad, 32, std::uint64_t{1} << 60);
   expect_e57_refused(with_new_checksums(bad), "an XML section of 1152921504606846976 bytes");
+  bad = good, put(bad, 32, std::uint64_t{good.size()});
+  expect_e57_refused(with_new_checksums(bad),
+                     "the file ends after " + std::to_string(good.size()) + " bytes, within the XML section");
   bad = good, put(bad, 48, std::uint8_t{7});
   expect_e57_refused(with_new_checksums(bad), "the points of scan 1: a section of the kind 7, expected 1");
   bad = good, put(bad, 48 + 32 + 16, std::uint8_t{9});

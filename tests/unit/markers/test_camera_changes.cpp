@@ -354,6 +354,8 @@ TEST(Names, AreSortedByTheirNumbers) {
   EXPECT_TRUE(before_by_name("a/IMG_009.JPG", "a/IMG_0010.JPG"));
   EXPECT_TRUE(before_by_name("a1", "a1b"));
   EXPECT_FALSE(before_by_name("x", "x"));
+  EXPECT_TRUE(before_by_name("IMG_1a.jpg", "IMG_02.jpg")) << "a number ends where its digits do";
+  EXPECT_FALSE(before_by_name("a10_2b.jpg", "a010_1.jpg"));
 }
 
 /// What hides in the scatter is said: silence would claim that nothing changed.

@@ -103,6 +103,18 @@ TEST(MergeSurveys, ReadingsThatStandInTwoFilesCountOnce) {
   ASSERT_EQ(twice.findings.size(), 1u);
   EXPECT_EQ(twice.findings[0].severity, Finding::Severity::warning);
 
+  // What else the copy has is left out with it where it is the same, and stays where it is not; files may have no name.
+  SurveyObservations with_gnss = monday;
+  CoordinateGroup& group = with_gnss.coordinates.emplace_back();
+  group.components = {{"M00", 0}, {"M00", 1}}, group.values = Eigen::Vector2d(10, 20);
+  group.covariance = Eigen::Matrix2d::Identity() * 1e-4;
+  SurveyObservations same = with_gnss, other = with_gnss;
+  other.coordinates[0].values[1] += 0.01;
+  EXPECT_EQ(merge_surveys({with_gnss, same}).survey.coordinates.size(), 1u);
+  EXPECT_EQ(merge_surveys({with_gnss, other}).survey.coordinates.size(), 2u);
+  same.files.clear();
+  EXPECT_TRUE(says(merge_surveys({with_gnss, same}), "readings of file 2 stand in monday.gsi too"));
+
   // Downloaded at noon and in the evening: the first file is part of the second.
   SurveyObservations noon = monday;
   noon.files = {"noon.gsi"};

@@ -238,6 +238,31 @@ TEST(TopconLevel, BackAndAheadAreToldByTheNamesAndProvedByTheHeights) {
   EXPECT_NE(error_of([&] { read_topcon_level(text, "t.dat"); }).find("lengths in metres"), std::string::npos);
 }
 
+/// A back or an ahead that stands alone is no height difference, and is told.
+TEST(TopconLevel, OneOfTwoReadingsIsLeftOutAndTold) {
+  const std::string whole = fixture("topcon_level.dat");
+  for (const std::string& lost : {std::string("BM8 25.00 1.2000 08:40\n"), std::string("3 25.00 1.2500 08:41\n")}) {
+    std::string text = whole;
+    text.erase(text.find(lost), lost.size());
+    const auto s = read_topcon_level(text, "t.dat");
+    EXPECT_EQ(s.observations.size(), 3u);
+    ASSERT_EQ(s.skipped.size(), 1u);
+    EXPECT_EQ(s.skipped[0].source.line, 16);
+    EXPECT_EQ(s.skipped[0].expected, "readings of '3' and of the next point, as BF, BFFB, BBFF, FB or FBBF");
+  }
+}
+
+TEST(TopconLevel, EveryModelIsKnownByItsName) {
+  for (const auto& [line, is] : {std::pair("DL-502,1,2,3,4,5", true),
+                                 {"SDL30,1,2,3,4,5", true},
+                                 {"DL503,1,2,3,4,5", true},
+                                 {"DL-100 TEXT", true},
+                                 {"DL-502,1,2,3", false},
+                                 {"DL-levelled,1,2,3,4,5", false},
+                                 {"XDL30,1,2,3,4,5", false}})
+    EXPECT_EQ(is_topcon_level(line), is) << line;
+}
+
 TEST(TopconLevel, ReadsTheTableOfTheSdl) {
   const auto s = read_topcon_level(fixture("sokkia_level.csv"), "s.csv");
   ASSERT_EQ(s.observations.size(), 2u);
@@ -249,6 +274,14 @@ TEST(TopconLevel, ReadsTheTableOfTheSdl) {
   ASSERT_EQ(s.skipped.size(), 1u);  // a kind of reading that nobody has described
   EXPECT_EQ(s.skipped[0].source.line, 7);
   EXPECT_EQ(s.info.instrument, "SDL30");
+
+  const auto one_sided = read_topcon_level(
+      "SDL30,15X4,260504,SITE,0,73,2,,\n0001,0001,0,1,1,40.10,1.41000,20.00000,\n"
+      "0005,0002,0,1,1,30.00,1.95000,19.71100,\n0007,0003,0,1,2,30.50,1.10000,20.56100,\n",
+      "s.csv");
+  ASSERT_EQ(one_sided.observations.size(), 1u) << "the first position has nothing ahead";
+  EXPECT_EQ(one_sided.observations[0].to, "0003");
+  EXPECT_TRUE(skipped(one_sided, 2, 1, "a reading back and one ahead of the same position"));
 }
 
 TEST(GsiLevel, GivesHeightDifferences) {
