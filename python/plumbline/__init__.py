@@ -238,8 +238,8 @@ def _follow(words, tell):
     process = subprocess.Popen([_program(), *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8")
     errors = []
     reader = threading.Thread(target=lambda: errors.append(process.stderr.read()))
-    reader.start()
     try:
+        reader.start()
         for line in process.stdout:
             if tell and line.startswith('{"event":"node"'):
                 tell(Node(json.loads(line)))
@@ -255,7 +255,8 @@ def _follow(words, tell):
         raise
     finally:
         process.wait()
-        reader.join()
+        if reader.ident:  # it was begun
+            reader.join()
         process.stdout.close()
         process.stderr.close()
     return process.returncode, "".join(errors).strip()

@@ -70,8 +70,8 @@ class Driving(unittest.TestCase):
 
     def test_ctrl_c_ends_the_run(self):
         def interrupt():
-            for _ in range(200):
-                if self.running():
+            for _ in range(400):
+                if (self.work / "out of slow/run.jsonl").exists():
                     break
                 time.sleep(0.05)
             os.kill(os.getpid(), signal.SIGINT)
