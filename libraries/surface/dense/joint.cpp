@@ -191,26 +191,39 @@ class Station {
 };
 
 /// Whether grey values fall at edge a: the joint is darker than the panels. By the mean over the whole joint in all
-/// photographs that see its middle.
-bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views) {
-  double difference = 0;
+/// photographs that see its middle: of all places as wide as the joint, within the search, the darkest and the lightest
+/// are held against the panels beside, because a joint may lie beside where the design has it.
+bool joint_is_dark(const Joint& joint, const std::vector<FacetView>& views, double search) {
+  constexpr double side = 0.01;  // of a panel that is looked at [m]
+  const double step = std::max(0.1 * joint.width, 2e-4), reach = 0.5 * joint.width + search + side;
+  const int half = static_cast<int>(std::ceil(reach / step)), count = 2 * half + 1,
+            of_side = std::max(1, static_cast<int>(side / step)),
+            of_joint = std::max(1, static_cast<int>(0.7 * joint.width / step));
+  std::vector<double> mean(static_cast<size_t>(count));
+  int seen = 0;
   for (const FacetView& view : views)
     for (int part = -2; part <= 2; ++part) {
       const Eigen::Vector3d centre(0, part * 0.2 * joint.length, 0);
       const auto map = map_at(*view.view, joint.plane, centre, 12);
       if (!map) continue;
-      const double reach = 0.5 * joint.width + 0.01;
       const double on_the_plane[2] = {0, 0};
-      const auto grey = profile(view, *map, centre, -reach, reach / 20, 41, 0.02, on_the_plane, 0);
+      const auto grey = profile(view, *map, centre, -half * step, step, count, 0.02, on_the_plane, 0);
       if (grey.empty()) continue;
-      const auto side = [&](size_t from, size_t to) {
-        double sum = 0;
-        for (size_t i = from; i < to; ++i) sum += grey[i];
-        return sum / static_cast<double>(to - from);
-      };
-      difference += side(17, 24) - 0.5 * (side(0, 7) + side(34, 41));
+      ++seen;
+      for (size_t i = 0; i < grey.size(); ++i) mean[i] += grey[i];
     }
-  return difference <= 0;
+  const auto over = [&](int from, int to) {
+    double sum = 0;
+    for (int i = from; i < to; ++i) sum += mean[i];
+    return sum / (to - from);
+  };
+  const double panels = 0.5 * (over(0, of_side) + over(count - of_side, count));
+  double darkest = panels, lightest = panels;
+  for (int i = of_side; seen > 0 && i + of_joint <= count - of_side; ++i) {
+    const double here = over(i, i + of_joint);
+    darkest = std::min(darkest, here), lightest = std::max(lightest, here);
+  }
+  return panels - darkest >= lightest - panels;
 }
 
 /// The panels that were not measured, in words; empty: both were.
@@ -329,7 +342,7 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
                             const std::vector<PanelSurface>& surfaces, const std::vector<FacetView>& views,
                             const OrientationCovariance& orientations, const JointOptions& options) {
   MeasuredJoint measured;
-  const bool dark = joint_is_dark(joint, views);
+  const bool dark = joint_is_dark(joint, views, options.search);
   const auto [a, b] = edge_lines(joint, faces, surfaces);
   const Station station(joint, a, b, dark, views, orientations, options);
   const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));

@@ -160,6 +160,27 @@ TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
   EXPECT_GT(of_step, 0.2);
 }
 
+/// Panels that hang 8 mm aside: one edge lies beyond the joint's middle in the design, and is at its own panel's height
+/// all the same.
+TEST(Joint, AnEdgeBeyondTheMiddleOfTheDesignsJointIsStillItsPanels) {
+  constexpr double aside = 0.008, step = 0.005;
+  FacadeScene scene;
+  scene.height = [](double u, double) { return u < aside ? 0.0 : step; };
+  scene.reflectance = [](double u, double v) {
+    return std::abs(u - aside) < 0.006 ? 0.05 : 0.5 + 0.15 * plumbline::testing::plaster(u, v, 0.002);
+  };
+  for (const std::vector<size_t>& seen_by : {std::vector<size_t>{0, 1, 2, 3, 4}, {0, 2, 3}}) {
+    const Outcome outcome = measure(make_site(scene), -1, seen_by);
+    ASSERT_GE(outcome.joint.stations.size(), 9U) << outcome.joint.not_measured;
+    double off = 0;
+    for (const JointStation& station : outcome.joint.stations) {
+      EXPECT_NEAR(station.width, 0.012, 3e-4) << seen_by.size() << " photographs at " << station.along;
+      off += (station.width - 0.012) / static_cast<double>(outcome.joint.stations.size());
+    }
+    EXPECT_NEAR(off, 0, 1e-4) << "1 mm at its neighbour's height, from one side";
+  }
+}
+
 /// What meets at a corner of the building has no joint here, and that is said.
 TEST(Joint, PanelsThatMeetAtACornerAreNamed) {
   const auto face = [](const std::string& id, const Eigen::Vector3d& middle, const Eigen::Vector3d& out) {
