@@ -16,7 +16,7 @@
 namespace plumbline::judgement {
 namespace {
 
-/// Share of a panel that has to have points before it passes as flat. A gap that is too large is one wherever it is.
+/// Share of a panel that has to have points before it passes. What is beyond its limit is so wherever it is.
 constexpr double kSeenEnough = 0.75;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -209,6 +209,12 @@ class Judge {
       flatness(panel, asked.limit, *verdict);
     else
       bend(panel, asked.limit, *verdict);
+    if (verdict->verdict == ToleranceVerdict::pass && panel.coverage < kSeenEnough) {
+      verdict->verdict = ToleranceVerdict::not_measured;
+      verdict->not_judged = fmt::format(
+          "its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
+          100 * panel.coverage);
+    }
     return verdict;
   }
 
@@ -230,12 +236,6 @@ class Judge {
       decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
       if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying))
         doubt(**gap, limit, verdict);
-      if (verdict.verdict == ToleranceVerdict::pass && panel.coverage < kSeenEnough) {
-        verdict.verdict = ToleranceVerdict::not_measured;
-        verdict.not_judged = fmt::format(
-            "it is flat enough where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
-            100 * panel.coverage);
-      }
     }
   }
 

@@ -136,6 +136,8 @@ Gap HeightGrid::largest_gap(double length) const {
   double squares = 0;
   for (double gap : of_noise) worst.noise_mean += gap / count;
   for (double gap : of_noise) squares += (gap - worst.noise_mean) * (gap - worst.noise_mean) / (count - 1);
+  // No gap at all is one that is smaller than what noise makes, and not one that is known to be none.
+  if (worst.positions > 0 && !(worst.gap > 0)) worst.sigma = std::hypot(worst.noise_mean, std::sqrt(squares));
   worst.noise_sigma = std::sqrt(squares + worst.noise_sigma * worst.noise_sigma);
   return worst;
 }

@@ -78,14 +78,19 @@ TEST(JudgeSurfaces, FlatnessByTheLastRuleThatSelects) {
 }
 
 /// Half of a panel is no panel: a scan that ends there says nothing of the other half, unless what it saw fails.
-TEST(JudgeSurfaces, WhatWasHalfSeenDoesNotPassAsFlat) {
+TEST(JudgeSurfaces, WhatWasHalfSeenDoesNotPass) {
   SurfacesT what = surfaces();
   what.panels[0]->coverage = 0.48, what.panels[1]->coverage = 0.8;
   const auto result = judged(what, {"*: flatness(1m)=3mm"});
   EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::not_measured);
   EXPECT_EQ(result.verdicts[0]->not_judged,
-            "it is flat enough where points are, and they cover 48 % of it: what the rest is nobody saw");
+            "its limit is kept where points are, and they cover 48 % of it: what the rest is nobody saw");
   EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::pass);
+  const auto bows = judged(what, {"*: bow=9mm, twist=3mm"});
+  EXPECT_EQ(bows.verdicts[0]->verdict, ToleranceVerdict::not_measured);
+  EXPECT_EQ(bows.verdicts[1]->verdict, ToleranceVerdict::not_measured) << "twist of the same panel";
+  EXPECT_EQ(bows.verdicts[2]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(judged(what, {"*: bow=0.5mm"}).verdicts[0]->verdict, ToleranceVerdict::fail);
   what.panels[0]->flatness[0]->gap = 0.009;
   EXPECT_EQ(judged(what, {"*: flatness(1m)=3mm"}).verdicts[0]->verdict, ToleranceVerdict::fail);
 }
