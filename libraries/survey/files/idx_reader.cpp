@@ -116,6 +116,9 @@ void IdxReader::read_point() {
   const Eigen::Vector3d at = Eigen::Vector3d(number("east"), number("north"), number("elevation")) * metres_;
   if (at.array().isNaN().all() || text("class") == "MEAS") return;
   builder_.give_coordinates(id, at, builder_.at(line_, 1));
+  if (text("class") != "FIX" && text("class") != "CTRL") return;
+  // Programs write a height of zero where there is none.
+  builder_.know_coordinates(id, {at.x(), at.y(), at.z() == 0 ? kNotGiven : at.z()}, builder_.at(line_, 1));
 }
 
 void IdxReader::read_slope() {

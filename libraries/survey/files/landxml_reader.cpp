@@ -2,6 +2,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "survey/files/landxml.hpp"
@@ -29,6 +30,8 @@ class LandXmlReader {
  private:
   void read_units();
   void read_hexagon(pugi::xml_node hexagon);
+  std::set<std::string> given_to_the_instrument() const;
+  void read_point(pugi::xml_node node, bool known);
   void read_points();
   void read_set_ups();
   void read_observation(pugi::xml_node node);
@@ -154,23 +157,43 @@ void LandXmlReader::read_hexagon(pugi::xml_node hexagon) {
   }
 }
 
-void LandXmlReader::read_points() {
-  for (pugi::xml_node node : text::descendants(xml_.root(), {"CgPoint"})) {
-    const std::string name = attribute(node, "name"), original = attribute(node, "oID");
-    // In HeXML `name` is a key that is unique for each measurement, oID what the surveyor called the point.
-    const std::string id = is_hexml_ && !original.empty() ? original : name.empty() ? original : name;
-    if (id.empty()) {
-      reject(node, "a CgPoint", "its attribute name or oID");
-      continue;
-    }
-    if (!name.empty()) names_[name] = id;
-    const Eigen::Vector3d at = north_east_height(node);
-    if (at.array().isNaN().all()) continue;
+/// Leica's class of points that were given to the instrument, by the keys of their measurements.
+std::set<std::string> LandXmlReader::given_to_the_instrument() const {
+  std::set<std::string> keys;
+  for (pugi::xml_node node : text::children(xml_.root(), "HexagonLandXML"))
+    for (pugi::xml_node point : text::children(node, "Point"))
+      if (text::to_lower(attribute(point, "class")) == "control") keys.insert(attribute(point, "uniqueID"));
+  return keys;
+}
+
+void LandXmlReader::read_point(pugi::xml_node node, bool known) {
+  const std::string name = attribute(node, "name"), original = attribute(node, "oID");
+  // In HeXML `name` is a key that is unique for each measurement, oID what the surveyor called the point.
+  const std::string id = is_hexml_ && !original.empty() ? original : name.empty() ? original : name;
+  if (id.empty()) return reject(node, "a CgPoint", "its attribute name or oID");
+  if (!name.empty()) names_[name] = id;
+  const Eigen::Vector3d at = north_east_height(node);
+  if (at.array().isNaN().all()) return;
+  if (known)
+    builder_.know_coordinates(id, at, xml_.position(node));
+  else
     builder_.give_coordinates(id, at, xml_.position(node));
-    Point& point = builder_.point(id, xml_.position(node));
-    if (point.code.empty()) point.code = attribute(node, "code");
-    if (point.description.empty()) point.description = attribute(node, "desc");
-  }
+  Point& point = builder_.point(id, xml_.position(node));
+  if (point.code.empty()) point.code = attribute(node, "code");
+  if (point.description.empty()) point.description = attribute(node, "desc");
+}
+
+void LandXmlReader::read_points() {
+  const std::set<std::string> given = given_to_the_instrument();
+  const auto points = text::descendants(xml_.root(), {"CgPoint"});
+  const auto is_known = [&](pugi::xml_node node) {
+    return attribute(node, "pntSurv") == "control" || given.contains(attribute(node, "name"));
+  };
+  // What was measured of a known point bears its name as well.
+  for (pugi::xml_node node : points)
+    if (is_known(node)) read_point(node, true);
+  for (pugi::xml_node node : points)
+    if (!is_known(node)) read_point(node, false);
   for (pugi::xml_node node : text::children(xml_.root(), "HexagonLandXML")) {
     for (pugi::xml_node point : text::children(node, "Point")) {
       const std::string key = attribute(point, "uniqueID");
@@ -178,7 +201,11 @@ void LandXmlReader::read_points() {
       if (key.empty() || grids.empty()) continue;
       const Eigen::Vector3d at = {length(grids.front(), "e"), length(grids.front(), "n"),
                                   length(grids.front(), "hghthO")};
-      if (!at.array().isNaN().all()) builder_.give_coordinates(point_name(key), at, xml_.position(point));
+      if (at.array().isNaN().all()) continue;
+      if (given.contains(key))
+        builder_.know_coordinates(point_name(key), at, xml_.position(point));
+      else
+        builder_.give_coordinates(point_name(key), at, xml_.position(point));
     }
   }
 }

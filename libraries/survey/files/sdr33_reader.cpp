@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "base/text/text.hpp"
 #include "survey/files/sdr33.hpp"
@@ -15,6 +18,15 @@ struct Layout {
   std::size_t point, number;  // characters of a name, of a value
 };
 constexpr Layout kSdr33 = {16, 16}, kSdr2x = {4, 10};
+
+/// What the derivation code of a record of coordinates says they are: typed in or from another program, or computed by
+/// a program of the instrument; nothing of the program that handles coordinates (CO), which does both.
+enum class Derivation { known, computed, open };
+Derivation derivation_of(std::string_view code) {
+  if (code == "KI" || code == "XD") return Derivation::known;
+  static constexpr std::array programs = {"TP", "TV", "RS", "SC", "RE", "IN", "SO", "RO", "MC", "AJ"};
+  return std::find(programs.begin(), programs.end(), code) != programs.end() ? Derivation::computed : Derivation::open;
+}
 
 class Sdr33Reader {
  public:
@@ -35,6 +47,7 @@ class Sdr33Reader {
   void read_coordinates(const text::CharacterLine& line);
   void read_backsight(const text::CharacterLine& line);
   void read_observation(const text::CharacterLine& line);
+  void give_coordinates(const std::string& name, const Eigen::Vector3d& at, std::string_view code);
   void select_set_up(const std::string& station, const SourcePosition& source);
 
   Field field(const text::CharacterLine& line, std::size_t column, std::size_t width) const {
@@ -53,7 +66,8 @@ class Sdr33Reader {
   double metres_ = 1.0, radians_ = std::numbers::pi / 180, target_height_ = kNotGiven;
   bool east_first_ = false, from_horizon_ = false;
   std::string prism_note_;
-  std::size_t reduced_ = 0, records_ = 0;
+  std::set<std::pair<int, std::string>> sighted_;  // set-ups and targets of readings as they were taken
+  std::size_t reduced_ = 0, means_ = 0, records_ = 0;
 };
 
 double Sdr33Reader::number(const Field& field, const char* what) {
@@ -92,6 +106,13 @@ Eigen::Vector3d Sdr33Reader::coordinates(const text::CharacterLine& line, std::s
   return at;
 }
 
+void Sdr33Reader::give_coordinates(const std::string& name, const Eigen::Vector3d& at, std::string_view code) {
+  const Derivation derivation = derivation_of(code);
+  if (derivation == Derivation::computed) builder_.compute_coordinates(name);
+  builder_.give_coordinates(name, at, builder_.at(line_, 1));
+  if (derivation == Derivation::known) builder_.know_coordinates(name, at, builder_.at(line_, 1));
+}
+
 void Sdr33Reader::read_station(const text::CharacterLine& line) {
   const Field name = field(line, 4, layout_.point);
   if (name.text.empty()) return reject(name, "the name of the station");
@@ -101,7 +122,7 @@ void Sdr33Reader::read_station(const text::CharacterLine& line) {
   const SourcePosition source = builder_.at(line_, 1);
   builder_.start_set_up(name.text, height, source);
   const Eigen::Vector3d at = coordinates(line, values);
-  if (!at.array().isNaN().all()) builder_.give_coordinates(name.text, at, source);
+  if (!at.array().isNaN().all()) give_coordinates(name.text, at, line.part(2, 2));
 }
 
 // 07: station, backsight, its azimuth, the circle's reading to it.
@@ -122,7 +143,7 @@ void Sdr33Reader::read_coordinates(const text::CharacterLine& line) {
   const std::size_t values = 4 + layout_.point;
   const Eigen::Vector3d at = coordinates(line, values);
   if (at.array().isNaN().all()) return;
-  builder_.give_coordinates(name.text, at, builder_.at(line_, 1));
+  give_coordinates(name.text, at, line.part(2, 2));
   const std::string code = field(line, values + 3 * layout_.number, 16).text;
   Point& point = builder_.point(name.text, builder_.at(line_, 1));
   if (point.code.empty()) point.code = code;
@@ -172,6 +193,12 @@ void Sdr33Reader::read_observation(const text::CharacterLine& line) {
   if (!prism_note_.empty()) sighting.distance_corrections.push_back("noted in the file: " + prism_note_);
   if (kind == "MC") sighting.distance_corrections.push_back("corrected by the instrument (record MC)");
   select_set_up(from.text, sighting.source);
+  const std::pair pointing(builder_.current_set_up(), to.text);
+  if (kind == "MC" && sighted_.contains(pointing)) {
+    ++means_;
+    return;
+  }
+  if (kind != "MC") sighted_.insert(pointing);
   if (!builder_.add(sighting)) reject(to, "a distance, vertical or horizontal angle");
 }
 
@@ -224,6 +251,10 @@ SurveyObservations Sdr33Reader::read() {
   }
   if (decoded_.encoding != text::Encoding::utf8)
     builder_.warn(std::string("text encoding taken as ") + text::name_of(decoded_.encoding));
+  if (means_ > 0)
+    builder_.warn(
+        std::to_string(means_) +
+        " corrected observations (09MC) of what was read as well were left out; the single sightings are read");
   if (reduced_ > 0) builder_.warn(std::to_string(reduced_) + " reduced observations (records 11) were left out");
   return builder_.finish(std::to_string(records_) + " records without coordinates or observations",
                          records_ == 0 ? understood_formats() : "records 08 (coordinates) or 09 (observations)");

@@ -78,7 +78,7 @@ void TopconLevelReader::read_text_line(std::string_view text) {
     const auto height = text::parse_number(word_behind(text, ":"));
     if (!height) return builder_.skip(line_, 1, text, "the height of the bench mark");
     heights_[start_] = *height;
-    if (!start_.empty()) builder_.give_coordinates(start_, {kNotGiven, kNotGiven, *height}, builder_.at(line_, 1));
+    if (!start_.empty()) builder_.know_coordinates(start_, {kNotGiven, kNotGiven, *height}, builder_.at(line_, 1));
     return;
   }
   if (text.starts_with("Dist.")) return require_metres(text);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
@@ -43,6 +45,23 @@ TEST(LandXml, HexmlDistancesGetPrismConstantAndPpm) {
   std::string exported = fixture("leica.hexml.xml");
   exported.replace(exported.find("Leica Captivate"), 15, "LandXML Export");
   EXPECT_EQ(value(read_landxml(exported, "h.xml"), 0, slope_distance), 50.0);
+}
+
+// pntSurv is LandXML's word (surveyType), class Leica's.
+TEST(LandXml, PointsThatWereGivenToTheInstrumentAreKnown) {
+  std::string control = fixture("survey.landxml");
+  control.replace(control.find("<CgPoint name=\"A-1\""), 19, "<CgPoint pntSurv=\"control\" name=\"A-1\"");
+  using Known = std::array<bool, 3>;
+  EXPECT_EQ(Known(point(read_landxml(control, "s.xml"), "A-1").known), (Known{true, true, true}));
+  EXPECT_EQ(Known(point(read_landxml(fixture("survey.landxml"), "s.xml"), "A-1").known), Known());
+  // Measured first, known behind it and 40 mm beside: known is known.
+  std::string given = fixture("leica.hexml.xml");
+  given.replace(given.find("<CgPoint name=\"ST1\""), 0, "<CgPoint name=\"key\" oID=\"A-1\">20.04 10 5</CgPoint>");
+  given.replace(given.find("<hexml:Point "), 0, "<hexml:Point uniqueID=\"key\" class=\"Control\"/>");
+  const auto survey = read_landxml(given, "h.xml");
+  EXPECT_EQ(point(survey, "A-1").coordinates, Eigen::Vector3d(10, 20.04, 5));
+  EXPECT_EQ(Known(point(survey, "A-1").known), (Known{true, true, true}));
+  EXPECT_EQ(Known(point(read_landxml(fixture("leica.hexml.xml"), "h.xml"), "A-1").known), Known());
 }
 
 TEST(LandXml, ATruncatedFileGivesItsGoodPart) {

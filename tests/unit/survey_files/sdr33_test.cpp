@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
@@ -38,6 +40,32 @@ TEST(Sdr33, ACheckSumEndsWhatWasSentOverACable) {
                                      "58903\r\n",
                                  "wide.sdr");
   EXPECT_EQ(framed.skipped.size(), read_sdr33(whole, "wide.sdr").skipped.size());
+}
+
+// Derivation codes as r-barnes/sdr33_triangulation and geokoord/sdr33-toolbox list them.
+TEST(Sdr33, DerivationCodesSayWhatIsKnownAndWhatIsAMean) {
+  const std::string header = "00NMSDR20V03-05     000025-Nov-15 10:00 111111\n";
+  const auto record = [](const std::string& head, const std::vector<std::string>& values) {
+    std::string line = head;
+    for (const std::string& value : values) line += value + std::string(10 - value.size(), ' ');
+    return line + "\n";
+  };
+  const auto survey = read_sdr33(
+      header + record("08KI0001", {"200", "100", "10"}) + record("08TP0002", {"300", "100", "10"}) +
+          record("08CO0003", {"400", "100", "10"}) + record("08XD0004", {"500", "100", "10"}) +
+          record("02KI0002", {"300", "100", "10", "1.5"}) + record("09F100020001", {"100.000", "90.000", "180.000"}) +
+          record("09F200020001", {"100.000", "270.000", "0.000"}) +
+          record("09MC00020001", {"100.000", "90.000", "180.000"}) +
+          record("09MC00020003", {"100.000", "90.000", "0.000"}),
+      "k.sdr");
+  using Known = std::array<bool, 3>;
+  const Known all{true, true, true}, none{};
+  EXPECT_EQ(Known(point(survey, "0001").known), all);
+  EXPECT_EQ(Known(point(survey, "0002").known), none) << "it was computed before it was stood on";
+  EXPECT_EQ(Known(point(survey, "0003").known), none);
+  EXPECT_EQ(Known(point(survey, "0004").known), all);
+  EXPECT_EQ(survey.observations.size(), 9u) << "two faces, and what stands as corrected alone";
+  EXPECT_EQ(survey.warnings.size(), 1u);
 }
 
 TEST(Sdr33, ReadsTheNarrowVariantInFeetEastFirstFromTheHorizon) {
