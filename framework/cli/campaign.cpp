@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "commands.hpp"
+#include "runtime/base/printable.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -51,7 +52,8 @@ int ask(const char* pipeline, const Options& options, const fs::path& out) {
 
 void print(const fs::path& file) {
   std::ifstream stream(file);
-  for (std::string line; std::getline(stream, line);) std::printf("%s\n", paint_verdict(line).c_str());
+  for (std::string line; std::getline(stream, line);)
+    std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
 }
 
 }  // namespace

@@ -20,6 +20,7 @@ sed -e 's/,/;/g' -e 's/\./,/g' control.csv > "$site/Festpunkte.csv"
 printf 'PK' > "$site/Protokoll.docx"
 printf '\0\5' > "$site/Fotos/Kran/._F01-01.jpg"
 printf 'x' > "$site/Fotos/Thumbs.db"
+printf 'x' > "$site/"$'Skizze\033[2J.txt'   # what would clear the screen
 cd "$work"
 
 step plumbline campaign init "$site"
@@ -27,6 +28,7 @@ says 'Kamera Kran.yaml'
 step plumbline campaign check "$site"
 says "The folder is whole."
 says "Took part: 6 photographs"
+says 'Skizze\x1b[2J.txt'
 cd "$site"
 step plumbline run site_campaign folder=.
 says "Took part: 6 photographs"

@@ -17,7 +17,8 @@ PhotographHeader header_of(const fs::path& path) {
   try {
     return read_photograph_header(path, ReadTo::end_of_file);
   } catch (const std::runtime_error& error) {
-    throw CampaignError(path, 0, error.what());
+    throw CampaignError(path, 0,
+                        std::string(error.what()) + "; copy it again from the camera, or leave it out by 'unused'");
   }
 }
 

@@ -159,6 +159,7 @@ TEST_F(ReadCampaignTest, TruncatedPhotographIsNamed) {
   const fs::path image = folder_.path() / "images/F01-03.jpg";
   fs::resize_file(image, fs::file_size(image) / 2);
   EXPECT_NE(message().find("F01-03.jpg: the JPEG is truncated"), std::string::npos) << message();
+  EXPECT_NE(message().find("leave it out by 'unused'"), std::string::npos) << message();
 }
 
 TEST_F(ReadCampaignTest, MissingFilesAreNamed) {
