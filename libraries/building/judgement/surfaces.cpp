@@ -211,9 +211,9 @@ class Judge {
       bend(panel, asked.limit, *verdict);
     if (verdict->verdict == ToleranceVerdict::pass && panel.coverage < kSeenEnough) {
       verdict->verdict = ToleranceVerdict::not_measured;
-      verdict->not_judged = fmt::format(
-          "its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
-          100 * panel.coverage);
+      verdict->not_judged =
+          fmt::format("its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
+                      100 * panel.coverage);
     }
     return verdict;
   }
