@@ -131,10 +131,12 @@ def run(pipeline, out=None, *, set=None, progress=None, store=None, threads=None
     """Runs a pipeline: a file, or the name of a shipped one.
 
     `progress` is called with a Node as each ends; True prints a line for each. Returns a Run. Raises UsageError if nothing could be
-    run, RunFailed if a node failed. A variable that is None keeps the pipeline's own value.
+    run, RunFailed if a node failed. A variable that is None keeps the pipeline's own value; in `set` None leaves
+    a parameter out.
     """
     out = pathlib.Path(out) if out else pathlib.Path("out") / pathlib.Path(pipeline).stem
-    words = ["run", str(pipeline)] + _assigned(variables) + _assigned(set or {})
+    words = ["run", str(pipeline)] + _assigned(variables)
+    words += [f"{name}={_text(value)}" for name, value in (set or {}).items()]
     words += ["--out", str(out), "--json"] + _store(store)
     words += ["--threads", str(threads)] if threads else []
     words += ["--overwrite"] if overwrite else []
@@ -217,7 +219,7 @@ def _store(store):
 
 
 def _text(value):
-    if value is None:  # within a list
+    if value is None:
         return "~"
     if isinstance(value, bool):
         return "true" if value else "false"
