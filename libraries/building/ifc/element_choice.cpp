@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "building/ifc/what_hangs.hpp"
+
 namespace plumbline::ifc {
 namespace {
 
