@@ -118,6 +118,9 @@ void IdxReader::read_point() {
   builder_.give_coordinates(id, at, builder_.at(line_, 1));
   if (text("class") != "FIX" && text("class") != "CTRL") return;
   // Programs write a height of zero where there is none.
+  if (at.z() == 0)
+    builder_.warn("line " + std::to_string(line_) + ": the known point " + text::quoted(id) +
+                  " has the height 0, which is taken as not known");
   builder_.know_coordinates(id, {at.x(), at.y(), at.z() == 0 ? kNotGiven : at.z()}, builder_.at(line_, 1));
 }
 

@@ -164,6 +164,18 @@ TEST(Idx, ReadsTheColumnsThatTheFileNames) {
   EXPECT_DOUBLE_EQ(point(s, "K").coordinates.y(), 2000);
 }
 
+// Class FIX as KubaSzostak/coordinatus writes it for points without a height.
+TEST(Idx, AHeightOfZeroOfAKnownPointIsSaidAndNotKnown) {
+  std::string text = fixture("leica.idx");
+  text.replace(text.find("100.0,\t\"\",\t,\tCTRL"), 17, "0.000000,\t\"\",\t,\tFIX");
+  const auto s = read_idx(text, "l.idx");
+  EXPECT_TRUE(point(s, "K").known[0] && point(s, "K").known[1]);
+  EXPECT_FALSE(point(s, "K").known[2]);
+  ASSERT_EQ(s.warnings.size(), 1u);
+  EXPECT_NE(s.warnings[0].find("'K' has the height 0"), std::string::npos) << s.warnings[0];
+  EXPECT_TRUE(point(read_idx(fixture("leica.idx"), "l.idx"), "K").known[2]);
+}
+
 TEST(Idx, HeightsAndPointsThatCannotBeReadAreListed) {
   std::string text = fixture("leica.idx");
   text.replace(text.find("1.500000;"), 9, "1,500 m;");
