@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """The standard deviations of calibrations on public photographs, set by set.
 
-    benchmarks/calibration/calibration_sets.py --program build/bin/calibration_benchmark --folder FOLDER [SET ...]
+    benchmarks/calibration/calibration_sets.py --program build/bin/calibration_benchmark --folder FOLDER [--sets FILE] [SET ...]
 
 Clones what a set is from into FOLDER (or takes a clone that stands there as OWNER+NAME), and prints what
-calibration_benchmark says of it. Nothing of it is in this tree.
+calibration_benchmark says of it. Nothing of it is in this tree. FILE: sets of one's own in place of those below, JSON of the same form.
 """
 import argparse
+import json
 import pathlib
 import subprocess
 import tempfile
@@ -69,10 +70,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", required=True, help="calibration_benchmark")
     parser.add_argument("--folder", required=True, type=pathlib.Path, help="where the clones are")
-    parser.add_argument("sets", nargs="*", help=f"of {', '.join(SETS)}; without: all")
+    parser.add_argument("--sets", type=pathlib.Path, help="JSON: {name: [repository, commit, photographs, board file's text]}")
+    parser.add_argument("names", nargs="*", metavar="SET", help=f"of {', '.join(SETS)}; without: all")
     arguments = parser.parse_args()
-    for name in arguments.sets or SETS:
-        repository, commit, photographs, board = SETS[name]
+    sets = json.loads(arguments.sets.read_text()) if arguments.sets else SETS
+    if unknown := [name for name in arguments.names if name not in sets]:
+        parser.error(f"no set is called {', '.join(unknown)}; there are {', '.join(sets)}")
+    for name in arguments.names or sets:
+        repository, commit, photographs, board = sets[name]
         git_dir = repository_of(arguments.folder, repository)
         parent = str(pathlib.PurePosixPath(photographs).parent)
         listed = git(git_dir, "ls-tree", "-r", "--name-only", commit, parent + "/").decode().splitlines()

@@ -35,9 +35,12 @@ std::vector<std::string> characters(const std::string& text) {
   return all;
 }
 
-bool is_sentence(const std::string& line) { return line.find("  ") == std::string::npos; }
+bool is_indented(const std::string& text) { return text.starts_with("  ") && !text.starts_with(kMore); }
 
-/// Rows of a table that is wider than the screen move together where all of them have two blanks.
+bool is_sentence(const std::string& line) { return line.find("  ", is_indented(line) ? 2 : 0) == std::string::npos; }
+
+/// Rows of a table that is wider than the screen move together where all of them have two blanks behind the
+/// indentation.
 void squeeze(std::vector<std::string>& lines, size_t begin, size_t end, size_t columns) {
   std::vector<std::vector<std::string>> rows;
   size_t widest = 0;
@@ -48,7 +51,7 @@ void squeeze(std::vector<std::string>& lines, size_t begin, size_t end, size_t c
   const auto blank = [&](size_t at) {
     return std::ranges::all_of(rows, [&](const auto& row) { return at >= row.size() || row[at] == " "; });
   };
-  for (size_t at = widest; widest > columns && at-- > 1;) {
+  for (size_t at = widest; widest > columns && at-- > 3;) {
     if (!blank(at) || !blank(at - 1)) continue;
     for (auto& row : rows)
       if (at < row.size()) row.erase(row.begin() + static_cast<std::ptrdiff_t>(at));
@@ -62,15 +65,22 @@ void squeeze(std::vector<std::string>& lines, size_t begin, size_t end, size_t c
 
 std::vector<std::string> squeezed(std::vector<std::string> lines, size_t columns) {
   for (size_t begin = 0; begin < lines.size();) {
+    const bool indented = is_indented(lines[begin]);
     size_t end = begin;
-    while (end < lines.size() && !is_sentence(lines[end]) && lines[end][0] != ' ') ++end;
+    while (end < lines.size() && !is_sentence(lines[end]) && is_indented(lines[end]) == indented) ++end;
     squeeze(lines, begin, end, columns);
-    begin = end + 1;
+    begin = std::max(end, begin + 1);
   }
   return lines;
 }
 
-bool is_indented(const std::string& text) { return text.starts_with("  ") && !text.starts_with(kMore); }
+/// A line on a narrow screen: sentences, and rows that are still too wide, are broken between words, what is indented
+/// with its next lines two further in.
+std::string broken(const std::string& line, size_t columns) {
+  if (characters(line).size() <= columns) return line;
+  if (is_indented(line)) return "  " + wrapped(line, columns > 24 ? columns - 4 : 20, 4);
+  return is_sentence(line) ? wrapped(line, columns) : line;
+}
 
 /// "floor 3 ..." of a table; of an indented line the word that begins several ("panel"), for the others "".
 std::string list_of(const std::string& text, const std::map<std::string, size_t>& begin) {
@@ -94,10 +104,9 @@ std::vector<Shown> shown(const std::vector<std::string>& lines, size_t columns) 
     const std::string list = list_of(line, begin);
     if (list != before) ++lists;
     before = list;
-    const bool sentence = is_sentence(line);
-    const std::string text = sentence ? wrapped(line, columns) : line;
+    const std::string text = broken(line, columns);
     const auto breaks = static_cast<size_t>(std::ranges::count(text, '\n'));
-    const size_t length = sentence ? 1 : characters(text).size();
+    const size_t length = breaks ? 1 : characters(text).size();
     all.push_back({text, list.empty() ? 0 : lists, breaks + std::max<size_t>(1, (length + columns - 1) / columns)});
   }
   return all;
@@ -109,9 +118,23 @@ std::vector<Shown>::iterator least(std::vector<Shown>& all, size_t list) {
   for (auto it = all.begin(); it != all.end(); ++it) {
     if (it->list != list) continue;
     last = it;
-    if (it->text.find(" pass") != std::string::npos) passes = it;
+    if (it->text.find(" pass") != std::string::npos || it->text.find(" in Ordnung") != std::string::npos) passes = it;
   }
   return passes != all.end() ? passes : last;
+}
+
+/// The sentence that takes most rows, more than two, loses its last one.
+bool cut_longest_sentence(std::vector<Shown>& all) {
+  static const std::string cut = " …";
+  const auto longest = std::ranges::max_element(all, {}, &Shown::rows);
+  const size_t last = longest == all.end() ? std::string::npos : longest->text.rfind('\n');
+  if (last == std::string::npos || longest->rows < 3) return false;
+  longest->text.erase(last);
+  if (longest->text.ends_with(",")) longest->text.pop_back();
+  longest->text.erase(longest->text.find_last_of(" \n"));  // room for the sign that something is missing
+  longest->text += cut;
+  --longest->rows;
+  return true;
 }
 
 }  // namespace
@@ -134,7 +157,10 @@ std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size
     for (const Shown& line : all)
       if (line.list != 0) ++lengths[line.list];
     const auto longest = std::ranges::max_element(lengths, {}, [](const auto& one) { return one.second; });
-    if (longest == lengths.end() || longest->second < 2) break;
+    if (longest == lengths.end() || longest->second < 2) {
+      if (cut_longest_sentence(all)) continue;
+      break;
+    }
     ++left_out[longest->first];
     all.erase(least(all, longest->first));
   }

@@ -26,12 +26,16 @@ std::string length(double metres, int width) {
   return in_units_spoken(text);
 }
 
-/// A head of a table, and how wide its column is: `width`, or more where the word in another language is longer.
+std::size_t letters(const std::string& word) {
+  return static_cast<std::size_t>(std::count_if(word.begin(), word.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+/// A head of a table, and how wide its column is: `width`, or more where the word in another language is longer. Other
+/// languages may have a shorter word for it, so that a table fits 80 columns.
 struct Head {
-  Head(const char* english, std::size_t least) : word(spoken(english)) {
-    const auto letters = std::count_if(word.begin(), word.end(), [](char c) { return (c & 0xC0) != 0x80; });
-    width = std::max(least, static_cast<std::size_t>(letters));
-  }
+  Head(const std::string& english, std::size_t least)
+      : word(speech().language == Language::english ? english : spoken(english + ", as a head")),
+        width(std::max(least, letters(word))) {}
   std::string word;
   std::size_t width = 0;
 };
@@ -69,17 +73,17 @@ std::string verdict_of(ToleranceVerdict verdict) { return spoken(verdict_in_engl
 
 /// In a column of a table.
 std::string verdict_cell_of(ToleranceVerdict verdict) {
-  return fmt::format("{:<{}}", verdict_of(verdict), std::max<std::size_t>(10, Head("undecided", 0).width));
+  return fmt::format("{:<{}}", verdict_of(verdict), std::max<std::size_t>(10, letters(spoken("undecided"))));
 }
 
 std::string comparisons_text(const AccuracyT& accuracy) {
   const Head of_number("number", 7), of_pass("pass", 5), of_undecided("undecided", 9), of_fail("fail", 5);
-  std::string text = row("{:<25} {:>{}} {:>{}} {:>{}} {:>{}} {:>8} {:>9} {:>8}", spoken("anchors [mm]"), of_number.word,
+  std::string text = row("{:<26} {:>{}} {:>{}} {:>{}} {:>{}} {:>8} {:>9} {:>8}", spoken("anchors [mm]"), of_number.word,
                          of_number.width, of_pass.word, of_pass.width, of_undecided.word, of_undecided.width,
                          of_fail.word, of_fail.width, "RMSE_z", spoken("predicted"), "max|dz|");
   bool starred = false;
   for (const auto& comparison : accuracy.comparisons) {
-    text += row("{:<25} {:{}} {:{}} {:{}} {:{}} {} {} {}", spoken(name_of(*comparison)), comparison->anchors,
+    text += row("{:<26} {:{}} {:{}} {:{}} {:{}} {} {} {}", spoken(name_of(*comparison)), comparison->anchors,
                 of_number.width, comparison->passed, of_pass.width, comparison->undecided, of_undecided.width,
                 comparison->failed, of_fail.width, length(comparison->rmse_z, 8),
                 length(comparison->predicted_rmse_z, 9), length(comparison->max_abs_dz, 8));
@@ -90,15 +94,16 @@ std::string comparisons_text(const AccuracyT& accuracy) {
 }
 
 std::string floors_text(const AccuracyComparisonT& comparison) {
-  std::string text = row("{:<25} {:>7} {:>8} {:>8} {:>8}  {:<{}} {}", spoken(name_of(comparison)), spoken("anchors"),
-                         "r_f", "D(F)", "u(D)", spoken("verdict"), verdict_cell_of(ToleranceVerdict::pass).size(),
-                         spoken("transfer to the floor above"));
+  const Head of_number("number", 7);
+  std::string text =
+      row("{:<26} {:>7} {:>8} {:>8} {:>8}  {:<{}} {}", spoken(name_of(comparison)), of_number.word, "r_f", "D(F)",
+          "u(D)", spoken("verdict"), letters(verdict_cell_of(ToleranceVerdict::pass)), spoken("to the floor above"));
   for (const auto& floor : comparison.floors) {
     std::string transfer;
     for (const auto& candidate : comparison.transfers)
       if (candidate->column == 0 && candidate->lower_floor == floor->floor)
         transfer = with_u(candidate->error, candidate->u);
-    text += row("{:<25} {:7} {} {} {}  {} {}", spoken("floor " + std::to_string(floor->floor)), floor->anchors,
+    text += row("{:<26} {:7} {} {} {}  {} {}", spoken("floor " + std::to_string(floor->floor)), floor->anchors,
                 length(floor->mean_dz, 8), length(floor->drift, 8), length(floor->u_drift, 8),
                 verdict_cell_of(floor->drift_verdict), transfer);
   }

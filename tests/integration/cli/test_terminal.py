@@ -1,16 +1,15 @@
 """usage: test_terminal.py PLUMBLINE WORK     What people see: no control codes where none belong (TERM=dumb, NO_COLOR, pipes), lines that fit 80 and
 200 columns, verdicts in colour, an end that says what came out."""
-import fcntl
 import os
 import pathlib
-import pty
 import re
 import shutil
-import struct
 import subprocess
 import sys
-import termios
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
+import on_terminal as terminal
+from on_terminal import plain
 
 PROGRAM, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2])
 shutil.rmtree(WORK, ignore_errors=True)
@@ -25,27 +24,7 @@ def expect(holds, what):
 
 
 def on_terminal(words, columns=80, rows=40, **environment):
-    """What the program writes on a terminal of that width."""
-    leader, follower = pty.openpty()
-    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
-    child = subprocess.Popen([PROGRAM, *words], stdin=follower, stdout=follower, stderr=follower, cwd=WORK, env={**BASE, **environment})
-    os.close(follower)
-    text = b""
-    while True:
-        try:
-            piece = os.read(leader, 65536)
-        except OSError:
-            break
-        if not piece:
-            break
-        text += piece
-    child.wait()
-    os.close(leader)
-    return text.decode(errors="replace").replace("\r\n", "\n")
-
-
-def plain(text):
-    return re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
+    return terminal.on_terminal([PROGRAM, *words], columns, rows, WORK, {**BASE, **environment})[1]
 
 
 run = ["run", "observations", "floors=1", "images_per_floor=6", "--out", "out"]
@@ -74,6 +53,12 @@ for columns, rows in ((80, 24), (200, 24), (80, 60)):
     expect(result[0].startswith("Installation:") and "Took part:" in " ".join(result[-3:]), f"the result lacks its beginning or end: {result}")
     expect(any(re.search(r"… \+\d+(: tower/summary.txt| and )", line) for line in result) == (rows == 24), f"at {rows} rows: {result}")
     expect(not any(len(line) > columns and "  " not in line for line in result), f"a sentence is not broken between words: {result}")
+# In the longer words of German, and of other lengths, it is a screen, too.
+for more in (["language=de"], ["language=de", "units=in"], ["units=in"]):
+    for columns in (80, 200):
+        result = terminal.result_of(on_terminal([*tower[:-1], "spoken", *more], columns, 24))
+        expect(not terminal.too_large(result, columns, 24), f"{' '.join(more)} at {columns} columns: {terminal.too_large(result, columns, 24)}")
+        expect(len(result) > 15, f"{' '.join(more)}: no result: {result}")
 whole = (WORK / "tower/summary.txt").read_text()
 expect(subprocess.run([PROGRAM, *tower], capture_output=True, text=True, cwd=WORK, env=BASE).stdout.endswith(whole), "a pipe gets less than the summary")
 

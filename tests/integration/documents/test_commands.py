@@ -1,7 +1,8 @@
 """usage: test_commands.py PLUMBLINE ROOT WORK [REGEX]     Every command of every document is run: what stands in code blocks and in spans of the
 pages, in folders that hold what the page speaks of. command_rules.py says how; a command that no rule there knows, and that fails as it
 stands, is a fault; so is a rule that serves none, and a reason for not running one that names no file of the tree.
-The tutorial and the pages by task are typed in tests of their own, from the first line to the last.
+The tutorial and the pages by task are typed in tests of their own, from the first line to the last; the figures of measured.md by scripts/measured.
+What a pipeline ends with is looked at on a terminal of 80 columns and 24 rows, in English and in German.
 With a regular expression: only commands in which it is found, in the folder as it is, where there is one."""
 import json
 import os
@@ -16,14 +17,17 @@ import threading
 import time
 import urllib.request
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "support"))
 import command_rules
 import commands_of_pages
+import on_terminal
+import painted_targets
 from command_rules import DROPPED, OTHER_ENDS, OTHERS, ROUND, SERVED, SMALL, SMALL_OF, TAGS, WHERE
 
 PROGRAM, ROOT, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
 ONLY = sys.argv[4] if len(sys.argv) > 4 else ""
 LONG = bool(os.environ.get("PLUMBLINE_LONG"))
-TYPED_ELSEWHERE = ("docs/tutorial.md", "docs/howto/")
+TYPED_ELSEWHERE = ("docs/tutorial.md", "docs/howto/", "docs/measured.md")  # the last by scripts/measured
 DATA = pathlib.Path(os.environ.get("PLUMBLINE_TEST_DATA") or ROOT.parent / "shared/data")
 RULES = command_rules.rules(DATA)
 ENVIRONMENT = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", "PLUMBLINE_STORE": str(WORK / ".store"),
@@ -116,6 +120,11 @@ def prepare_photographs():
     (WORK / "clicked.csv").write_text("\n".join(clicked) + "\n")
     (WORK / "sets.json").write_text(json.dumps([{"name": "board", "folder": "few", "pattern": "*.jpg", "family": "DICT_6X6_1000", "tag_size": "0.0375",
                                                  "detector": "aruco"}]))
+    painted_targets.write(WORK)
+    # A repository as calibration_sets.py clones them.
+    must("mkdir -p clones/somebody+board && cp -r few clones/somebody+board/few && cd clones/somebody+board && git init -q . && git add -A && "
+         "git -c user.name=n -c user.email=m commit -q -m board")
+    (WORK / "calibration_sets.json").write_text(json.dumps({"board": ["somebody/board", "HEAD", "few/*.jpg", (WORK / "board.yaml").read_text()]}))
 
 
 def prepare():
@@ -169,6 +178,28 @@ def not_here(page, line, why):
     elsewhere.append((page, line, why))
 
 
+def exit_fault(code, right, said):
+    return "" if code == right else f"exit code {code}\n  " + "\n  ".join(said.splitlines()[-4:])
+
+
+def ends_on_a_screen(command, right):
+    """Runs a pipeline on a terminal of 80 columns and 24 rows, in German again where it speaks it (from the store, so only what writes): the
+    result stands at the end and fits."""
+    name = re.match(r"(?:plumbline run )(\S+)", command)[1]
+    file = next((f for f in (WORK / name, ROOT / "pipelines" / f"{name}.yaml") if f.is_file()), None)
+    spoken = file and re.search(r"[{ ]language: ", file.read_text()) and "language=" not in command
+    for line in (command, re.sub(r"--out (\S+)", r"language=de --out \1_de", command))[:2 if spoken else 1]:
+        code, said = on_terminal.on_terminal(["bash", "-c", f"timeout 300 {line}"], 80, 24, WORK, {**ENVIRONMENT, "TERM": "xterm"})
+        if wrong := exit_fault(code, right, on_terminal.plain(said)):
+            return wrong
+        told = on_terminal.result_of(said)
+        if not any(told) or "run.jsonl" not in said:
+            return f"it ends without its result: {line}"
+        if wrong := on_terminal.too_large(told, 80, 24):
+            return f"its result does not fit a screen: {line}\n  {wrong}"
+    return ""
+
+
 def run(page, line, command):
     if command in ran or not re.search(ONLY, command):
         return
@@ -181,9 +212,11 @@ def run(page, line, command):
             with_output = f"{command} --out out/{len(ran)}"
         if command.startswith("plumbline new "):
             shutil.rmtree(WORK / "NEW", ignore_errors=True)
-        done = shell(with_output)
-        told = done.stdout.split("run.jsonl\n")[-1].strip() if command.startswith("plumbline run ") and "--help" not in command else "as it likes"
-        wrong = "it ends without its result" if not told else "" if done.returncode == OTHER_ENDS.get(command, 0) else f"exit code {done.returncode}\n  " + "\n  ".join((done.stdout + done.stderr).splitlines()[-4:])
+        if re.match(r"plumbline run (?!.*(--help|--json))", command):
+            wrong = ends_on_a_screen(with_output, OTHER_ENDS.get(command, 0))
+        else:
+            done = shell(with_output)
+            wrong = exit_fault(done.returncode, OTHER_ENDS.get(command, 0), done.stdout + done.stderr)
     ran[command] = time.monotonic() - begin
     if wrong:
         faults.append(f"{page}: `{line}`\n  ran as: {command}\n  {wrong}")

@@ -1,6 +1,8 @@
 """usage: test_words.py ROOT     Lines of documents that call scripts and programs of benchmarks, those that are not run among them, hold words
 that their programs take; planted slips of the pen are found."""
+import os
 import pathlib
+import re
 import sys
 
 import commands_of_pages
@@ -16,6 +18,9 @@ faults, lines = [], 0
 for page, line, _ in commands_of_pages.other_lines(ROOT):
     for part in line.split(" && "):
         lines += 1
+        script = ROOT / part.split()[0]
+        if re.match(r"(benchmarks|scripts)/", part) and script.is_file() and not os.access(script, os.X_OK):
+            faults.append(f"{page}: `{part}`: the script cannot be called so, it is not executable")
         if wrong := words_of_programs.fault(ROOT, part):
             faults.append(f"{page}: `{part}`: {wrong}")
 for line in PLANTED:

@@ -10,7 +10,7 @@ awk '/^```/ {inside = !inside; next} inside' "$page" > typed
 bash typed > said 2>&1
 missing=0
 says() { grep -qF -- "$1" said || { echo "the tutorial did not come to '$1'"; missing=1; }; }
-says "check against survey            6     6         0     0     0.03      0.11"   # photographs that somebody took
+says "check against survey             6     6         0     0     0.03      0.11"   # photographs that somebody took
 says "most at B07 (w = 92)"
 says "Recognised:"
 says "The folder is whole."

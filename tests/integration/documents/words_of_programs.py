@@ -75,7 +75,8 @@ def of_build_tools(root, words):
     wrong += [f"there is no preset {name}" for name in re.findall(r"--preset (\S+)", line) if name not in presets]
     wrong += [f"there is no option {name}" for name in re.findall(r"-D(PLUMBLINE_\w+)", line) if f"option({name} " not in lists]
     wrong += [f"no test is called {name}" for name in re.findall(r" -R (\S+)", line)
-              if not re.search(rf"\b{re.escape(name)}|\({re.escape(name).replace(chr(92) + '.', ',[ ]*')}", tests)]
+              if not re.search(rf"\b{re.escape(name)}|\({re.escape(name).replace(chr(92) + '.', ',[ ]*')}", tests)
+              and not ("." in name and re.search(rf"\b{name.split('.')[0]}\.\$\{{", lists) and re.search(rf"\b{name.split('.')[1]}\b", lists))]
     if words[0] == "ninja":
         wrong += [f"nothing is called {name} that could be built" for name in words[1:]
                   if not name.startswith("-") and name != "build" and not re.search(rf"(add_executable|plumbline_add_test)\({name}\b", lists)]

@@ -1,0 +1,93 @@
+"""docs/measured.md: short tables, notes folded out below them."""
+import pathlib
+
+from . import rows as data
+
+PAGE = data.ROOT / "docs/measured.md"
+NOTE = "<!-- Made by scripts/measured from measured.toml: change that. -->"
+HEAD = """# What was measured
+
+Each row is a claim, what it was measured on, its figures with the tolerance they are compared within, and the command that makes
+them again: `scripts/measured --check` types them and compares. *Simulated*: photographs and readings of our own simulator, whose
+optics are ideal and whose transfer curve is linear where a row does not say `optics=real`. A number in brackets leads to what else was seen and
+how far it holds, below the tables. What was seen once and has no command is no figure: it stands in [observations](observations.md).
+
+`$DATA` is the public test data (`PLUMBLINE_TEST_DATA`), `$OTHERS` a folder with clones of public repositories, `$OTHERS/OWNER/NAME`
+(`PLUMBLINE_OTHERS`). Times are processor times, of a machine with two cores where a row says nothing else.
+"""
+MARKS = {
+    "quick": ("✓", "computed and compared in every run of the tests"),
+    "test": ("◇", "held by a test: the figure is what it asserts, or what it found and asserts"),
+    "long": ("○", "computed and compared by `scripts/measured --check --long`: seconds to an hour each"),
+    "others": ("△", "the same, with files of others in `$OTHERS`"),
+}
+
+
+def written(number):
+    """1e-06 as it is read: 10⁻⁶."""
+    text = f"{number:.6g}"
+    if "e" not in text:
+        return text
+    mantissa, exponent = text.split("e")
+    power = "10" + "".join("⁰¹²³⁴⁵⁶⁷⁸⁹"[int(c)] if c.isdigit() else "⁻" for c in str(int(exponent)))
+    return power if mantissa == "1" else f"{mantissa}·{power}"
+
+
+def figure(value):
+    unit = " " + value["unit"] if value.get("unit") else ""
+    label = value["of"] + " " if value.get("of") else ""
+    if value.get("most"):
+        return f"{label}≤ {written(value['value'] + value['tolerance'])}{unit}"
+    return label + written(value["value"]) + (f" ± {written(value['tolerance'])}" if value["tolerance"] else "") + unit
+
+
+def cell(text):
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def lines_of(row, bracket):
+    """A line for each command, so that no cell is long."""
+    for number, check in enumerate(data.checks(row)):
+        command = f"{MARKS[data.mark(check)][0]} `{data.command(check)}`"
+        if "before" in check:
+            words = check["before"].split()
+            command += f", after `{' '.join(words[:3])} …`" if words[0] == "plumbline" else f", after {words[0].split('/')[-1]}"
+        if "seeds" in check:
+            command += f", {len(check['seeds'])} seeds"
+        on = row["on"] if not number else ""
+        if "here" in check:
+            on += f" ($HERE: `{check['here']}`)"
+        yield [row["claim"] + bracket if not number else "", on, "; ".join(map(figure, data.values(check))), command]
+
+
+def page(parts):
+    kinds = [data.mark(check) for row in data.rows(parts) for check in data.checks(row)]
+    lines = [HEAD.rstrip(), "", NOTE, "", f"{len(data.rows(parts))} claims, {len(kinds)} commands:", ""]
+    lines += [f"- {mark} {kinds.count(name)} {what}" for name, (mark, what) in MARKS.items()] + [""]
+    notes, number = [], 0
+    for part in parts:
+        if "heading" in part:
+            lines += ["## " + part["heading"], ""]
+        if "text" in part:
+            lines += [part["text"].strip(), ""]
+        if not part.get("row"):
+            continue
+        lines += ["| what | on | figure | again with |", "|---|---|---|---|"]
+        for row in part["row"]:
+            bracket = ""
+            if "note" in row:
+                number += 1
+                bracket = f" [({number})](#note-{number})"
+                notes.append(f'- <a id="note-{number}"></a>**({number})** {row["claim"]}: {row["note"]}')
+            lines += ["| " + " | ".join(map(cell, line)) + " |" for line in lines_of(row, bracket)]
+        lines.append("")
+    return "\n".join([*lines, "## Notes", "", *notes]) + "\n"
+
+
+def too_long(parts):
+    """Cells that are longer than a table's should be."""
+    for row in data.rows(parts):
+        for line in lines_of(row, ""):
+            for text in line:
+                if len(text) > data.LONGEST:
+                    yield f"'{row['claim']}': a cell of {len(text)} characters, at most {data.LONGEST} are a table: {text[:60]}…"
