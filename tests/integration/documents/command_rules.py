@@ -60,7 +60,6 @@ def rules(data):
         (r"plumbline cache prune.*", "plumbline cache prune --keep 200GiB --days 3000"),
         (r"plumbline run outlier_search .*", "plumbline run outlier_search points=points.csv control=points.csv"),
         # Photographs: those of a public board, and points that were surveyed on it.
-        (r"plumbline example board", "plumbline example another_board"),
         (r"plumbline run photo_campaign folder=\S+(.*)", f"plumbline run photo_campaign folder=board {TAGS}"),
         (r"plumbline run photo_surfaces folder=\S+", f"plumbline run photo_surfaces folder=board {TAGS}"),
         (r"plumbline run detect_images .*", f"plumbline run detect_images folder=board {TAGS}"),
@@ -68,7 +67,6 @@ def rules(data):
         (r"plumbline run calibrate_camera folder=\S+ board=\S+(.*?)( --out OUT)?", r"plumbline run calibrate_camera folder=board board=board.yaml\1"),
         (r"plumbline run marker_field .*",
          f"plumbline run marker_field folder=board {TAGS} layout=known/tags.json camera=known_camera/camera.yaml tag_size=0.0375"),
-        (r"plumbline run measure_targets .*(?= targets\.with)(.*)", r"plumbline run measure_targets folder=board places=clicked.csv search=12\1"),
         (r"plumbline run measure_targets .*", "plumbline run measure_targets folder=board places=clicked.csv"),
         (r"plumbline run colmap_control .*?( block\.with\.pixel_origin=corner)?",
          r"plumbline run colmap_control model=known/sparse control=points.csv observations=measured.csv\1"),
@@ -83,10 +81,7 @@ def rules(data):
         (r"plumbline run scan_surfaces (?:scan=\S+) (?:design=\S+)(.*)", r"plumbline run scan_surfaces scan=scan.las design=small/design.ifc\1"),
         (r"plumbline run scan_planes scan=SCAN.las (.*)", r"plumbline run scan_planes scan=scan.las \1"),
         # Simulated sites.
-        (r"plumbline run (single_floor|full_height) camera=quick_6mp optics=real seed=…", r"plumbline run \1 SMALL optics=real seed=2"),
         (r"plumbline run full_height (surfaces=on .*)", r"plumbline run full_height SMALL \1 floors=1"),
-        (r"plumbline run full_height camera=hasselblad_100mp",
-         "plumbline run full_height floors=1 columns=2 site.with.images_per_floor=4 camera=hasselblad_100mp"),
         (r"plumbline run (?:pipelines/)?(full_height|full_height_free|single_floor)(?:\.yaml)?(?: camera=quick_6mp)?((?: (?!--out|seed=|camera=)\S+)*)( --out \S+| seed=…)?",
          r"plumbline run \1 SMALL\2"),
         (r"plumbline run building (shape=\S+|language=de units=in)", r"plumbline run building \1 floors=1"),
