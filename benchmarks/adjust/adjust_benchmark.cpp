@@ -5,6 +5,10 @@
 //   adjust_benchmark [IMAGES POINTS RAYS [anywhere] | FOLDER]
 //                                  FOLDER: an AICON block, a PhotoModeler export, a BAL problem; anywhere: points are
 //                                  seen by images of the whole ring, so that the factor fills up
+//   adjust_benchmark apart MINUTES IMAGES POINTS RAYS [ENGINE]
+//                                  every engine once in a process of its own, ended after so many minutes of the
+//                                  processor: for blocks that an engine may not get through; ENGINE: those whose name
+//                                  has that word
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -13,12 +17,13 @@
 #include <cstdlib>
 #include <ctime>
 
+#include "apart.hpp"
 #include "photo/block/image_block_folder.hpp"
 #include "photo/block/point_block.hpp"
 #include "photo/bundle/adjust.hpp"
 #include "photo/bundle/ceres_covariance.hpp"
 #include "photo/colmap/exchange.hpp"
-#include "plumbline/rigid_transform.hpp"
+#include "ring_block.hpp"
 
 namespace {
 
@@ -29,88 +34,6 @@ double processor_seconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-/// splitmix64 and Box-Muller: the same problem everywhere.
-class Random {
- public:
-  explicit Random(uint64_t seed) : state_(seed) {}
-  double uniform() {
-    uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    return (static_cast<double>((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
-  }
-  double normal() { return std::sqrt(-2 * std::log(uniform())) * std::cos(2 * M_PI * uniform()); }
-  Eigen::Vector3d vector(double size) { return size * Eigen::Vector3d(normal(), normal(), normal()); }
-
- private:
-  uint64_t state_;
-};
-
-struct Shape {
-  int images, points, rays;
-  bool anywhere = false;
-};
-
-struct Made {
-  Problem problem;
-  State truth, start;
-};
-
-/// Images on a ring around a cube of points, one camera, each point seen by `rays` neighbouring images; 0.5 px noise;
-/// two images are held, so that the datum is given and Ceres has observations of one size only.
-Made make(const Shape& shape) {
-  Made made;
-  Problem& p = made.problem;
-  Random random(1);
-  p.groups = {{"images"}};
-  p.cameras.push_back(
-      {"camera", Lens::brown, 0, {true, true, true, true, true, true, false, false, false, false, false}});
-  made.truth.interiors.push_back({3000, 3000, 2000, 1500, -0.1, 0.05, 0, 0, 0, 0});
-  for (int i = 0; i < shape.images; ++i) {
-    const double angle = 2 * M_PI * i / shape.images;
-    const Eigen::Vector3d centre(20 * std::cos(angle), 20 * std::sin(angle), 4 * std::sin(3 * angle));
-    const Eigen::Vector3d z = (random.vector(0.5) - centre).normalized();
-    const Eigen::Vector3d x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
-    Eigen::Matrix3d world_from_camera;
-    world_from_camera << x, z.cross(x), z;
-    p.images.push_back({std::to_string(i), 0});
-    made.truth.images.emplace_back();
-    made.truth.images.back().set(Eigen::Quaterniond(Eigen::Matrix3d(world_from_camera.transpose())), centre);
-  }
-  for (int j = 0; j < shape.points; ++j) {
-    p.points.push_back({std::to_string(j)});
-    made.truth.points.emplace_back(8 * (random.uniform() - 0.5), 8 * (random.uniform() - 0.5),
-                                   8 * (random.uniform() - 0.5));
-    const int first = static_cast<int>(random.uniform() * shape.images);
-    for (int r = 0; r < shape.rays; ++r) {
-      ImagePoint o;
-      o.image =
-          (first + r * (shape.anywhere ? 1 + static_cast<int>(random.uniform() * shape.images / shape.rays) : 1)) %
-          shape.images;
-      o.point = j;
-      const Placement& pose = made.truth.images[o.image];
-      LensRows rows;
-      if (!evaluate_lens(Lens::brown, made.truth.interiors[0].data(), 0, 0,
-                         pose.matrix * (made.truth.points.back() - pose.position), Eigen::Vector2d::Zero(), false,
-                         rows))
-        continue;
-      o.observed = rows.misclosure + 0.5 * Eigen::Vector2d(random.normal(), random.normal());
-      o.whitening = 2 * Eigen::Matrix2d::Identity();
-      p.image_points.push_back(o);
-    }
-  }
-  made.start = made.truth;
-  p.images[0].fixed = p.images[shape.images / 4].fixed = true;
-  for (size_t i = 0; i < p.images.size(); ++i) {
-    if (p.images[i].fixed) continue;
-    Placement& pose = made.start.images[i];
-    pose.set(quaternion_from_rotation_vector(random.vector(0.002)) * pose.rotation,
-             pose.position + random.vector(0.05));
-  }
-  for (auto& point : made.start.points) point += random.vector(0.05);
-  return made;
 }
 
 struct Captured {};
@@ -341,11 +264,56 @@ bool compare(const char* name, const Made& made) {
   return sound && std::abs(difference) < 1e-9;
 }
 
+/// Ours and Ceres, each with a factor and without, and COLMAP, which estimates p1 and p2 always: so all do, and its
+/// datum is its own.
+void compare_apart(double minutes, Made made, const std::string& engine) {
+  for (auto& camera : made.problem.cameras) camera.free[7] = camera.free[8] = true;
+  std::printf("%zu images, %zu points, %zu observations; the problem itself takes %.0f MB; at most %g minutes each\n",
+              made.problem.images.size(), made.problem.points.size(), made.problem.image_points.size(),
+              peak_megabytes(), minutes);
+  const auto take = [&](const char* name, const std::function<void()>& work) {
+    if (std::string(name).find(engine) == std::string::npos) return;
+    const Taken taken = run_apart(name, 60 * minutes, work);
+    std::printf("  %s: %.0f s of the processor, peak memory %.0f MB%s\n", name, taken.seconds, taken.megabytes,
+                taken.ended ? "" : ", no answer");
+  };
+  const auto minimise = [&](const Minimiser& minimiser, Reduced how, bool with_sigmas) {
+    return [&made, minimiser, how, with_sigmas] {
+      const auto by = [&](const Problem& problem, State& state, MinimiseOptions options) {
+        options.reduced = how;
+        return minimiser(problem, state, options);
+      };
+      const Run found = run(made, by);
+      std::printf("  %s\n", found.summary.message.c_str());
+      print("", {found}, made);
+      std::vector<Eigen::MatrixXd> own;
+      if (with_sigmas) print_covariance(made, found.state, own);
+    };
+  };
+  take("schur, factor, every sigma", minimise(minimise_schur, Reduced::factor, true));
+  take("Ceres SPARSE_SCHUR, without covariance", minimise(minimise_ceres, Reduced::factor, false));
+  take("schur, gradients", minimise(minimise_schur, Reduced::gradients, false));
+  take("Ceres ITERATIVE_SCHUR", minimise(minimise_ceres, Reduced::gradients, false));
+  if (!colmap::is_installed()) return;
+  take("colmap bundle_adjuster, with two models of text", [&] {
+    State state = made.start;
+    colmap::BundleOptions options;
+    options.refine_principal_point = true;
+    options.time_limit = 3600 * minutes;  // of a clock, the processor's comes first
+    const auto found = colmap::adjust_by_colmap(made.problem, state, options);
+    std::printf("  COLMAP: %d iterations, %.0f s of its own, cost %.10g\n", found.iterations, children_seconds(),
+                cost_of(made.problem, state));
+  });
+}
+
 }  // namespace
 
 int main(int count, char** words) {
   bool sound = true;
-  if (count == 2) {
+  if (count >= 6 && std::string(words[1]) == "apart") {
+    compare_apart(std::atof(words[2]), make({std::atoi(words[3]), std::atoi(words[4]), std::atoi(words[5])}),
+                  count > 6 ? words[6] : "");
+  } else if (count == 2) {
     sound = compare(words[1], read(words[1]));
   } else if (count == 4 || count == 5) {
     sound = compare("given", make({std::atoi(words[1]), std::atoi(words[2]), std::atoi(words[3]), count == 5}));

@@ -209,6 +209,7 @@ ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
                  " cameras, " + std::to_string(points) + " points, " + std::to_string(observations) +
                  " observations) are too small, and what was read is not what was meant");
   std::erase_if(block.measurements, [&](const BlockMeasurement& m) {
+    stop_point();
     const size_t i = static_cast<size_t>(m.image);
     const Eigen::Vector3d v = turns[i] * (block.points[m.point].position - block.images[i].centre);
     const bool out = !(v.z() < -1e-6 * v.norm());

@@ -251,9 +251,9 @@ void fill_control(const PointBlock& given, const Built& built, const bundle::Rel
   }
 }
 
-void fill_reliability(const bundle::Reliability& reliability, double factor, PointBlockResult& result) {
-  result.measurement_reliability = reliability.points;
-  result.scale_bar_reliability = reliability.distances;
+void fill_reliability(bundle::Reliability reliability, double factor, PointBlockResult& result) {
+  result.measurement_reliability = std::move(reliability.points);
+  result.scale_bar_reliability = std::move(reliability.distances);
   const auto rescale = [&](least_squares::RowStatistics& row) {
     row.w /= std::sqrt(factor);
     row.mdb *= std::sqrt(factor);
@@ -261,7 +261,7 @@ void fill_reliability(const bundle::Reliability& reliability, double factor, Poi
   for (auto& rows : result.measurement_reliability)
     for (auto& row : rows) rescale(row);
   for (auto& row : result.scale_bar_reliability) rescale(row);
-  result.groups = reliability.groups;
+  result.groups = std::move(reliability.groups);
   std::erase_if(result.groups, [](const auto& group) { return group.rows == 0; });
 }
 
@@ -347,7 +347,7 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   result.sigma0 = options.image_sigma * std::sqrt(factor);
   result.weighted_sum_of_squares = options.image_sigma * options.image_sigma * adjusted.sum_of_squares;
   result.rays.resize(block.points.size());
-  for (const auto& m : block.measurements) ++result.rays[m.point];
+  for (const auto& m : block.measurements) stop_point(), ++result.rays[m.point];
   store_values(adjusted.state, origin, result.block);
   for (size_t i = 0; i < built.problem.images.size(); ++i)
     if (built.problem.images[i].shift_free)
@@ -357,10 +357,10 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
     fill_unknown_covariances(built.problem, layout, result);
   else
     fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result);
-  const bundle::Reliability reliability = options.by_gradients ? residuals_of(built.problem, layout, adjusted.state)
-                                                               : bundle::reliability_of(built.problem, adjusted);
-  fill_reliability(reliability, factor, result);
+  bundle::Reliability reliability = options.by_gradients ? residuals_of(built.problem, layout, adjusted.state)
+                                                         : bundle::reliability_of(built.problem, adjusted);
   fill_control(given, built, reliability, factor, result);
+  fill_reliability(std::move(reliability), factor, result);
   return result;
 }
 

@@ -153,6 +153,7 @@ Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
   for (int b : kept_blocks_)
     kept.middleRows(kept_offset(b), layout_.size(b)) = right.middleRows(layout_.offset(b), layout_.size(b));
   for (size_t e = 0; e < blocks_.size(); ++e) {
+    stop_point();
     const Block& block = blocks_[e];
     if (!block.determined()) continue;
     half[e] = block.factor.topLeftCorner(block.size, block.size)
@@ -167,6 +168,7 @@ Eigen::MatrixXd Elimination::solve(const Eigen::MatrixXd& right) const {
   for (int b : kept_blocks_)
     result.middleRows(layout_.offset(b), layout_.size(b)) = kept.middleRows(kept_offset(b), layout_.size(b));
   for (size_t e = 0; e < blocks_.size(); ++e) {
+    stop_point();
     const Block& block = blocks_[e];
     if (!block.determined()) continue;
     const auto own = y(block);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "photo/block/image_block_folder.hpp"
+#include "plumbline/stop.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
@@ -164,6 +165,15 @@ TEST_F(Bal, WhatLiesBehindItsCameraIsLeftOutAndToldOf) {
   EXPECT_LT(block.block.measurements.size(), 48u);
   ASSERT_EQ(block.left_out.size(), 1u);
   EXPECT_THAT(block.left_out[0], HasSubstr("behind the camera"));
+}
+
+TEST_F(Bal, IsAskedAtEachLineAndEachLookAtAMeasurement) {
+  const Made made = make();
+  std::size_t asked = 0;
+  const StopScope scope([](const void* count) { return ++*static_cast<std::size_t*>(const_cast<void*>(count)) == 0; },
+                        &asked);
+  const auto block = read(made.text).block;
+  EXPECT_GE(asked, 2 * block.measurements.size() + block.points.size());
 }
 
 TEST_F(Bal, WhatCannotBeReadIsRefusedWithItsLine) {

@@ -242,6 +242,19 @@ TEST(SparseBlock, CanBeStoppedAnywhere) {
   EXPECT_THROW(elimination.build(strip.state), Stopped);
 }
 
+/// Half a second passed between two of them for 100 000 points, when their shares of a solution were computed.
+TEST(SparseBlock, IsAskedAtEachPointOfASolution) {
+  const Strip strip = make_strip(60, true);
+  const Layout layout(strip.problem);
+  Elimination elimination(strip.problem, layout);
+  ASSERT_TRUE(elimination.build(strip.state) && elimination.factorise({}));
+  std::size_t asked = 0;
+  const StopScope scope([](const void* count) { return ++*static_cast<std::size_t*>(const_cast<void*>(count)) == 0; },
+                        &asked);
+  elimination.solve(Eigen::MatrixXd::Zero(layout.unknown_count(), 1));
+  EXPECT_GE(asked, 2 * elimination.blocks().size());
+}
+
 TEST(SparseBlock, ConjugateGradientsTakeNoFactorAndNameWhatIsOpen) {
   Strip strip = make_strip(60, true);
   const Layout layout(strip.problem);

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include "show/bench/analysis.hpp"
+#include "show/bench/page.hpp"
 #include "show/bench/sentences.hpp"
+#include "show/bench/tables.hpp"
 
 namespace plumbline::bench {
 namespace {
@@ -115,16 +117,32 @@ TEST(Choice, IsSaidInSentencesThatAPersonWouldSay) {
 }
 
 /// evaluate.cost counts what an alternative rejected, too: 3.78e6 to 4.23e6 in a table reads as a solver that diverged.
-TEST(Choice, ACostThatGoesUpIsToldInWords) {
+TEST(Choice, ACostThatGoesUpIsToldInWordsWhereverItStands) {
   Bench bench = bench_of(0.001, 24);
+  for (Cell& cell : bench.cells) cell.measures["start_cost"] = 3.784e6, cell.measures["final_cost"] = 2e6;
+  for (const auto& text : {to_markdown(bench, analyse(bench)), to_html(bench, analyse(bench))})
+    EXPECT_THAT(text, Not(HasSubstr("Costs that go up"))) << "none does";
+  for (Cell& cell : bench.cells)
+    if (cell.place == "spoilt" && cell.choices["method"] == "robust") cell.measures["final_cost"] = 4.231e6;
+  const Analysis analysis = analyse(bench);
+  const std::string words =
+      "spoilt, robust: the cost of all observations went up in 24 of 24 trials (the first from 3.784e+06 to "
+      "4.231e+06): what was minimised leaves some of them out or damps them, or the solver diverged";
+  EXPECT_THAT(analysis.rising, testing::ElementsAre(words));
+  EXPECT_THAT(to_markdown(bench, analysis), HasSubstr("\n## Costs that go up\n\n- " + words + ".\n"));
+  EXPECT_THAT(to_html(bench, analysis), HasSubstr("<summary>Costs that go up</summary>"));
+  EXPECT_THAT(to_html(bench, analysis), HasSubstr("<li class=\"bad\">" + words + "</li>"));
+  EXPECT_THAT(to_json(bench, analysis), HasSubstr("\"rising_costs\": [\n  \"" + words + "\"\n ]"));
+}
+
+/// Rounding is no rise, and a trial that failed has no cost.
+TEST(Choice, ACostThatStaysIsNotSaidToRise) {
+  Bench bench = bench_of(0.001, 20);
   for (Cell& cell : bench.cells) {
-    cell.measures["start_cost"] = 3.784e6;
-    cell.measures["final_cost"] = cell.place == "spoilt" && cell.choices["method"] == "robust" ? 4.231e6 : 2e6;
+    cell.measures["start_cost"] = 100;
+    cell.measures["final_cost"] = cell.status == "done" ? 100 * (1 + 1e-12) : 200;
   }
-  EXPECT_THAT(analyse(bench).rising,
-              testing::ElementsAre("spoilt, robust: the cost of all observations went up in 24 of 24 trials (the first "
-                                   "from 3.784e+06 to 4.231e+06): what was minimised leaves some of them out or damps "
-                                   "them, or the solver diverged"));
+  EXPECT_THAT(analyse(bench).rising, testing::IsEmpty());
 }
 
 }  // namespace
