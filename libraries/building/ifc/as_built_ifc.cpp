@@ -45,7 +45,7 @@ AsBuiltWriter::AsBuiltWriter(const step::File& file, const Design& design, const
       accuracy_(accuracy),
       options_(options),
       appender_(model_, design.project_guid, design.length_unit, options.timestamp),
-      products_(appender_, design, options.epoch.empty() ? "" : options.epoch + "/") {
+      products_(appender_, design, key_prefix_of(options.epoch)) {
   for (const auto& anchor : accuracy.anchors) residuals_[anchor->id] = anchor.get();
   for (const Storey& storey : design.storeys) storeys_[storey.guid] = &storey;
   for (const auto& floor : deviation.floors)

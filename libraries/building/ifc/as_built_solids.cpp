@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "building/ifc/ifc_guid.hpp"
 #include "building/step/step_writer.hpp"
 
 namespace plumbline::ifc {
@@ -13,6 +14,7 @@ using step::null;
 using step::reference;
 using step::text;
 
+constexpr const char* kSolid = "IFCBUILDINGELEMENTPROXY";
 constexpr double kMarkerRadius = 0.03;  ///< [m]
 constexpr double kPanelGrowth = 0.001;  ///< [m] so that a panel as built does not flicker in the design's
 
@@ -43,6 +45,12 @@ Container container_at(const Model& model, Placements& placements, InstanceId in
 }
 
 }  // namespace
+
+std::string key_prefix_of(const std::string& epoch) { return epoch.empty() ? "" : epoch + "/"; }
+
+std::string as_built_solid_guid(const std::string& project_guid, const std::string& epoch, const std::string& element) {
+  return derived_ifc_guid(project_guid, std::string(kSolid) + "/" + key_prefix_of(epoch) + element);
+}
 
 ProductWriter::ProductWriter(Appender& appender, const Design& design, std::string key_prefix)
     : appender_(appender), prefix_(std::move(key_prefix)), context_(body_context(appender.model())) {
@@ -130,7 +138,7 @@ void ProductWriter::add_proxy(const std::string& key, const std::string& name, c
   const InstanceId placement =
       appender_.add_placement(container.placement, container.project_from_container.inverse() * project_from_own);
   const InstanceId proxy = appender_.add_root(
-      "IFCBUILDINGELEMENTPROXY", key, name, std::string("As built: ") + EnumNameToleranceVerdict(verdict),
+      kSolid, key, name, std::string("As built: ") + EnumNameToleranceVerdict(verdict),
       {text(object_type), reference(placement), reference(shape("Body", "SweptSolid", solid)), null, null});
   appender_.add_root("IFCRELASSIGNSTOPRODUCT", key + "/solid", "", "",
                      {list({reference(proxy)}), null, reference(element)});

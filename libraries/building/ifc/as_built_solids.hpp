@@ -13,6 +13,11 @@
 
 namespace plumbline::ifc {
 
+/// What GlobalIds of a campaign's solids come from, beside those of their elements.
+std::string key_prefix_of(const std::string& epoch);
+/// GlobalId of the solid that stands in the as-built file of that campaign for an anchor or panel as it was built.
+std::string as_built_solid_guid(const std::string& project_guid, const std::string& epoch, const std::string& element);
+
 /// Where additions are contained: the storey of their element, else the building, else the site.
 struct Container {
   InstanceId instance = 0, placement = 0;  ///< 0: none

@@ -20,7 +20,7 @@ namespace plumbline::ifc {
 struct BcfOptions {
   bool version_3 = false;                    ///< BCF 3.0, else 2.1
   std::string project_guid;                  ///< IFC GlobalId, the name space of the topics' ids
-  std::string epoch;                         ///< a label of the topics; their ids are the same in every campaign
+  std::string epoch;                         ///< that of the as-built file; a label of the topics (ids stay the same)
   std::string date = "1970-01-01T00:00:00";  ///< of the topics, xs:dateTime
   std::string author = "plumbline";
   std::string assigned_to, due_date;        ///< left out where empty
@@ -31,11 +31,12 @@ struct BcfOptions {
 };
 
 /// A .bcf (ZIP): one topic for every failing or undecided anchor, panel, surface of a panel and joint, with a viewpoint
-/// that selects and colours it (camera in metres, project coordinates; panels between it and the camera are hidden) and
-/// a snapshot, and one for everything that was asked for and not judged. With `changes`, what was open before and is in
-/// order has its topic (of the same id) closed, what opened again says so, and what was open and not measured again
-/// stays open. The failing ones come first, and else they stand in the order of `anchors` and `panels`, which are those
-/// of `deviation` as they are to be mended (judgement/worst_first.hpp). The same input gives the same bytes.
+/// that selects and colours it and its solid in the as-built file (camera in metres, project coordinates; panels
+/// between it and the camera are hidden, with their solids) and a snapshot, and one for everything that was asked for
+/// and not judged. With `changes`, what was open before and is in order has its topic (of the same id) closed, what
+/// opened again says so, and what was open and not measured again stays open. The failing ones come first, and else
+/// they stand in the order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
+/// (judgement/worst_first.hpp). The same input gives the same bytes.
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);
 

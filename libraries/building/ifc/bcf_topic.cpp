@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "base/text/xml_text.hpp"
+#include "building/ifc/as_built_solids.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/ifc_guid.hpp"
 
@@ -47,10 +49,35 @@ std::string header_of(const BcfOptions& options, const std::string& design_file)
   return options.version_3 ? "<Header><Files>" + files + "</Files></Header>" : "<Header>" + files + "</Header>";
 }
 
-/// GlobalIds of the panels that hang between the camera and the issue: they are hidden, or nobody would see it.
-std::vector<std::string> panels_before(const BcfIssue& issue, const BcfSurroundings& surroundings) {
+std::string component(const std::string& guid) { return "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>"; }
+
+/// The element and, where it was measured, the solid that stands for it as built: it lies over the element in the file
+/// that the header names first.
+template <class Element>
+std::string components_of(const Element& element, const BcfOptions& options) {
+  bool solid = element.instance != 0;
+  if constexpr (std::is_same_v<Element, AnchorDeviationT>)
+    solid = solid && element.deviation.allFinite();
+  else
+    solid = solid && element.shift.allFinite();
+  return component(element.guid) +
+         (solid ? component(as_built_solid_guid(options.project_guid, options.epoch, element.guid)) : "");
+}
+
+/// Of what the issue is about.
+std::string components_of(const BcfIssue& issue, const BcfSurroundings& surroundings, const BcfOptions& options) {
+  const auto around = surroundings.around(issue.centre, 1 + issue.reach);
+  for (const AnchorDeviationT* anchor : around.anchors)
+    if (anchor->guid == issue.guid) return components_of(*anchor, options);
+  for (const PanelDeviationT* panel : around.panels)
+    if (panel->guid == issue.guid) return components_of(*panel, options);
+  return component(issue.guid);
+}
+
+/// The panels that hang between the camera and the issue, and their solids: they are hidden, or nobody would see it.
+std::string panels_before(const BcfIssue& issue, const BcfSurroundings& surroundings, const BcfOptions& options) {
   constexpr double margin = 0.3;  // [m] what is seen beside it
-  std::vector<std::string> hidden;
+  std::string hidden;
   for (const PanelDeviationT* panel :
        surroundings.around(issue.centre, 2 * (margin + issue.reach) + issue.away()).panels) {
     if (panel->guid == issue.guid) continue;
@@ -63,7 +90,7 @@ std::vector<std::string> panels_before(const BcfIssue& issue, const BcfSurroundi
     const double reach = margin + issue.reach;
     if (low.x() < reach && high.x() > -reach && low.y() < reach && high.y() > -reach && high.z() > -0.05 &&
         low.z() < issue.away())
-      hidden.push_back(panel->guid);
+      hidden += components_of(*panel, options);
   }
   return hidden;
 }
@@ -134,17 +161,16 @@ std::string clipping_plane(const BcfIssue& issue) {
          vector("Direction", out) + "</ClippingPlane></ClippingPlanes>";
 }
 
-std::string viewpoint(const BcfIssue& issue, const std::vector<std::string>& hidden, const std::string& view,
+std::string viewpoint(const BcfIssue& issue, const BcfSurroundings& surroundings, const std::string& view,
                       const BcfOptions& options) {
   const Eigen::Vector3d& normal = issue.frame.out;
-  std::string exceptions;
-  for (const std::string& guid : hidden) exceptions += "<Component IfcGuid=\"" + xml_escaped(guid) + "\"/>";
+  std::string exceptions = panels_before(issue, surroundings, options);
   if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
-  const std::string component = "<Component IfcGuid=\"" + xml_escaped(issue.guid) + "\"/>";
+  const std::string own = components_of(issue, surroundings, options);
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
-  return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + component +
+  return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + own +
          "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
-         colour + "\">" + (options.version_3 ? "<Components>" + component + "</Components>" : component) +
+         colour + "\">" + (options.version_3 ? "<Components>" + own + "</Components>" : own) +
          "</Color></Coloring></Components><PerspectiveCamera>" +
          vector("CameraViewPoint", issue.centre + issue.away() * normal) + vector("CameraDirection", -normal) +
          vector("CameraUpVector", issue.frame.up) + "<FieldOfView>60</FieldOfView>" +
@@ -171,7 +197,7 @@ void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
   zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, snapshots_, index_++));
   if (!seen) return;
-  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, panels_before(issue, surroundings), view, options_));
+  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, surroundings, view, options_));
   if (snapshots_) zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
 }
 

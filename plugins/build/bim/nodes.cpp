@@ -185,7 +185,7 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{"bim.write_bcf", "", 4,
+  static constexpr Info info{"bim.write_bcf", "", 5,
                              "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
                              "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
@@ -196,7 +196,10 @@ struct WriteBcf : Node {
       "changes", frame("frame=?F"),
       "since the campaign before: what was mended is closed, what nobody measured again stays open"};
   Param<std::string> version{"version", "2.1", one_of("2.1", "3.0"), "of BCF: every BIM program reads 2.1"};
-  Param<std::string> epoch{"epoch", "", "name of the campaign; a label of the topics"};
+  Param<std::string> epoch{
+      "epoch", "",
+      "name of the campaign, as bim.write_ifc has it: a label of the topics, and where the solids of the as-built file "
+      "have their ids from"};
   Param<std::string> date{"date", "", "of the topics, ISO 8601; empty: that of the survey"};
   Param<std::string> author{"author", "plumbline", "of the topics"};
   Param<std::string> assigned_to{"assigned_to", "", "of the topics; empty: nobody"};

@@ -177,9 +177,12 @@ void write_anchors(Markup& html, const ReportInput& input) {
                    "Measured: model against survey in height, ±" + tolerance(accuracy.tau) +
                    ". Within: probability that the true deviation is inside the tolerance.");
   if (with_design && many(*input.deviation))
-    html.element("p", {{"class", "note"}}, "Every number of every anchor stands in metrics.csv and stake_out.csv.");
+    html.element("p", {{"class", "note"}},
+                 "Every number of every anchor stands in metrics.csv and stake_out.csv. On paper the tables of anchors "
+                 "and panels end after 200 rows; sheets.html has all, a sheet for each facade and floor.");
   else if (with_design)
-    folded(html, "Every number of every anchor", [&] { write_all_numbers(html, *input.deviation); });
+    folded(
+        html, "Every number of every anchor", [&] { write_all_numbers(html, *input.deviation); }, "broad");
 }
 
 }  // namespace plumbline::report

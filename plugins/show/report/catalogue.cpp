@@ -119,15 +119,27 @@ std::string longest_word(const Sentence& sentence) {
   return longest;
 }
 
+/// Whether every bracket that closes was opened: "a (b); c (d" is two sentences cut apart, not one.
+bool is_whole(std::string_view text) {
+  int open = 0;
+  for (const char c : text) {
+    open += c == '(' ? 1 : c == ')' ? -1 : 0;
+    if (open < 0) return false;
+  }
+  return open == 0;
+}
+
 /// Whether `text` is the sentence from `part` on; places get the least that lets the rest fit.
 bool fits(const Sentence& sentence, std::size_t part, std::string_view text, Places& places) {
   if (part == sentence.size()) return text.empty();
   const Part& now = sentence[part];
   if (now.kind == Part::Kind::words)
     return text.starts_with(now.text) && fits(sentence, part + 1, text.substr(now.text.size()), places);
+  const bool in_brackets = part > 0 && sentence[part - 1].text.ends_with('(');
   const auto takes = [&](std::size_t length) {
     const std::string_view taken = text.substr(0, length);
     if (taken.empty() || (now.kind == Part::Kind::number && !is_number(taken))) return false;
+    if ((now.kind == Part::Kind::sentence || in_brackets) && !is_whole(taken)) return false;
     places[now.text] = taken;
     return true;
   };
@@ -206,6 +218,22 @@ std::optional<std::string> Catalogue::sentence(std::string_view english, int dep
   return std::nullopt;
 }
 
+std::optional<std::string> Catalogue::list(std::string_view english, int depth) const {
+  constexpr std::size_t of_its_own = 3;  // "bow: {~why}", and not "{what}: {~why}", which is anything
+  std::string text;
+  for (std::size_t begin = 0; begin <= english.size();) {
+    const std::size_t end = std::min(english.find("; ", begin), english.size());
+    if (begin == 0 && end == english.size()) return std::nullopt;
+    const std::string_view part = english.substr(begin, end - begin);
+    auto said = whole(std::string(part));
+    if (!said) said = filled(part, depth + 1, of_its_own, std::numeric_limits<std::size_t>::max());
+    if (!said) return std::nullopt;
+    text += (begin == 0 ? "" : "; ") + *said;
+    begin = end + 2;
+  }
+  return text;
+}
+
 std::optional<std::string> Catalogue::whole(const std::string& english) const {
   const auto found = whole_.find(english);
   if (found == whole_.end()) return std::nullopt;
@@ -219,6 +247,8 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
   // end.
   if (auto found = whole(std::string(english))) return found;
   if (auto found = paragraph(english, depth)) return found;
+  // "step: 2 of 3 (why); bow: all (why)" is a list before it is one thing that is said of steps.
+  if (auto found = list(english, depth)) return found;
   if (auto found = single(english, depth)) return found;
   return filled(english, depth, 0, kWeak);
 }
@@ -247,6 +277,16 @@ std::optional<std::string> Catalogue::single(std::string_view english, int depth
   return clause ? std::optional(*clause + ".") : std::nullopt;
 }
 
+std::string Catalogue::taken_as(std::string_view taken) const {
+  // "F01-K1, F01-K2 and 43 more", as lists of names are cut.
+  constexpr std::string_view before = " and ", after = " more";
+  const std::size_t at = taken.rfind(before);
+  if (!taken.ends_with(after) || at == std::string_view::npos) return std::string(taken);
+  const std::string_view count = taken.substr(at + before.size(), taken.size() - after.size() - at - before.size());
+  const auto other = is_number(count) ? find("and " + std::string(count) + " more", 0) : std::nullopt;
+  return std::string(taken.substr(0, at)) + (other ? " " + *other : std::string(taken.substr(at)));
+}
+
 std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
                                              std::size_t most) const {
   std::vector<std::size_t> candidates = without_word_;
@@ -265,7 +305,7 @@ std::optional<std::string> Catalogue::filled(std::string_view english, int depth
         continue;
       }
       const std::string_view taken = places.at(part.text);
-      text += part.kind == Part::Kind::taken    ? std::string(taken)
+      text += part.kind == Part::Kind::taken    ? taken_as(taken)
               : part.kind == Part::Kind::number ? number(std::string(taken))
                                                 : sentence(taken, depth + 1).value_or(std::string(taken));
     }

@@ -42,6 +42,8 @@ class Catalogue {
 
  private:
   std::optional<std::string> find(std::string_view english, int depth) const;
+  /// As it is, but for the end of a list that was cut.
+  std::string taken_as(std::string_view taken) const;
   /// By a sentence with places that has so many letters of its own.
   std::optional<std::string> filled(std::string_view english, int depth, std::size_t least, std::size_t most) const;
   /// Two sentences or more, each of the catalogue.
@@ -49,6 +51,8 @@ class Catalogue {
   /// One sentence, or a clause of the catalogue with a full stop.
   std::optional<std::string> single(std::string_view english, int depth) const;
   std::optional<std::string> sentence(std::string_view english, int depth) const;
+  /// Two sentences or more with "; " between them, each of the catalogue.
+  std::optional<std::string> list(std::string_view english, int depth) const;
 
   char decimal_sign_;
   std::vector<Entry> entries_;                          ///< those with most letters first

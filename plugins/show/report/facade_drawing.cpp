@@ -41,8 +41,15 @@ double smallest_spacing(std::vector<Spot> spots) {
   return spacing < 1e9 ? spacing : 2.0;
 }
 
+double middle_of(const Elevation& e, const Quad& quad) {
+  double sum = 0;
+  for (const Eigen::Vector3d& corner : quad.corners) sum += e.sight.along(corner);
+  return sum / static_cast<double>(quad.corners.size());
+}
+
 void draw_panels(Markup& svg, const Elevation& e, const FacadeView& view) {
   for (const Quad& quad : view.panels) {
+    if (!e.holds(middle_of(e, quad))) continue;
     std::string points;
     for (const Eigen::Vector3d& corner : quad.corners) {
       const Eigen::Vector2d at = e.drawn(corner);
@@ -55,6 +62,7 @@ void draw_panels(Markup& svg, const Elevation& e, const FacadeView& view) {
 /// Names of panels where their anchors leave room, with the sign of the verdict: the middle often holds a check anchor.
 void name_panels(Markup& svg, const Elevation& e, const FacadeView& view, LabelPlacer& labels) {
   for (const Quad& quad : view.panels) {
+    if (!e.holds(middle_of(e, quad))) continue;
     const char* sign = quad.verdict == ToleranceVerdict::pass        ? "● "
                        : quad.verdict == ToleranceVerdict::undecided ? "▲ "
                        : quad.verdict == ToleranceVerdict::fail      ? "■ "
@@ -115,6 +123,24 @@ constexpr ToleranceVerdict kDrawn[] = {ToleranceVerdict::pass, ToleranceVerdict:
 
 std::string move_to(double x, double y) { return "M" + px(x) + " " + px(y); }
 
+/// As wide as the names need: some 110 px from anchor to anchor, within what a page can show.
+void scale(Elevation& e) {
+  const double span_x = std::max(e.right - e.left, 1.0), span_y = std::max(e.high - e.low, 1.0);
+  const double margin_left = 72, margin_right = 150, margin = 70;
+  e.width = std::clamp(margin_left + margin_right + 110 * span_x / e.spacing, 1040.0, 2400.0);
+  e.pixels_per_metre =
+      std::min((e.width - margin_left - margin_right) / span_x, std::max(900.0, 60 * span_y / e.spacing) / span_y);
+  const double used = e.pixels_per_metre * span_x;
+  const double start = margin_left + 0.5 * (e.width - margin_left - margin_right - used);
+  e.height = e.pixels_per_metre * span_y + 2 * margin;
+  e.x = {e.left, e.left + span_x, start, start + used};
+  e.y = {e.low, e.low + span_y, e.height - margin, margin};
+  // No arrow longer than nine tenths of the way to the next anchor, nor than the margins are wide.
+  const double longest = std::min(0.9 * e.spacing, 60 / e.pixels_per_metre);
+  // Nor is less than a tenth of a millimetre, which nobody measures, drawn as long as what matters.
+  e.exaggeration = round_down(longest / std::max(e.largest, 1e-4));
+}
+
 }  // namespace
 
 Elevation elevation_of(const AccuracyT& accuracy, const FacadeView& view) {
@@ -125,35 +151,43 @@ Elevation elevation_of(const AccuracyT& accuracy, const FacadeView& view) {
   e.sight = view.sight;
   if (e.sight.right.isZero()) e.sight.right = facade_direction(e.spots);
   e.prefixes = common_prefixes(accuracy);
-  double left = 1e300, right = -1e300, low = 1e300, high = -1e300, largest = 0;
+  e.left = e.low = 1e300, e.right = e.high = -1e300;
   const auto reach = [&](const Eigen::Vector3d& p) {
-    left = std::min(left, e.sight.along(p)), right = std::max(right, e.sight.along(p));
-    low = std::min(low, e.sight.up.dot(p)), high = std::max(high, e.sight.up.dot(p));
+    e.left = std::min(e.left, e.sight.along(p)), e.right = std::max(e.right, e.sight.along(p));
+    e.low = std::min(e.low, e.sight.up.dot(p)), e.high = std::max(e.high, e.sight.up.dot(p));
   };
   for (Spot& spot : e.spots) {
     spot.along = e.sight.along(spot.position), spot.height = e.sight.up.dot(spot.position);
     reach(spot.position);
     if (spot.difference.allFinite())
-      largest = std::max(largest, std::hypot(e.sight.right.dot(spot.difference), e.sight.up.dot(spot.difference)));
+      e.largest = std::max(e.largest, std::hypot(e.sight.right.dot(spot.difference), e.sight.up.dot(spot.difference)));
   }
   for (const Quad& quad : view.panels)
     for (const Eigen::Vector3d& corner : quad.corners) reach(corner);
-  const double span_x = std::max(right - left, 1.0), span_y = std::max(high - low, 1.0);
-  // As wide as the names need: some 110 px from anchor to anchor, within what a page can show.
-  const double margin_left = 72, margin_right = 150, margin = 70, spacing = smallest_spacing(e.spots);
-  e.width = std::clamp(margin_left + margin_right + 110 * span_x / spacing, 1040.0, 2400.0);
-  e.pixels_per_metre =
-      std::min((e.width - margin_left - margin_right) / span_x, std::max(900.0, 60 * span_y / spacing) / span_y);
-  const double used = e.pixels_per_metre * span_x;
-  const double start = margin_left + 0.5 * (e.width - margin_left - margin_right - used);
-  e.height = e.pixels_per_metre * span_y + 2 * margin;
-  e.x = {left, left + span_x, start, start + used};
-  e.y = {low, low + span_y, e.height - margin, margin};
-  // No arrow longer than nine tenths of the way to the next anchor, nor than the margins are wide.
-  const double longest = std::min(0.9 * spacing, 60 / e.pixels_per_metre);
-  // Nor is less than a tenth of a millimetre, which nobody measures, drawn as long as what matters.
-  e.exaggeration = round_down(longest / std::max(largest, 1e-4));
+  e.spacing = smallest_spacing(e.spots);
+  scale(e);
   return e;
+}
+
+std::vector<Elevation> stretches_of(const Elevation& whole) {
+  constexpr double most = 10;  // spacings
+  const auto wanted = static_cast<std::size_t>(std::ceil((whole.right - whole.left) / (most * whole.spacing) - 1e-9));
+  // Anchors in pairs are near to one another, but few.
+  const std::size_t n = std::clamp<std::size_t>(wanted, 1, 1 + whole.spots.size() / 6);
+  if (n == 1) return {whole};
+  const double length = (whole.right - whole.left) / static_cast<double>(n);
+  std::vector<Elevation> stretches(n, whole);
+  for (std::size_t k = 0; k < n; ++k) {
+    Elevation& e = stretches[k];
+    e.left = whole.left + static_cast<double>(k) * length, e.right = e.left + length;
+    constexpr double rounding = 1e-6;
+    if (k > 0) e.from = e.left - rounding;
+    if (k + 1 < n) e.to = e.right - rounding;
+    std::erase_if(e.spots, [&](const Spot& spot) { return !e.holds(spot.along); });
+    scale(e);
+  }
+  std::erase_if(stretches, [](const Elevation& e) { return e.spots.empty(); });
+  return stretches;
 }
 
 double scale_deviation(const Elevation& e) { return round_length_down(50 / (e.exaggeration * e.pixels_per_metre)); }

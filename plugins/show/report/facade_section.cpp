@@ -36,12 +36,19 @@ std::string words_of_behind(Behind behind) {
                "show differently, is black.";
 }
 
-void write_elevation(Markup& html, const ReportInput& input, const FacadeView& view, bool many) {
-  const Elevation e = elevation_of(input.accuracy, view);
-  if (e.spots.empty()) return;
+enum class Drawing { named, many, sheet };
+
+void write_elevation(Markup& html, const ReportInput& input, const FacadeView& view, Drawing drawing) {
+  const Elevation whole = elevation_of(input.accuracy, view);
+  if (whole.spots.empty()) return;
+  const bool many = drawing == Drawing::many;
   Scope figure(html, "figure");
   html.element("h3", view.question);
-  const bool behind = many ? draw_many(html, e, view, input) : draw_elevation(html, e, view, input);
+  const auto stretches = drawing == Drawing::sheet ? stretches_of(whole) : std::vector{whole};
+  bool behind = false;
+  for (const Elevation& part : stretches)
+    behind = many ? draw_many(html, part, view, input) : draw_elevation(html, part, view, input);
+  const Elevation& e = stretches.front();
   if (behind && view.behind == Behind::heat) draw_heat_bar(html, heat_range(*input.surfaces));
   const Eigen::Vector3d& right = e.sight.right;
   html.element("figcaption",
@@ -61,7 +68,7 @@ void write_elevation(Markup& html, const ReportInput& input, const FacadeView& v
 void write_floor_elevation(Markup& html, const ReportInput& input, const FacadeT* facade, int floor) {
   FacadeView view = built_view(*input.deviation, facade, false, floor);
   view.question = "Are the anchors in place?";
-  write_elevation(html, input, view, false);
+  write_elevation(html, input, view, Drawing::sheet);
 }
 
 void write_facade(Markup& html, const ReportInput& input) {
@@ -71,18 +78,18 @@ void write_facade(Markup& html, const ReportInput& input) {
   Scope views(html, "div", {{"class", "views"}});
   const FacadeView model = model_view(input.accuracy);
   if (!input.deviation || input.deviation->facades.empty()) {
-    const bool of_many = input.deviation && many(*input.deviation);
-    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false), of_many);
-    return write_elevation(html, input, model, of_many);
+    const Drawing drawing = input.deviation && many(*input.deviation) ? Drawing::many : Drawing::named;
+    if (input.deviation) write_elevation(html, input, built_view(*input.deviation, nullptr, false), drawing);
+    return write_elevation(html, input, model, drawing);
   }
   const DeviationT& deviation = *input.deviation;
-  const bool of_many = many(deviation);
+  const Drawing drawing = many(deviation) ? Drawing::many : Drawing::named;
   for (const auto& facade : deviation.facades) {
-    write_elevation(html, input, built_view(deviation, facade.get(), false), of_many);
-    write_elevation(html, input, built_view(deviation, facade.get(), true), of_many);
-    write_elevation(html, input, only_of(model, *facade, deviation), of_many);
+    write_elevation(html, input, built_view(deviation, facade.get(), false), drawing);
+    write_elevation(html, input, built_view(deviation, facade.get(), true), drawing);
+    write_elevation(html, input, only_of(model, *facade, deviation), drawing);
   }
-  write_elevation(html, input, built_view(deviation, nullptr, false), of_many);
+  write_elevation(html, input, built_view(deviation, nullptr, false), drawing);
 }
 
 }  // namespace plumbline::report

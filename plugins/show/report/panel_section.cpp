@@ -79,7 +79,7 @@ void write_panels(Markup& html, const DeviationT& deviation) {
   if (deviation.panels.empty()) return;
   std::map<const PanelDeviationT*, std::size_t> index;
   for (std::size_t i = 0; i < deviation.panels.size(); ++i) index[deviation.panels[i].get()] = i;
-  Scope part(html, "section", {{"id", "panels"}});
+  Scope part(html, "section", {{"id", "panels"}, {"class", "broad"}});
   html.element("h2", "Panels, first to mend first");
   {
     Scope wide(html, "div", {{"class", "wide"}});

@@ -58,8 +58,8 @@ void table_head(Markup& html, const std::vector<Cell>& labels) {
   }
 }
 
-void folded(Markup& html, const std::string& summary, const std::function<void()>& content) {
-  Scope details(html, "details", {{"open", "open"}, {"class", "fold"}});
+void folded(Markup& html, const std::string& summary, const std::function<void()>& content, const std::string& paper) {
+  Scope details(html, "details", {{"open", "open"}, {"class", paper.empty() ? "fold" : "fold " + paper}});
   html.element("summary", summary);
   content();
 }
@@ -167,7 +167,8 @@ void write_navigation(Markup& html, const ReportInput& input) {
 }
 
 void write_body(Markup& html, const ReportInput& input) {
-  Scope main(html, "main");
+  const bool thousands = input.deviation && many(*input.deviation);
+  Scope main(html, "main", {{"class", thousands ? "many" : "few"}});
   {
     Scope header(html, "header");
     html.element("h1", title_spoken(input.title));
@@ -251,7 +252,8 @@ std::string render_page(const std::string& title, const std::function<void(Marku
 }
 
 std::string render_report(const ReportInput& input) {
-  return render_page(title_spoken(input.title), [&](Markup& html) { write_body(html, input); });
+  const std::string title = title_spoken(input.title) + (input.subtitle.empty() ? "" : ", " + input.subtitle);
+  return render_page(title, [&](Markup& html) { write_body(html, input); });
 }
 
 }  // namespace plumbline::report

@@ -52,7 +52,8 @@ void table_row(Markup& html, const std::vector<Cell>& cells);
 /// Table head; scripts can sort by every column of a table of class "sortable".
 void table_head(Markup& html, const std::vector<Cell>& labels);
 /// A part that is folded on a screen with scripts, and open without them and on paper: nothing is lost in print.
-void folded(Markup& html, const std::string& summary, const std::function<void()>& content);
+void folded(Markup& html, const std::string& summary, const std::function<void()>& content,
+            const std::string& paper = "");
 /// Cell with a verdict; a dash where there is none.
 void verdict_cell(Markup& html, ToleranceVerdict verdict);
 

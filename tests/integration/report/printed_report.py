@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Prints the report of a simulated site with Chromium and looks for every number of the page in the text of the PDF; and
-opens it with and without WebGL.
+"""Prints the report of a simulated site with Chromium and looks for every number of the page in the text of the PDF, for
+the sheets' head and for names that are broken; and opens it with and without WebGL.
 
     printed_report.py PLUMBLINE     exit code 77: Chromium or pdftotext is not here
 """
@@ -19,6 +19,7 @@ nodes:
   site: {use: simulate.campaign, with: {floors: 2, photographs: observed}}
 outputs: {campaign: site.folder}
 """
+SUBTITLE = "simulated facade"
 NUMBER = re.compile(r"[-+]?\d+(?:[.,]\d+)*")
 
 
@@ -64,6 +65,15 @@ def view_once(chromium, page, environment, *options):
     return drawn, "hidden" not in tag(r'<figure id="space"[^>]*>')
 
 
+def on_paper_of(chromium, work, name, environment):
+    """The text of a page of the run, as printed."""
+    subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={work}/profile",
+                    "--no-pdf-header-footer", f"--print-to-pdf={work}/{name}.pdf", f"file://{work}/out/{name}.html"],
+                   check=True, env=environment, stderr=subprocess.DEVNULL)
+    return subprocess.run(["pdftotext", "-layout", str(work / (name + ".pdf")), "-"], check=True, text=True,
+                          capture_output=True).stdout
+
+
 def main():
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not chromium or not shutil.which("pdftotext"):
@@ -76,15 +86,12 @@ def main():
         (work / "site.yaml").write_text(SITE)
         run(sys.argv[1], "run", str(work / "site.yaml"), "--out", str(work / "site"))
         run(sys.argv[1], "run", "site_observations", f"folder={work}/site/campaign", "--out", str(work / "out"))
-        subprocess.run([chromium, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={work}/profile",
-                        "--no-pdf-header-footer", f"--print-to-pdf={work}/report.pdf", f"file://{work}/out/report.html"],
-                       check=True, env=environment, stderr=subprocess.DEVNULL)
-        printed = subprocess.run(["pdftotext", "-layout", str(work / "report.pdf"), "-"], check=True, text=True,
-                                 capture_output=True).stdout
+        printed, sheets = (on_paper_of(chromium, work, name, environment) for name in ("report", "sheets"))
         views = [view_in_space(chromium, work / "out" / "report.html", environment, f"--user-data-dir={work}/{name}", option)
                  for name, option in (("with", "--use-angle=swiftshader"), ("without", "--disable-3d-apis"))]
         page = VisibleText()
         page.feed((work / "out" / "report.html").read_text(encoding="utf-8"))
+        plates = (work / "site/campaign/plates.csv").read_text(encoding="utf-8").splitlines()[1:]
     on_page, on_paper = numbers(" ".join(page.pieces)), numbers(printed)
     missing = {number: (count, on_paper[number]) for number, count in on_page.items() if on_paper[number] < count}
     print(f"{sum(on_page.values())} numbers on the page, {len(missing)} of them less often in the PDF")
@@ -92,6 +99,13 @@ def main():
         print(f"  {number}: {page_count} times on the page, {paper_count} times on paper")
     print(f"view in space (by three.js, any): {views[0]} with WebGL, {views[1]} without")
     wrong = views != [(True, True), (False, True)]
+    for name in sorted({line.split(",")[0] for line in plates}):
+        if "Anchor " + name not in sheets:
+            wrong = True
+            print(f"{name} is not in one piece on the sheets")
+    if SUBTITLE not in printed.splitlines()[0] or not re.search(r"\b1 / \d+\s*$", printed.split("\f")[0]):
+        wrong = True
+        print("no head with the campaign, or no page number: " + printed.splitlines()[0])
     return 1 if wrong or missing or sum(on_page.values()) < 1000 else 0
 
 

@@ -7,7 +7,9 @@
 
 #include "example.hpp"
 #include "geometry/statistics.hpp"
+#include "show/report/facade_drawing.hpp"
 #include "show/report/report.hpp"
+#include "show/report/sections.hpp"
 #include "show/report/sheets_page.hpp"
 #include "show/report/summary.hpp"
 
@@ -133,6 +135,48 @@ TEST(Building, SheetsHoldEverythingOnce) {
   EXPECT_TRUE(contains(html, "No facade that is known"));
   EXPECT_TRUE(contains(html, "@top-left{content:\"Tower \\22 A\\22 \\3b  \\3c \\2f style\\3e "))
       << "nothing of the title ends the style";
+}
+
+/// A floor of 25 anchors is 30 m wide: on one strip across a sheet its names were 0.7 mm high.
+TEST(Building, AWideFloorIsDrawnInStretchesOfOneScale) {
+  FacadeView view;
+  view.sight.right = Eigen::Vector3d::UnitX();
+  for (int i = 0; i < 25; ++i) {
+    Spot spot;
+    spot.id = "F01-C" + std::to_string(i), spot.floor = 1, spot.position = {1.2 * i, 0, 1};
+    spot.difference = {1e-3 * i, 0, 0}, spot.verdict = ToleranceVerdict::pass;
+    view.spots.push_back(spot);
+    const Eigen::Vector3d p = spot.position, x(1.16, 0, 0), z(0, 0, 2.96);
+    if (i < 24) view.panels.push_back({"P" + std::to_string(i), ToleranceVerdict::pass, {p, p + x, p + x + z, p + z}});
+  }
+  const Elevation whole = elevation_of({}, view);
+  const auto stretches = stretches_of(whole);
+  EXPECT_EQ(stretches.size(), 3u);
+  Markup drawings;
+  std::set<std::string> names;
+  for (const Elevation& e : stretches) {
+    EXPECT_LT(e.width, 1400) << "names of 13 px on 182 mm";
+    EXPECT_DOUBLE_EQ(e.exaggeration, stretches[0].exaggeration);
+    EXPECT_NEAR(e.pixels_per_metre, stretches[0].pixels_per_metre, 1e-9);
+    for (const Spot& spot : e.spots) EXPECT_TRUE(names.insert(spot.id).second) << spot.id << " twice";
+    draw_elevation(drawings, e, view, test::example());
+  }
+  EXPECT_EQ(names.size(), view.spots.size());
+  const std::string drawn = drawings.str();
+  EXPECT_EQ(count_of(drawn, "<polygon class=\"quad "), 24) << "every panel in one stretch";
+  for (int i = 0; i < 24; ++i) EXPECT_EQ(count_of(drawn, "\u25cf P" + std::to_string(i) + "<"), 1) << i;
+  EXPECT_EQ(stretches_of(elevation_of({}, built_view(*test::example().deviation, nullptr, false))).size(), 1u);
+}
+
+/// Ten thousand rows are 600 sheets of paper that nobody reads: of each table the first 200, and the page says so.
+TEST(Building, ThousandsOfRowsAreNotPrinted) {
+  ReportInput input = test::example();
+  EXPECT_FALSE(contains(render_report(input), "<main class=\"many\">"));
+  while (!many(*input.deviation))
+    input.deviation->panels.push_back(std::make_unique<PanelDeviationT>(*input.deviation->panels[0]));
+  const std::string html = render_report(input);
+  EXPECT_TRUE(contains(html, "<main class=\"many\">"));
+  EXPECT_TRUE(contains(html, "sheets.html has all, a sheet for each facade and floor"));
 }
 
 }  // namespace

@@ -50,6 +50,19 @@ TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
   EXPECT_EQ(catalogue.find("too low. something else."), std::nullopt) << "nothing half and half";
 }
 
+/// Two quantities of one rule of surfaces: the second stayed English, as the first's place reached to the last bracket.
+TEST(Catalogue, NoPlaceReachesOutOfItsBrackets) {
+  EXPECT_EQ(german().find("flatness(2m): 2 of 3 are not judged: P1, P2 (the first: no face of it was looked at); "
+                          "step: 1 of 2 are not judged: P3 (no face of it was looked at)"),
+            "Ebenheit(2m): 2 von 3 sind nicht beurteilt: P1, P2 (beim ersten: keine Fläche davon wurde betrachtet); "
+            "Versprung: 1 von 2 sind nicht beurteilt: P3 (keine Fläche davon wurde betrachtet)");
+}
+
+TEST(Catalogue, ListsThatWereCutEndInTheOtherLanguage) {
+  EXPECT_EQ(german().find("No photograph at hand shows the marker of F01-K1, F01-K2 and 43 more."),
+            "Kein vorliegendes Foto zeigt die Marke von F01-K1, F01-K2 und 43 weitere.");
+}
+
 TEST(Catalogue, RefusesWithTheLine) {
   const auto error = [](const std::string& text) {
     try {
