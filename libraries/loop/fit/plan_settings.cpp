@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <stdexcept>
 
 #include "base/text/text.hpp"
-#include "loop/fit/settings_program.hpp"
+#include "loop/fit/limit_dual.hpp"
 
 namespace plumbline::loop {
 
@@ -22,6 +23,9 @@ constexpr double kBroken = 1e-5;
 /// but where settings cost next to nothing not by much.
 constexpr double kNear = 0.1;
 constexpr int kForgetful = 20;
+/// Up to so many limits their multipliers are the unknowns: dense, a program of more of them takes longer than the
+/// sparse one of all settings. Few solutions matter less then than few limits.
+constexpr std::size_t kFew = 400;
 /// An excess above this is told [mm].
 constexpr double kTold = 0.01;
 
@@ -38,36 +42,81 @@ std::vector<Limit> limits_of(const Facade& facade, const SettingsProgram& progra
     const JudgedValue& value = fit.judged[v];
     const double half = 0.5 * (value.high - value.low);
     const double guard = std::min(facade.errors.guard_factor * fit.values[v].u, kLargestGuard * half);
-    limits.push_back({-1, -1, static_cast<int>(v), 1e3 * (value.low + guard), 1e3 * (value.high - guard)});
+    limits.push_back({-1, -1, static_cast<int>(v), 1e3 * (value.low + guard), 1e3 * (value.high - guard), value.panel});
   }
   return limits;
 }
 
-/// The optimum; `working` are the limits that it knows at the end, one side each, with their excess in the last
-/// unknowns.
-ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit>& limits, std::vector<Limit>& working,
-                         int& solves) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  std::vector<std::array<bool, 2>> known(limits.size(), {false, false});
-  for (;;) {
-    const ConvexOptimum optimum = minimise(program.with(working));
-    ++solves;
+/// Limits that the solver knows, one side each; which of all there are is chosen anew after each solution.
+class WorkingLimits {
+ public:
+  WorkingLimits(const std::vector<Limit>& all, std::size_t panels)
+      : all_(all), panels_(panels), known_(all.size(), {false, false}) {}
+
+  const std::vector<Limit>& limits() const { return limits_; }
+
+  /// What the solution breaks comes in, of each panel (bracket) only the worst if `worst_alone`; what it keeps by more
+  /// than kNear is forgotten if `forget`. False: nothing is broken that was not known.
+  bool choose(const SettingsProgram& program, const Eigen::VectorXd& x, bool worst_alone, bool forget) {
+    struct Broken {
+      double by = 0;
+      std::size_t limit = 0;
+      int side = 0;
+    };
+    std::map<std::size_t, Broken> worst;
     bool complete = true;
-    std::vector<Limit> next;
-    for (std::size_t i = 0; i < limits.size(); ++i) {
-      const double at = program.at(limits[i], optimum.x);
+    for (std::size_t i = 0; i < all_.size(); ++i) {
+      const double at = program.at(all_[i], x);
       for (const int side : {0, 1}) {
-        const double broken = side == 0 ? limits[i].low - at : at - limits[i].high;
-        complete = complete && (known[i][side] || broken <= kBroken);
-        const bool stays = known[i][side] && (broken > -kNear || solves > kForgetful);
-        known[i][side] = stays || broken > kBroken;
-        if (!known[i][side]) continue;
-        next.push_back(limits[i]);
-        (side == 0 ? next.back().high : next.back().low) = side == 0 ? infinity : -infinity;
+        const double by = side == 0 ? all_[i].low - at : at - all_[i].high;
+        if (known_[i][side]) {
+          known_[i][side] = by > -kNear || !forget;
+        } else if (by > kBroken) {
+          complete = false;
+          known_[i][side] = !worst_alone;
+          Broken& of_panel = worst[panel_of(i)];
+          if (by > of_panel.by) of_panel = {by, i, side};
+        }
       }
     }
-    if (complete) return optimum;
-    working = std::move(next);
+    for (const auto& [panel, broken] : worst) known_[broken.limit][broken.side] = true;
+    if (!complete) gather();
+    return !complete;
+  }
+
+ private:
+  std::size_t panel_of(std::size_t i) const {
+    return all_[i].value < 0 ? panels_ + static_cast<std::size_t>(all_[i].bracket) : all_[i].panel;
+  }
+  void gather() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    limits_.clear();
+    for (std::size_t i = 0; i < all_.size(); ++i)
+      for (const int side : {0, 1}) {
+        if (!known_[i][side]) continue;
+        limits_.push_back(all_[i]);
+        (side == 0 ? limits_.back().high : limits_.back().low) = side == 0 ? infinity : -infinity;
+      }
+  }
+
+  const std::vector<Limit>& all_;
+  std::size_t panels_;
+  std::vector<std::array<bool, 2>> known_;
+  std::vector<Limit> limits_;
+};
+
+/// The optimum; `working` are the limits that it knows at the end, one side each, with their excess in the last
+/// unknowns.
+ConvexOptimum optimum_of(const SettingsProgram& program, const std::vector<Limit>& limits, std::size_t panels,
+                         std::vector<Limit>& working, int& solves) {
+  WorkingLimits chosen(limits, panels);
+  LimitDual dual(program);
+  for (bool few = dual.is_regular();; few = few && chosen.limits().size() <= kFew) {
+    ConvexOptimum optimum = few ? dual.optimum(chosen.limits()) : minimise(program.with(chosen.limits()));
+    ++solves;
+    if (chosen.choose(program, optimum.x, few, solves <= kForgetful)) continue;
+    working = chosen.limits();
+    return optimum;
   }
 }
 
@@ -225,7 +274,7 @@ Fit plan_settings(const Facade& facade, const FitWeights& weights) {
   const std::vector<Limit> limits = limits_of(facade, program, fit);
   note_what_is_missing(facade, fit);
   std::vector<Limit> working;
-  const ConvexOptimum optimum = optimum_of(program, limits, working, fit.solves);
+  const ConvexOptimum optimum = optimum_of(program, limits, facade.panels.size(), working, fit.solves);
   fit.objective = 1e-6 * optimum.value;
   gather_relaxations(facade, program, working, optimum, fit);
   for (std::size_t b = 0; b < facade.brackets.size(); ++b)

@@ -155,7 +155,7 @@ ConvexProgram SettingsProgram::with(const std::vector<Limit>& limits) const {
     const Term& term = term_of(limit);
     for (const auto& [j, a] : term.row) rows.emplace_back(at, static_cast<int>(j), a);
     rows.emplace_back(at, excess, std::isfinite(limit.high) ? -1.0 : 1.0);
-    program.linear[excess] = limit.value >= 0 ? kTolerancePrice : kRangePrice;
+    program.linear[excess] = price_of(limit);
     program.low[at] = limit.low - term.constant, program.high[at] = limit.high - term.constant;
   }
   program.constant = constant_;

@@ -12,6 +12,7 @@ struct Limit {
   int bracket = -1, direction = -1;
   int value = -1;
   double low = 0, high = 0;  ///< [mm]; one of them infinite for with()
+  std::size_t panel = 0;     ///< that the value is judged with
 };
 
 /// Unknowns are the settings that some hook holds; the panels' twists follow from them. Beside them only what a rigid
@@ -19,19 +20,6 @@ struct Limit {
 /// equations, where twists as unknowns need 6000 and 2700.
 class SettingsProgram {
  public:
-  SettingsProgram(const Facade& facade, const std::vector<PanelPose>& poses, const std::vector<JudgedValue>& judged,
-                  const FitWeights& weights);
-
-  /// The program with these limits, each with an unknown of its own, the last ones, that takes up its excess. A limit
-  /// has one side; the other is infinite.
-  ConvexProgram with(const std::vector<Limit>& limits) const;
-  /// What the limit holds at `x` [mm].
-  double at(const Limit& limit, const Eigen::VectorXd& x) const;
-  /// Of a bracket along right, up, out [m].
-  Eigen::Vector3d setting(std::size_t bracket, const Eigen::VectorXd& x) const;
-  bool is_set(std::size_t bracket) const { return is_set_[bracket]; }
-
- private:
   /// A length as a sum over unknowns and a constant [mm].
   struct Term {
     std::vector<std::pair<Eigen::Index, double>> row;
@@ -39,13 +27,28 @@ class SettingsProgram {
     void add(double factor, const Term& other);
     double value(const Eigen::VectorXd& x) const;
   };
+
+  SettingsProgram(const Facade& facade, const std::vector<PanelPose>& poses, const std::vector<JudgedValue>& judged,
+                  const FitWeights& weights);
+
+  /// The program with these limits, each with an unknown of its own, the last ones, that takes up its excess. A limit
+  /// has one side; the other is infinite.
+  ConvexProgram with(const std::vector<Limit>& limits) const;
+  /// What the limit holds.
+  const Term& term_of(const Limit& limit) const;
+  /// The same at `x` [mm].
+  double at(const Limit& limit, const Eigen::VectorXd& x) const;
+  /// Of a bracket along right, up, out [m].
+  Eigen::Vector3d setting(std::size_t bracket, const Eigen::VectorXd& x) const;
+  bool is_set(std::size_t bracket) const { return is_set_[bracket]; }
+
+ private:
   void choose_settings();
   void add_hooks(std::size_t panel);
   void add_equation(const Term& term);
   void add_square(const Term& term, double weight);
   void add_squares(const std::vector<JudgedValue>& judged, const FitWeights& weights);
   Term term_of(std::size_t panel, const Eigen::Matrix<double, 1, 6>& row) const;
-  const Term& term_of(const Limit& limit) const;
 
   const Facade& facade_;
   const std::vector<PanelPose>& poses_;
@@ -61,5 +64,6 @@ class SettingsProgram {
 
 /// Price of a millimetre of excess [mm²/mm]: far above what the squares can gain by it.
 inline constexpr double kRangePrice = 1e4, kTolerancePrice = 1e5;
+inline double price_of(const Limit& limit) { return limit.value >= 0 ? kTolerancePrice : kRangePrice; }
 
 }  // namespace plumbline::loop

@@ -1,6 +1,7 @@
 #include "loop/gate/gate.hpp"
 
 #include <fmt/core.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -193,6 +194,26 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
   return gate;
 }
 
+/// `values`: that are judged of panel j.
+PanelGate judge_panel(const Facade& facade, const Fit& fit, std::size_t j, std::vector<std::size_t> values,
+                      const GateOptions& options) {
+  const auto [obstacle, why_not] = obstacle_of(facade, fit, j);
+  PanelGate gate;
+  if (!values.empty()) gate = judge_region(facade, fit, region_of(facade, fit, std::move(values)), options);
+  gate.obstacle = obstacle;
+  if (obstacle != Obstacle::none) {
+    if (gate.verdict == GateVerdict::go) gate.verdict = GateVerdict::hold;
+    gate.p_repeated = kUnknown;
+    gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
+  }
+  for (const Relaxation& relaxed : fit.relaxations) {
+    if (relaxed.bracket < 0) continue;
+    for (const Hook& hook : facade.panels[j].hooks)
+      if (static_cast<int>(hook.bracket) == relaxed.bracket) gate.reason += "; " + relaxed.words;
+  }
+  return gate;
+}
+
 }  // namespace
 
 std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const GateOptions& options) {
@@ -201,24 +222,9 @@ std::vector<PanelGate> judge_plan(const Facade& facade, const Fit& fit, const Ga
     for (const auto& [panel, row] : fit.judged[v].rows)
       // What hangs is right or wrong by what hangs: a neighbour that cannot hang yet says nothing against it.
       if (!facade.panels[panel].installed || all_hang(facade, fit.judged[v])) values[panel].push_back(v);
-  std::vector<PanelGate> gates;
-  for (std::size_t j = 0; j < facade.panels.size(); ++j) {
-    const auto [obstacle, why_not] = obstacle_of(facade, fit, j);
-    PanelGate gate;
-    if (!values[j].empty()) gate = judge_region(facade, fit, region_of(facade, fit, std::move(values[j])), options);
-    gate.obstacle = obstacle;
-    if (obstacle != Obstacle::none) {
-      if (gate.verdict == GateVerdict::go) gate.verdict = GateVerdict::hold;
-      gate.p_repeated = kUnknown;
-      gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
-    }
-    for (const Relaxation& relaxed : fit.relaxations) {
-      if (relaxed.bracket < 0) continue;
-      for (const Hook& hook : facade.panels[j].hooks)
-        if (static_cast<int>(hook.bracket) == relaxed.bracket) gate.reason += "; " + relaxed.words;
-    }
-    gates.push_back(std::move(gate));
-  }
+  std::vector<PanelGate> gates(facade.panels.size());
+  tbb::parallel_for(std::size_t{0}, gates.size(),
+                    [&](std::size_t j) { gates[j] = judge_panel(facade, fit, j, std::move(values[j]), options); });
   return gates;
 }
 

@@ -1,5 +1,7 @@
 #include "loop/state/machine.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -144,6 +146,17 @@ bool shows_panel(const LoopItemT& item, const ActualT& actual) {
          (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
 }
 
+/// Why the place of a report that is taken does not show that its panel hangs; empty if it does, or there is none.
+std::string no_proof(const LoopItemT& item, const ActualT& actual) {
+  if (item.kind != "panel" || item.seen || !actual.measured.allFinite() || !item.expected.allFinite()) return {};
+  const std::string how = is_echo(actual.measured, item.expected)
+                              ? std::string("is the number that was asked for")
+                              : fmt::format("lies {:.0f} mm from where it should be, {:.0f} mm along an axis show it",
+                                            1e3 * (actual.measured - item.expected).norm(), 1e3 * kPanelReach);
+  return "taken as done, but its place does not show that it hangs: it " + how +
+         "; measure it again, or accept it when somebody has seen it";
+}
+
 /// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
 /// be of the time before it was taken down and hung again.
 bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
@@ -188,9 +201,10 @@ std::string objection(const LoopItemT* item, const ActualT& actual) {
 
 }  // namespace
 
-std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals) {
+std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals, std::vector<std::string>* doubted) {
   std::vector<std::string> refused;
   for (const auto& actual : actuals.items) {
+    const std::string report = "report on " + actual->item + (actual->by.empty() ? "" : " by " + actual->by) + ": ";
     LoopItemT* item = nullptr;
     int named = 0;
     for (auto& candidate : state.items)
@@ -207,7 +221,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       if (named == 1 && contradicts(*item, *actual))
         reject_item(state, *item,
                     {"reported done, then " + actual->outcome + ": look whether it hangs", actual->by, {}, {}});
-      refused.push_back("report on " + actual->item + (actual->by.empty() ? "" : " by " + actual->by) + ": " + why_not);
+      refused.push_back(report + why_not);
       continue;
     }
     const Because because{
@@ -218,6 +232,8 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
       item->seen = item->hangs && shows_panel(*item, *actual);
+      if (const std::string doubt = no_proof(*item, *actual); doubted && !doubt.empty())
+        doubted->push_back(report + doubt);
       item->at = actual->at;  // of the work, not of its release: none is none
     } else {
       move(state, *item, ItemStatus::planned, {actual->outcome + ": " + because.why, actual->by, actual->at, {}});

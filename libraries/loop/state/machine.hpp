@@ -44,8 +44,10 @@ struct MachineOptions {
 /// or with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a
 /// setting far from what was asked for, a place metres away from where the item is (with what would explain it: feet,
 /// millimetres, exchanged axes, another frame), a name of a bracket and a panel. A panel that was reported done and
-/// then failed goes to a person.
-std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals);
+/// then failed goes to a person. `doubted`: panels' reports that are taken, though their place does
+/// not show that it hangs, with why.
+std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
+                                       std::vector<std::string>* doubted = nullptr);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
 /// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them

@@ -15,9 +15,11 @@ void UpdateState::run(Context& context) {
   std::size_t taken = 0, refused = 0;
   if (reports) {
     const ActualsT actuals = reports.unpack();
-    const auto objections = apply_actuals(state, actuals);
+    std::vector<std::string> doubted;
+    const auto objections = apply_actuals(state, actuals, &doubted);
     for (const std::string& line : actuals.refused) context.warn(line);
     for (const std::string& objection : objections) context.warn(objection);
+    for (const std::string& doubt : doubted) context.warn(doubt);
     taken += actuals.items.size() - objections.size(), refused += actuals.refused.size() + objections.size();
   }
   if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");

@@ -157,6 +157,30 @@ TEST(Machine, ReportsThatAreWrongAreNamedAndChangeNothing) {
   EXPECT_EQ(item(state, "b1").status, ItemStatus::released);
 }
 
+/// The panel is done, and nothing has seen it hang: with the place that was given, and what is wrong with it.
+TEST(Machine, APlaceThatDoesNotShowThatAPanelHangsIsTold) {
+  for (const Eigen::Vector3d& off :
+       {Eigen::Vector3d(0.12, 0, 0), Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.003, 0, 0)}) {
+    LoopStateT state;
+    next_plan(state, make_plan("first"), {});
+    apply_actuals(state, done({"b0", "b1"}, 1));
+    next_plan(state, plan_after_setting(0), {});
+    ActualsT report = done({"p0"}, item(state, "p0").revision);
+    report.items[0]->measured = item(state, "p0").expected + off;
+    std::vector<std::string> doubted;
+    EXPECT_TRUE(apply_actuals(state, report, &doubted).empty());
+    EXPECT_EQ(item(state, "p0").status, ItemStatus::executed);
+    const bool shows = off.x() == 0.003;
+    EXPECT_EQ(item(state, "p0").seen, shows);
+    ASSERT_EQ(doubted.size(), shows ? 0u : 1u);
+    if (shows) continue;
+    EXPECT_NE(doubted[0].find(off.x() > 0 ? "it lies 120 mm from where it should be, 50 mm along an axis show it"
+                                          : "it is the number that was asked for"),
+              std::string::npos)
+        << doubted[0];
+  }
+}
+
 TEST(Machine, AReportWhoseNameIsSpeltInAnotherWaySaysWhoseItWouldBe) {
   LoopStateT state;
   next_plan(state, make_plan("first"), {});
