@@ -381,6 +381,23 @@ void fill_rejected_control(const TagBlock& given, TagBlockResult& result) {
   }
 }
 
+/// Names the control that robust_control would leave out, where it stays: a wrong point bends the block and moves its
+/// neighbours' w too, so which it is shows only without it.
+void name_wrong_control(const TagBlock& given, TagBlockOptions options, TagBlockResult& result) {
+  options.robust_control = true;
+  options.withhold.clear();
+  try {
+    const TagBlockResult without = adjust_tag_block(given, options);
+    for (const RejectedControl& rejected : without.rejected_control)
+      result.warnings.push_back(fmt::format(
+          "the control of {} contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} "
+          "mm and is kept; robust_control=true leaves it out",
+          given.plates[rejected.plate].anchor, 1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z()));
+  } catch (const std::runtime_error& error) {
+    result.warnings.emplace_back(error.what());
+  }
+}
+
 }  // namespace
 
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
@@ -441,6 +458,8 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   if (options.weighting == TagBlockOptions::Weighting::lambda) return result;
   test_groups(block, result);
   test_models(options, model, solved.adjusted, result);
+  if (!options.robust_control && worst_control(model, start, solved.adjusted))
+    name_wrong_control(given, options, result);
   return result;
 }
 

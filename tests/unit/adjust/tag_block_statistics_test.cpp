@@ -261,6 +261,26 @@ TEST(Crossval, IsTheAdjustmentWithoutTheGroup) {
   }
 }
 
+/// By default the point stays, and is told; of its neighbours, which it bends, none is.
+TEST(RobustControl, NamesWhatContradictsWhereItIsKept) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 21});
+  const auto named = [&] {
+    std::vector<std::string> found;
+    for (const std::string& warning : block::adjust_tag_block(synthetic.block, plain_options()).warnings)
+      if (warning.find("contradicts the photographs and the other control") != std::string::npos)
+        found.push_back(warning);
+    return found;
+  };
+  EXPECT_TRUE(named().empty());
+  synthetic.block.control.position(3 * 5 + 2) += 0.05;
+  const auto warnings = named();
+  ASSERT_EQ(warnings.size(), 1u);
+  const std::string anchor = synthetic.block.plates[synthetic.block.control.plates[5]].anchor;
+  EXPECT_THAT(warnings[0], HasSubstr("the control of " + anchor + " contradicts"));
+  EXPECT_THAT(warnings[0], HasSubstr("is kept; robust_control=true leaves it out"));
+  EXPECT_TRUE(block::adjust_tag_block(synthetic.block, plain_options()).rejected_control.empty());
+}
+
 TEST(RobustControl, RefusesASurveyOfWhichHalfIsWrong) {
   auto synthetic = test::make_block({.floors = 1, .stations = 3, .seed = 22});
   test::Random random(3);
