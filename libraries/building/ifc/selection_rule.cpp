@@ -38,8 +38,13 @@ LengthRule parse_lengths(const std::string& text, const std::string& example) {
     const std::string_view written = trim(part);
     const std::size_t equals = std::min(written.find('='), written.size());
     const std::string_view number = trim(written.substr(std::min(equals + 1, written.size())));
-    rule.lengths.push_back(
-        {std::string(trim(written.substr(0, equals))), length_with_unit(number), std::string(written)});
+    std::string name(trim(written.substr(0, equals)));
+    // Whichever were taken, the other would be dropped.
+    for (const NamedLength& before : rule.lengths)
+      if (before.name == name)
+        throw std::runtime_error("'" + text + "': found '" + before.text + "' and '" + std::string(written) +
+                                 "', expected each name once");
+    rule.lengths.push_back({std::move(name), length_with_unit(number), std::string(written)});
   }
   return rule;
 }
