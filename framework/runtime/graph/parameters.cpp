@@ -99,7 +99,10 @@ class Checker {
   }
 
   std::string path(const Scalar& value, bool folder) {
-    if (value.text.empty()) return "";  // "no file", where the declaration allows it as its default
+    if (value.text.empty()) {  // "no file", where it need not be given
+      if (!param_.default_text) refuse(value, folder ? "a folder" : "a file");
+      return "";
+    }
     if (names_program(param_) && value.text.find('/') == std::string::npos) {
       const std::string program = find_program(value.text);
       if (program == value.text) refuse(value, "a program on PATH, or the path of one");

@@ -35,6 +35,7 @@
 #include "show/report/summary.hpp"
 #include "show/report/surface_page_node.hpp"
 #include "show/report/survey_page_node.hpp"
+#include "show/report/words_node.hpp"
 
 namespace plumbline::report {
 
@@ -230,4 +231,4 @@ PLUMBLINE_PLUGIN("report", PLUMBLINE_BUILD_ID, "MIT", plumbline::report::ReportH
                  plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
                  plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
                  plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets,
-                 plumbline::report::ReportPhotographs)
+                 plumbline::report::ReportPhotographs, plumbline::report::ReportWords)

@@ -59,6 +59,15 @@ for more in (["language=de"], ["language=de", "units=in"], ["units=in"]):
         result = terminal.result_of(on_terminal([*tower[:-1], "spoken", *more], columns, 24))
         expect(not terminal.too_large(result, columns, 24), f"{' '.join(more)} at {columns} columns: {terminal.too_large(result, columns, 24)}")
         expect(len(result) > 15, f"{' '.join(more)}: no result: {result}")
+# A survey in German, to its last line; a file that is left empty is asked for by the name of its parameter.
+made = [PROGRAM, "run", str(WORK / "make.yaml"), "--out", "made", "-q"]
+(WORK / "make.yaml").write_text("plumbline: 1\nnodes: {site: {use: simulate.campaign, with: {floors: 1, columns: 2, photographs: observed}}}\noutputs: {site: site.folder}\n")
+subprocess.run(made, cwd=WORK, env=BASE, capture_output=True)
+verdict = " ".join(terminal.result_of(on_terminal(["run", "survey_network", "file=made/site/survey/total_station.gsi", "language=de", "--out", "network"], 80, 24)))
+for words in ("überzählig; Datum:", "Größte Abweichungen", "falsch um", "Am unsichersten bei 95 %: in der Lage"):
+    expect(words in verdict, f"'{words}' is not in the German result of a survey: {verdict}")
+refused = subprocess.run([PROGRAM, "run", "read_survey", "file="], capture_output=True, text=True, cwd=WORK, env=BASE)
+expect(refused.returncode == 2 and "parameter 'file'" in refused.stderr and "takes a file, found ''" in refused.stderr, f"an empty file: {refused.stderr}")
 whole = (WORK / "tower/summary.txt").read_text()
 expect(subprocess.run([PROGRAM, *tower], capture_output=True, text=True, cwd=WORK, env=BASE).stdout.endswith(whole), "a pipe gets less than the summary")
 

@@ -119,8 +119,8 @@ OTHER_ENDS = {
 }
 
 # Lines that call something else than the program: scripts, and programs of the benchmarks, which -DPLUMBLINE_BENCHMARKS=ON builds
-# (scripts/test --long does). PROGRAMS/: where programs are built. Without such a program its line is run by --long only, and held
-# to the words that the program takes (words_of_programs.py), as every line here and every span that names such a program is.
+# (scripts/test does). PROGRAMS/: where programs are built. In a build without such a program its line is held to the words that the program
+# takes (words_of_programs.py), as every line here and every span that names such a program is.
 OTHERS = [
     (r"scripts/(demo|test|setup|package)\b.*", WHERE + "builds this tree: .ci/run and scripts/test"),
     (r"(cmake|ninja|ctest|build/tests/test_survey)\b.*", WHERE + "builds this tree: scripts/setup and scripts/test"),
