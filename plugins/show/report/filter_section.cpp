@@ -18,6 +18,9 @@ PlacedRow::PlacedRow(Markup& html, int floor, const std::string& facade, Toleran
 void write_filter(Markup& html, const DeviationT& deviation) {
   std::set<int> floors;
   for (const auto& floor : deviation.floors) floors.insert(floor->floor);
+  // Thousands of rows are laid out only when they are asked for: without this they are, all of them, before the script
+  // at the end of the page hides them (minutes for 20 000 rows).
+  if (many(deviation)) html.open("script").raw("document.documentElement.classList.add(\"waiting\")").close();
   Scope bar(html, "div", {{"class", "slider filter"}, {"id", "filter"}, {"hidden", "hidden"}});
   html.element("label", {{"for", "filter-name"}}, "Find");
   html.empty("input", {{"id", "filter-name"}, {"type", "search"}, {"placeholder", "anchor or panel"}});

@@ -63,6 +63,7 @@ const lengthText = (length, digits) => decimal(spoken.unit ? (length / 25.4).toF
     filter.addEventListener("input", sift);
     sift();
   }
+  document.documentElement.classList.remove("waiting");  // filter_section.cpp: sift() says which rows are shown now
   for (const table of document.querySelectorAll("table.sortable")) {
     const heads = [...table.tHead.rows[0].cells], body = table.tBodies[0];
     heads.forEach((head, column) => {

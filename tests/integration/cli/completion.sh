@@ -4,7 +4,7 @@ set -euo pipefail
 export PATH=$1:$PATH
 source "$2"
 offers() { COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); COMPREPLY=(); _plumbline || true; printf '%s\n' "${COMPREPLY[@]}"; }
-must() { local wanted=$1; shift; offers "$@" | grep -qxF -- "$wanted" || { echo "'$*' does not offer $wanted, but: $(offers "$@" | tr '\n' ' ')" >&2; exit 1; }; }
+must() { local wanted=$1; shift; offers "$@" | grep -xF -- "$wanted" >/dev/null || { echo "'$*' does not offer $wanted, but: $(offers "$@" | tr '\n' ' ')" >&2; exit 1; }; }
 must campaign plumbline ca
 must site_campaign plumbline run site_c
 must folder= plumbline run site_campaign fol

@@ -64,7 +64,7 @@ readings=$((3 * ($(wc -l < tracker.txt) - 1)))
 cp tracker.txt site/survey/DAY2.TRK   # an instrument's capitals
 
 run run survey_campaign folder=site --out without   # no such plugin: a file of no known kind, which is told and takes no part
-grep "In the folder and not read" said | grep -qF survey/DAY2.TRK
+grep "In the folder and not read" said | grep -F survey/DAY2.TRK > /dev/null
 export PLUMBLINE_PLUGIN_PATH=$work/plugins
 fails run site_observations folder=site --out forgotten
 says "1 survey file (survey/DAY2.TRK) that nothing names"

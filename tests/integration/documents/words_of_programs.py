@@ -69,8 +69,10 @@ def of_build_tools(root, words):
     """ctest, cmake and ninja in this tree: presets, options of ours, names of tests and of programs."""
     line, wrong = " ".join(words), []
     presets = {p["name"] for kind, listed in json.loads((root / "CMakePresets.json").read_text()).items() if kind.endswith("Presets") for p in listed}
-    lists = "".join(file.read_text(encoding="utf-8") for top in ("CMakeLists.txt", "*/CMakeLists.txt", "*/*/**/CMakeLists.txt") for file in root.glob(top)
-                    if not file.relative_to(root).as_posix().startswith("build"))
+    # Not of build folders: other tests make and take away folders there meanwhile.
+    tops = [top for top in root.iterdir() if top.is_dir() and not top.name.startswith(("build", "."))]
+    lists = "".join(file.read_text(encoding="utf-8") for top in [root, *tops]
+                    for file in (top.glob("CMakeLists.txt") if top == root else top.rglob("CMakeLists.txt")))
     tests = lists + "".join(file.read_text(encoding="utf-8") for file in (root / "tests").rglob("*.cpp"))
     wrong += [f"there is no preset {name}" for name in re.findall(r"--preset (\S+)", line) if name not in presets]
     wrong += [f"there is no option {name}" for name in re.findall(r"-D(PLUMBLINE_\w+)", line) if f"option({name} " not in lists]

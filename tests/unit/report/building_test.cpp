@@ -172,10 +172,15 @@ TEST(Building, AWideFloorIsDrawnInStretchesOfOneScale) {
 TEST(Building, ThousandsOfRowsAreNotPrinted) {
   ReportInput input = test::example();
   EXPECT_FALSE(contains(render_report(input), "<main class=\"many\">"));
+  EXPECT_FALSE(contains(render_report(input), "add(\"waiting\")"));
   while (!many(*input.deviation))
     input.deviation->panels.push_back(std::make_unique<PanelDeviationT>(*input.deviation->panels[0]));
   const std::string html = render_report(input);
   EXPECT_TRUE(contains(html, "<main class=\"many\">"));
+  // On a screen the others are not even laid out: said before the tables, taken back by the page's script.
+  EXPECT_LT(html.find("classList.add(\"waiting\")"), html.find("<tr data-floor"));
+  EXPECT_TRUE(contains(html, ".waiting tr[data-floor]:nth-child(n+201){display:none}"));
+  EXPECT_TRUE(contains(html, "classList.remove(\"waiting\")"));
   EXPECT_TRUE(contains(html, "sheets.html has all, a sheet for each facade and floor"));
 }
 
