@@ -46,6 +46,7 @@ class SettingsProgram {
   void choose_settings();
   void add_hooks(std::size_t panel);
   void add_equation(const Term& term);
+  void keep_independent_equations();
   void add_square(const Term& term, double weight);
   void add_squares(const std::vector<JudgedValue>& judged, const FitWeights& weights);
   Term term_of(std::size_t panel, const Eigen::Matrix<double, 1, 6>& row) const;

@@ -293,6 +293,18 @@ TEST(Fit, LimitsThatTakeLargeForcesHaveTheirOptimum) {
   EXPECT_GE(broken, 10);
 }
 
+/// Two panels on the same four brackets (a panel and its sunshade) must both lie flat on them: their equations depend
+/// on each other.
+TEST(Fit, PanelsOnTheSameBracketsHaveTheOptimumOfAllLimits) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    Facade facade = random_facade({2, 2}, seed, 0.008);
+    facade.panels.push_back(facade.panels[0]);
+    facade.panels.back().id = facade.panels.back().name = "sunshade";
+    const double planned = 1e6 * plan_settings(facade).objective;
+    EXPECT_NEAR(planned, minimise(whole_program(facade)).value, 1e-6 * std::abs(planned) + 1e-6) << seed;
+  }
+}
+
 /// Both ways of the solver: many limits are more than the multipliers are taken as unknowns for.
 TEST(Fit, AFacadeOfWhichHundredsOfLimitsHoldHasTheOptimumOfAllOfThem) {
   const Facade facade = random_facade({9, 8}, 3, 0.013);
