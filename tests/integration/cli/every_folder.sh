@@ -30,7 +30,7 @@ POINT
 others=${PLUMBLINE_TEST_DATA:-$3}/blocks/aicon
 [[ -d $others ]] && cp -r "$others" aicon && chmod -R u+w aicon
 
-where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because others' block is not on this machine
+where() {  # the folder and the variables of a pipeline; nothing: it is not tried, because what it takes is not at hand
   case $1 in
     site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | site_survey | check_campaign | survey_campaign) echo site ;;
     site_observations | plan_installation) echo observed ;;
@@ -43,6 +43,7 @@ where() {  # the folder and the variables of a pipeline; nothing: it is not trie
     calibrate_camera) echo "board board=../board.yaml" ;;
     marker_field) echo "board $tags layout=../known/tags.json camera=../known_camera/camera.yaml tag_size=0.0375" ;;
     measure_targets) echo "board places=../clicked.csv" ;;
+    site_survey_scan | site_campaign_scan) ;;  # want a scan of the panels: Building.PanelsScannedLater… has one
     image_block) [[ -d aicon ]] && echo aicon "block.with.free=[]" ;;
     *) echo unknown ;;
   esac

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 #include <sstream>
 
 #include "program.hpp"
@@ -154,6 +156,66 @@ TEST_F(Building, MeasuredByTotalStationAloneIsJudgedLikeEveryOther) {
     EXPECT_TRUE(contains(read_file(result / "report.html"), "measured by total station alone"));
     EXPECT_EQ(contains(read_file(result / "metrics.json"), "\"overall\": \"no_evidence\""), true);
   }
+}
+
+/// Points every 60 mm of what a scanner sees of the panels of this design artifact, 3 mm before their outer faces.
+std::string scanned(const nlohmann::json& design) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> noise(0.003, 0.001);
+  std::ostringstream cloud;
+  cloud.precision(9);
+  for (const auto& element : design.at("elements")) {
+    if (!element.value("is_panel", false) || element.at("class") != "IfcPlate") continue;
+    const std::vector<double> q = element["placement"][0], t = element["placement"][1], low = element["box_low"],
+                              high = element["box_high"];
+    // x to the right as one looks at it and z up: the turn about z alone, and -y is outward.
+    const double turn = 2 * std::atan2(q[3], q[0]), c = std::cos(turn), s = std::sin(turn);
+    for (double u = low[0] + 0.03; u < high[0]; u += 0.06)
+      for (double v = low[2] + 0.03; v < high[2]; v += 0.06) {
+        const double out = low[1] - noise(random);
+        cloud << t[0] + c * u - s * out << ' ' << t[1] + s * u + c * out << ' ' << t[2] + v << '\n';
+      }
+  }
+  return cloud.str();
+}
+
+/// Anchors by total station, panels by a scan that comes later: one judgement, which changes nothing for the anchors,
+/// and of which summary, JUnit, issues and as-built model say the same.
+TEST_F(Building, PanelsScannedLaterAreJudgedWithAnchorsMeasuredByTotalStation) {
+  built("corner");
+  const auto folder = program_.work() / "out-corner1.0" / "campaign";
+  std::filesystem::remove(folder / "observations.csv"), std::filesystem::remove(folder / "camera.yaml");
+  const std::string yaml = read_file(folder / "campaign.yaml");
+  std::ofstream(folder / "campaign.yaml") << without(yaml, {"images", "observations", "camera"});
+  const auto run = [&](const std::string& pipeline, std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", std::string(source_dir()) + "/pipelines/" + pipeline + ".yaml",
+                               "folder=" + folder.string(), "mounting_sigma=0", "epoch=2026-05"});
+    more.insert(more.end(), {"--out", pipeline});
+    return program_(more);
+  };
+  EXPECT_EQ(run("site_survey", {}).code, 0);
+  const Answer shown = program_({"show", "site_survey/run.jsonl:design.design"});
+  ASSERT_EQ(shown.code, 0) << shown.err;
+  const auto design = nlohmann::json::parse(shown.out);
+  program_.write("scan.xyz", scanned(design.contains("value") ? design["value"] : design));
+  const std::vector<std::string> scan = {"scan=scan.xyz", "unit=m", "noise=0.001", "place_sigma=0.0005"};
+  auto judged = scan, too_much = scan;
+  judged.push_back("rule=*: bow=5mm"), too_much.push_back("rule=*: flatness(9m)=5mm");
+  const Answer answer = run("site_survey_scan", judged);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  const auto result = program_.work() / "site_survey_scan";
+  EXPECT_EQ(table(result / "metrics.csv"), table(program_.work() / "site_survey" / "metrics.csv"));
+  const std::string summary = read_file(result / "summary.txt"), tests = read_file(result / "metrics.xml"),
+                    model = read_file(result / "as_built.ifc");
+  EXPECT_TRUE(contains(summary, "surfaces and joints: ")) << summary;
+  EXPECT_TRUE(contains(model, "ASB_PanelSurface"));
+  EXPECT_TRUE(contains(model, "total station and laser scan"));
+  EXPECT_TRUE(contains(tests, "<testsuite name=\"surfaces\"")) << tests;
+  EXPECT_TRUE(contains(read_file(result / "report.html"), "total station and laser scan"));
+  // What nobody can judge is said everywhere, and in the exit code.
+  EXPECT_EQ(run("site_survey_scan", too_much).code, 3);
+  EXPECT_TRUE(contains(read_file(result / "summary.txt"), "NOT JUDGED"));
+  EXPECT_TRUE(contains(read_file(result / "metrics.xml"), "<testsuite name=\"asked_for\""));
 }
 
 }  // namespace
