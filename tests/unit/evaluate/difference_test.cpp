@@ -90,6 +90,31 @@ TEST(DifferenceCovariance, EqualsPropagationWithSurveysApartAndControlInBetween)
   EXPECT_EQ(found, found.transpose());
 }
 
+// A survey of points that know nothing of one another: images correlate all points of the model, but what is left
+// between control and the others is nothing. Each keeps a matrix of its own.
+TEST(DifferenceCovariance, TakesControlAndOthersApartWhereTheSurveyDoes) {
+  test::Normal normal(4);
+  const Eigen::Index points = 9, n = 3 * points;
+  const Eigen::MatrixXd images = random_covariance(normal, n);
+  Eigen::MatrixXd survey = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < points; ++i) survey.block<3, 3>(3 * i, 3 * i) = random_covariance(normal, 3);
+  const auto matches = identity_matches(points);
+  const std::vector<Match> control = {matches[1], matches[4], matches[8]};
+  const std::vector<Eigen::Index> rows = {3, 4, 5, 12, 13, 14, 24, 25, 26};
+  Eigen::MatrixXd normal_matrix = images;
+  normal_matrix(rows, rows) += survey(rows, rows).inverse();
+  const Eigen::MatrixXd model = normal_matrix.inverse();
+  Eigen::MatrixXd by_survey = -Eigen::MatrixXd::Identity(n, n);
+  by_survey(Eigen::all, rows) += model(Eigen::all, rows) * survey(rows, rows).inverse();
+  const Eigen::MatrixXd expected = model * images * model + by_survey * survey * by_survey.transpose();
+  PointSet m, s;
+  m.covariance = model, s.covariance = survey;
+  const auto result = difference_covariance(m, s, matches, control);
+  EXPECT_TRUE(result.consistent);
+  EXPECT_EQ(result.matrix.clusters().size(), 2u);
+  EXPECT_LT((result.matrix.dense() - expected).cwiseAbs().maxCoeff(), 1e-9 * expected.cwiseAbs().maxCoeff());
+}
+
 TEST(DifferenceCovariance, ForgivesTheSmallVarianceThatAnAdjustmentAdds) {
   PointSet model, survey;
   survey.covariance = test::isotropic(2, 0.3 * mm);

@@ -312,6 +312,25 @@ TEST(SpectralCoordinates, AreThoseAlongEigenvectors) {
   EXPECT_EQ(chi->degrees_of_freedom, 38);
 }
 
+/// Many points are tested by conjugate gradients on one factor: as a solution by LU, also where one direction is known
+/// hardly worse than what is not tested.
+TEST(Formulas, TheTestOfManyPointsIsThatOfASolution) {
+  test::Normal normal(12);
+  const Eigen::Index n = 303;
+  Eigen::MatrixXd a(n, 6);
+  Eigen::VectorXd d(n);
+  for (double& v : d) v = normal() * mm;
+  for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = normal() * mm;
+  Eigen::MatrixXd s = a * a.transpose() + 0.04 * mm * mm * Eigen::MatrixXd::Identity(n, n);
+  for (const double least : {0.04 * mm * mm, 1.001 * 4e-10}) {
+    s(0, 0) = least, s.row(0).tail(n - 1).setZero(), s.col(0).tail(n - 1).setZero();
+    const double expected = d.dot(s.partialPivLu().solve(d));
+    const auto chi = consistency(d, {s, 1}, 0.95);
+    EXPECT_EQ(chi->degrees_of_freedom, n);
+    EXPECT_NEAR(chi->statistic, expected, 1e-9 * expected);
+  }
+}
+
 TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
   // Six heights with a common part: 600 draws; 95 % of their RMSE must fall into the predicted range, and of their
   // chi-square statistics between the critical values. 3 standard deviations of a binomial of 600: 0.027.
