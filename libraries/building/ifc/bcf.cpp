@@ -166,7 +166,7 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
     if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
   if (options.changes) add_changes(deviation, options, issues);
   BcfFile file(options, deviation.design_file, issues.size());
-  const BcfSurroundings surroundings(deviation);
+  const BcfSurroundings surroundings(deviation, options.elements);
   for (const Issue& issue : issues) {
     stop_point();
     file.add(issue, surroundings);

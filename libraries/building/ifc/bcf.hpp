@@ -17,6 +17,8 @@ struct AsBuiltChangesT;
 
 namespace plumbline::ifc {
 
+struct Element;
+
 struct BcfOptions {
   bool version_3 = false;                    ///< BCF 3.0, else 2.1
   std::string project_guid;                  ///< IFC GlobalId, the name space of the topics' ids
@@ -28,11 +30,14 @@ struct BcfOptions {
   const SurfacesT* surfaces = nullptr;      ///< panels and joints as they were measured; null: no topics of surfaces
   const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null likewise
   const AsBuiltChangesT* changes = nullptr;  ///< since the campaign before: what was mended is closed; null: none
+  /// Of the design: what stands before something, for a view that is free; null: not known.
+  const std::vector<Element>* elements = nullptr;
 };
 
 /// A .bcf (ZIP): one topic for every failing or undecided anchor, panel, surface of a panel and joint, with a viewpoint
 /// that selects and colours it and its solid in the as-built file (camera in metres, project coordinates; panels
-/// between it and the camera are hidden, with their solids) and a snapshot, and one for everything that was asked for
+/// between it and the camera are hidden, with their solids; of a view that is not from before, and of whatever else had
+/// to be hidden, the topic speaks) and a snapshot, and one for everything that was asked for
 /// and not judged. With `changes`, what was open before and is in order has its topic (of the same id) closed, what
 /// opened again says so, and what was open and not measured again stays open. The failing ones come first, and else
 /// they stand in the order of `anchors` and `panels`, which are those of `deviation` as they are to be mended

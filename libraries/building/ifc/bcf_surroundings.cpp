@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace plumbline::ifc {
 namespace {
@@ -46,7 +47,7 @@ std::vector<const T*> BcfSurroundings::Index<T>::near(const Eigen::Vector3d& cen
   return items;
 }
 
-BcfSurroundings::BcfSurroundings(const DeviationT& deviation) {
+BcfSurroundings::BcfSurroundings(const DeviationT& deviation, const std::vector<Element>* elements) {
   for (const auto& anchor : deviation.anchors) anchors_.add(*anchor, anchor->design, 0);
   for (const auto& panel : deviation.panels) {
     if (panel->corners.empty()) continue;
@@ -56,10 +57,20 @@ BcfSurroundings::BcfSurroundings(const DeviationT& deviation) {
     for (const auto& corner : panel->corners) reach = std::max(reach, (corner->design - centre).norm());
     panels_.add(*panel, centre, reach);
   }
+  if (!elements) return;
+  std::set<std::string> wholes;
+  for (const Element& element : *elements)
+    if (element.has_box) wholes.insert(element.parent_guid);
+  for (const Element& element : *elements) {
+    if (!element.has_box || wholes.contains(element.guid)) continue;
+    if (element.ifc_class.starts_with("IfcOpening") || element.ifc_class.starts_with("IfcVirtual")) continue;
+    const Eigen::Vector3d middle = 0.5 * (element.box_low + element.box_high);
+    shapes_.add(element, element.project_from_element * middle, (element.box_high - middle).norm());
+  }
 }
 
 BcfSurroundings::Around BcfSurroundings::around(const Eigen::Vector3d& centre, double radius) const {
-  return {anchors_.near(centre, radius), panels_.near(centre, radius)};
+  return {anchors_.near(centre, radius), panels_.near(centre, radius), shapes_.near(centre, radius)};
 }
 
 }  // namespace plumbline::ifc

@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "base/text/xml_text.hpp"
 #include "building/ifc/as_built_solids.hpp"
+#include "building/ifc/bcf_sight.hpp"
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/ifc_guid.hpp"
 
@@ -64,14 +66,13 @@ std::string components_of(const Element& element, const BcfOptions& options) {
          (solid ? component(as_built_solid_guid(options.project_guid, options.epoch, element.guid)) : "");
 }
 
-/// Of what the issue is about.
-std::string components_of(const BcfIssue& issue, const BcfSurroundings& surroundings, const BcfOptions& options) {
-  const auto around = surroundings.around(issue.centre, 1 + issue.reach);
+/// Of what has this GlobalId.
+std::string components_of(const std::string& guid, const BcfSurroundings::Around& around, const BcfOptions& options) {
   for (const AnchorDeviationT* anchor : around.anchors)
-    if (anchor->guid == issue.guid) return components_of(*anchor, options);
+    if (anchor->guid == guid) return components_of(*anchor, options);
   for (const PanelDeviationT* panel : around.panels)
-    if (panel->guid == issue.guid) return components_of(*panel, options);
-  return component(issue.guid);
+    if (panel->guid == guid) return components_of(*panel, options);
+  return component(guid);
 }
 
 /// The panels that hang between the camera and the issue, and their solids: they are hidden, or nobody would see it.
@@ -152,21 +153,23 @@ std::string extensions(const std::set<std::string>& labels, const BcfOptions& op
          list("TopicLabels", "TopicLabel", labels) + list("Users", "User", users) + "</Extensions>\n";
 }
 
-/// What stands farther before the issue than this is cut away: scaffolds, trees, the other side of a narrow court [m].
-constexpr double kClipped = 1;
-
 std::string clipping_plane(const BcfIssue& issue) {
   const Eigen::Vector3d& out = issue.frame.out;  // points into the half-space that is clipped
-  return "<ClippingPlanes><ClippingPlane>" + vector("Location", issue.centre + std::max(kClipped, issue.reach) * out) +
+  return "<ClippingPlanes><ClippingPlane>" + vector("Location", issue.centre + clipped_beyond(issue) * out) +
          vector("Direction", out) + "</ClippingPlane></ClippingPlanes>";
 }
 
-std::string viewpoint(const BcfIssue& issue, const BcfSurroundings& surroundings, const std::string& view,
-                      const BcfOptions& options) {
+/// `hidden`: what else the view leaves out.
+std::string viewpoint(const BcfIssue& issue, const std::vector<const Element*>& hidden,
+                      const BcfSurroundings& surroundings, const std::string& view, const BcfOptions& options) {
   const Eigen::Vector3d& normal = issue.frame.out;
+  const auto around = surroundings.around(issue.centre, 1 + issue.reach);
   std::string exceptions = panels_before(issue, surroundings, options);
+  for (const Element* element : hidden)
+    if (element->guid.size() == 22 && exceptions.find(component(element->guid)) == std::string::npos)
+      exceptions += components_of(element->guid, around, options);
   if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
-  const std::string own = components_of(issue, surroundings, options);
+  const std::string own = components_of(issue.guid, around, options);
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
   return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + own +
          "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
@@ -195,9 +198,16 @@ void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   const bool seen = issue.reach > 0;
   const std::string view = seen ? uuid_of(options_.project_guid, "bcf view//" + issue.key()) : std::string();
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
-  zip_.add(topic + "/markup.bcf", markup(issue, options_, header_, topic, view, snapshots_, index_++));
+  BcfIssue shown = issue;
+  std::vector<const Element*> hidden;
+  if (seen) {
+    BcfView from = free_view(issue, surroundings);
+    shown.frame = from.frame, hidden = std::move(from.hidden);
+    if (!from.words.empty()) shown.description += (shown.description.empty() ? "" : " ") + from.words;
+  }
+  zip_.add(topic + "/markup.bcf", markup(shown, options_, header_, topic, view, snapshots_, index_++));
   if (!seen) return;
-  zip_.add(topic + "/viewpoint.bcfv", viewpoint(issue, surroundings, view, options_));
+  zip_.add(topic + "/viewpoint.bcfv", viewpoint(shown, hidden, surroundings, view, options_));
   if (snapshots_) zip_.add(topic + "/snapshot.png", snapshot_png(surroundings, issue.centre, issue.reach, issue.frame));
 }
 

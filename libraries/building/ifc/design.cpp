@@ -20,8 +20,9 @@ namespace {
 
 /// GlobalId, OwnerHistory, Name, Description, ObjectType, ObjectPlacement, Representation.
 constexpr std::size_t kArgumentsOfProduct = 7;
-/// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands.
-constexpr std::size_t kOtherShapes = 100;
+/// So many of the elements that nothing is judged by have their shape read: enough to tell where the building stands
+/// and what stands before it.
+constexpr std::size_t kOtherShapes = 1000;
 
 class Reader {
  public:

@@ -185,7 +185,7 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{"bim.write_bcf", "", 5,
+  static constexpr Info info{"bim.write_bcf", "", 6,
                              "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
                              "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
@@ -237,6 +237,8 @@ struct WriteBcf : Node {
     options.surface_judgement = judged.surfaces.get();
     if (judged.surfaces && !surfaces)
       context.warn("the deviation has verdicts of surfaces; connect 'surfaces' too, or they have no topics");
+    const Design designed = from_artifact(design.unpack());
+    options.elements = &designed.elements;
     AsBuiltChangesT since;
     if (changes) since = changes.unpack();
     if (since.compared) options.changes = &since;

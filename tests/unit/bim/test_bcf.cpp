@@ -137,6 +137,96 @@ TEST(Bcf, OfVersion3SaysTheSame) {
   }
 }
 
+/// The camera of the topic of F2-C1 with what stands before it, and what its topic says.
+struct Seen {
+  Eigen::Vector3d camera, direction;
+  std::string view, markup;
+  /// Whether a point on the way from the anchor to the plane that cuts lies in the box, by many steps.
+  bool free(const Eigen::Vector3d& anchor, const Element& box) const {
+    for (int i = 0; i <= 4000; ++i) {
+      const Eigen::Vector3d at = box.project_from_element.inverse() * Eigen::Vector3d(anchor - i / 4000.0 * direction);
+      if ((at.array() > box.box_low.array()).all() && (at.array() < box.box_high.array()).all()) return false;
+    }
+    return true;
+  }
+};
+
+Seen seen(const DeviationT& deviation, BcfOptions options, const std::vector<Element>& elements) {
+  options.elements = &elements;
+  Seen out;
+  for (const auto& [name, content] : unzipped(write_bcf(deviation, judgement::worst_first(deviation), {}, options))) {
+    if (name.ends_with("markup.bcf")) out.markup = content;
+    if (name.ends_with("viewpoint.bcfv")) out.view = content;
+  }
+  const auto vector = [&](const std::string& name) {
+    Eigen::Vector3d v;
+    std::size_t at = out.view.find("<" + name + ">");
+    for (int k = 0; k < 3; ++k) {
+      at = out.view.find(std::string("<") + "XYZ"[k] + ">", at) + 3;
+      v[k] = std::stod(out.view.substr(at));
+    }
+    return v;
+  };
+  out.camera = vector("CameraViewPoint"), out.direction = vector("CameraDirection");
+  return out;
+}
+
+/// A wall before an anchor: it is looked at from beside it. A box around it: that is left out, and the topic says so.
+TEST(Bcf, ACameraStandsWhereNothingOfTheDesignIsInTheWay) {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  Eigen::Vector3d anchor;
+  for (const Element& element : design.elements)
+    if (element.name == "F2-C1") deviations[element.guid] = Eigen::Vector3d(0, 0, 0.02), anchor = element.position;
+  const DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0});
+  BcfOptions options;
+  options.project_guid = design.project_guid;
+  std::vector<Element> elements(1);
+  Element& wall = elements[0];
+  wall.guid = "4avctVUKr0kugbFTf53O9L", wall.ifc_class = "IfcWall", wall.name = "parapet", wall.has_box = true;
+  // Far away it changes nothing.
+  wall.box_low = Eigen::Vector3d(500, 0, 0), wall.box_high = Eigen::Vector3d(501, 1, 1);
+  const Seen before = seen(deviation, options, elements);
+  EXPECT_EQ(before.markup.find("parapet"), std::string::npos);
+  EXPECT_TRUE(before.direction.isApprox(-(before.camera - anchor).normalized(), 1e-4));
+  const auto place = [&](double near, double far, double wide) {  // along the view from before
+    wall.project_from_element = RigidTransform(Eigen::Quaterniond::Identity(), anchor);
+    const Eigen::Vector3d out = -before.direction;
+    ASSERT_NEAR(out.cwiseAbs().maxCoeff(), 1, 1e-6) << "the building stands along the axes";
+    const Eigen::Vector3d side = Eigen::Vector3d::Ones() - out.cwiseAbs();
+    wall.box_low = (near * out).cwiseMin(far * out) - wide * side;
+    wall.box_high = (near * out).cwiseMax(far * out) + wide * side;
+  };
+  place(0.4, 0.6, 0.2);
+  EXPECT_FALSE(before.free(anchor, wall));
+  const Seen beside = seen(deviation, options, elements);
+  EXPECT_TRUE(beside.free(anchor, wall)) << beside.direction.transpose();
+  EXPECT_NEAR((beside.camera - anchor).normalized().dot(-beside.direction), 1, 1e-4);
+  EXPECT_NE(beside.markup.find("Seen from the right: before it stands IfcWall &#39;parapet&#39;."), std::string::npos)
+      << beside.markup;
+  EXPECT_EQ(beside.view.find(wall.guid), std::string::npos) << "it need not be hidden";
+  place(0.0, 0.6, 50);
+  const Seen behind = seen(deviation, options, elements);
+  EXPECT_TRUE(behind.free(anchor, wall));
+  EXPECT_NE(behind.markup.find("Seen from behind"), std::string::npos) << behind.markup;
+  place(-0.6, 0.6, 0.6);
+  const Seen inside = seen(deviation, options, elements);
+  EXPECT_TRUE(inside.direction.isApprox(before.direction, 1e-6));
+  const std::size_t hidden = inside.view.find("<Component IfcGuid=\"" + wall.guid + "\"/>");
+  EXPECT_GT(hidden, inside.view.find("<Exceptions>"));
+  EXPECT_LT(hidden, inside.view.find("</Exceptions>"));
+  EXPECT_NE(inside.markup.find("No view of it is free: this one leaves out IfcWall &#39;parapet&#39;."),
+            std::string::npos)
+      << inside.markup;
+  // An opening is nothing that stands there, and a panel is hidden without a word.
+  wall.ifc_class = "IfcOpeningElement";
+  EXPECT_EQ(seen(deviation, options, elements).view, before.view);
+  wall.ifc_class = "IfcPlate", wall.is_panel = true;
+  const Seen panel = seen(deviation, options, elements);
+  EXPECT_NE(panel.view.find(wall.guid), std::string::npos);
+  EXPECT_EQ(panel.markup, before.markup);
+}
+
 TEST(Bcf, SurfacesThatFailAndJointsHaveTopicsBesideThePanels) {
   const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
   std::map<std::string, Eigen::Vector3d> deviations;
