@@ -137,6 +137,8 @@ bool cut_longest_sentence(std::vector<Shown>& all) {
   return true;
 }
 
+bool is_cut(const Shown& line) { return line.text.ends_with(" …"); }
+
 }  // namespace
 
 std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size_t columns, size_t rows,
@@ -150,6 +152,8 @@ std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size
     size_t sum = 0;
     for (size_t i = 0; i < all.size(); ++i)  // a line for each list that is shortened and has none yet
       sum += all[i].rows + (left_out.count(all[i].list) && ends_list(i) && !says_more(i + 1) ? 1 : 0);
+    // And one that says where what was cut stands whole, unless such a line names the file.
+    if (left_out.empty() && std::ranges::any_of(all, is_cut)) sum += (kMore.size() + file.size()) / columns + 1;
     return sum;
   };
   while (total() >= rows) {  // one row is the next prompt's
@@ -174,6 +178,7 @@ std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size
     else
       texts.push_back(more + ": " + file);
   }
+  if (left_out.empty() && std::ranges::any_of(all, is_cut)) texts.push_back(kMore + file);
   return texts;
 }
 

@@ -45,14 +45,16 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
 }
 
 /// An output named verdict.txt or summary.txt is what a pipeline says to the person in front of it: it is shown too.
-void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out) {
+/// `kept` rows of the screen are for what follows.
+void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out, size_t kept) {
   for (const auto& delivery : deliveries) {
     if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
     std::vector<std::string> lines;
     for (std::string line; std::getline(stream, line);) lines.push_back(runtime::printable(line));
     for (const std::string& line :
-         in_a_screen(lines, terminal_columns(), terminal_rows(), (out / delivery.file).string()))
+         in_a_screen(lines, terminal_columns(), terminal_rows() > kept ? terminal_rows() - kept : terminal_rows(),
+                     (out / delivery.file).string()))
       std::printf("%s\n", paint_verdict(line).c_str());
   }
 }
@@ -63,7 +65,7 @@ std::string metrics_text(const runtime::NodeResult& node) {
   size_t shown = 0;
   for (const auto& metric : node.metrics) {
     if (metric.name == "invalid" && !(metric.value > 0)) continue;
-    if (shown++ == most) return text + ", ...";
+    if (shown++ == most) return text + ", more in run.jsonl";
     // Lengths below a decimetre are of the kind that people read in millimetres; counts are shown whole.
     const bool small = metric.unit == "m" && std::abs(metric.value) < 0.1;
     const double value = small ? 1e3 * metric.value : metric.value;
@@ -105,12 +107,21 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
   if (!rows.empty()) std::printf("Result\n%s", columns(rows).c_str());
 }
 
-/// A node that has a result which must not be used says so with the metric `invalid`.
-bool is_invalid(const runtime::RunResult& result) {
-  for (const auto& node : result.nodes)
-    for (const auto& metric : node.metrics)
-      if (metric.name == "invalid" && metric.value > 0) return true;
-  return false;
+/// The nodes that have a result which must not be used: they say so with the metric `invalid`.
+std::string invalid_nodes(const runtime::Graph& graph, const runtime::RunResult& result) {
+  std::string names;
+  for (size_t i = 0; i < result.nodes.size(); ++i)
+    for (const auto& metric : result.nodes[i].metrics)
+      if (metric.name == "invalid" && metric.value > 0)
+        names += (names.empty() ? "'" : ", '") + graph.nodes[i].name + "'";
+  return names;
+}
+
+/// The last line of a run that is done and must not be used as it is.
+void print_invalid(const std::string& nodes) {
+  if (nodes.empty()) return;
+  std::fprintf(stderr, "%s as it is (exit code 3): see the warnings of %s\n",
+               paint_error(Colour::red, "NOT TO BE USED").c_str(), nodes.c_str());
 }
 
 /// The last lines of a run that failed: what failed, why, what follows from it in one line, and what to do.
@@ -298,10 +309,11 @@ int run(const Options& options) {
     delivered = delivered && delivery.problem.empty();
     lost |= !delivery.problem.empty() && is_good(result.nodes[graph.outputs[i].from.node]);
   }
+  const std::string invalid = invalid_nodes(graph, result);
   if (options.json)
     print_json_end(out);
   else if (!options.quiet)
-    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out),
+    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out, invalid.empty() ? 0 : 2),
         print_result(graph, result, deliveries);
   std::fflush(stdout);
   print_failure(graph, result, deliveries);
@@ -311,7 +323,8 @@ int run(const Options& options) {
     return 130;
   }
   if (!result.ok() || !delivered) return result.not_converged() && !lost ? 4 : 1;
-  return is_invalid(result) || unfinished ? 3 : 0;
+  print_invalid(invalid);
+  return !invalid.empty() || unfinished ? 3 : 0;
 }
 
 }  // namespace plumbline::cli

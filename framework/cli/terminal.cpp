@@ -69,21 +69,43 @@ std::string paint_error(Colour colour, const std::string& text) {
 }
 
 std::string paint_verdict(const std::string& line) {
-  static const std::pair<const char*, Colour> words[] = {
-      {"NOT TO BE TRUSTED", Colour::red}, {"NOT JUDGED", Colour::yellow}, {"FAIL", Colour::red},
-      {"undecided", Colour::yellow},      {"pass", Colour::green},        {"Set aside", Colour::yellow},
-      {"Note:", Colour::yellow},          {"Warning:", Colour::yellow}};
+  static const std::pair<const char*, Colour> words[] = {{"NOT TO BE TRUSTED", Colour::red},
+                                                         {"NOT JUDGED", Colour::yellow},
+                                                         {"FAIL", Colour::red},
+                                                         {"NICHT VERTRAUENSWÜRDIG", Colour::red},
+                                                         {"NICHT BEURTEILT", Colour::yellow},
+                                                         {"AUSSERHALB", Colour::red},
+                                                         {"keine Freigabe", Colour::red},
+                                                         {"Set aside", Colour::yellow},
+                                                         {"Note:", Colour::yellow},
+                                                         {"Warning:", Colour::yellow},
+                                                         {"Hinweis:", Colour::yellow},
+                                                         {"Warnung:", Colour::yellow}};
+  // Of these only a cell of a table is a verdict, or what follows a colon: "2 pass" may be two of many.
+  static const std::pair<const char*, Colour> cells[] = {
+      {"pass", Colour::green},           {"undecided", Colour::yellow}, {"in Ordnung", Colour::green},
+      {"unentschieden", Colour::yellow}, {"Freigabe", Colour::green},   {"nicht entschieden", Colour::yellow}};
   if (!colours()) return line;
   const auto is_letter = [&](size_t at) {
     return at < line.size() && std::isalnum(static_cast<unsigned char>(line[at]));
   };
+  const auto stands = [&](std::string_view name, size_t at) {
+    return line.compare(at, name.size(), name) == 0 && !(at > 0 && is_letter(at - 1)) && !is_letter(at + name.size());
+  };
+  const auto is_cell = [&](std::string_view name, size_t at) {
+    const size_t end = at + name.size();
+    return at > 1 && line[at - 1] == ' ' && (line[at - 2] == ' ' || line[at - 2] == ':') &&
+           (line.starts_with("  ") || end == line.size() || line[end] == '.' || line.compare(end, 2, "  ") == 0);
+  };
   std::string text;
   for (size_t at = 0; at < line.size();) {
-    const auto found = std::find_if(std::begin(words), std::end(words), [&](const auto& word) {
-      const std::string_view name = word.first;
-      return line.compare(at, name.size(), name) == 0 && !(at > 0 && is_letter(at - 1)) && !is_letter(at + name.size());
-    });
+    const auto* found = std::ranges::find_if(words, [&](const auto& word) { return stands(word.first, at); });
     if (found == std::end(words)) {
+      found = std::ranges::find_if(cells,
+                                   [&](const auto& word) { return stands(word.first, at) && is_cell(word.first, at); });
+      if (found == std::end(cells)) found = nullptr;
+    }
+    if (!found) {
       text += line[at++];
     } else {
       text += paint(found->second, found->first);

@@ -61,8 +61,9 @@ std::vector<std::string> told_once(const std::vector<std::string>& texts) {
     }
     std::string names;
     for (const std::string& name : alike.names) names += (names.empty() ? ": " : ", ") + name;
-    if (!names.empty() && alike.names.size() + 1 < alike.number) names += ", ...";
-    lines.push_back(without_item(text) + " [and " + std::to_string(alike.number - 1) + " more like this" + names + "]");
+    if (!names.empty() && alike.names.size() + 1 < alike.number) names += ", others";
+    lines.push_back(without_item(text) + " [and " + std::to_string(alike.number - 1) + " more like this" + names +
+                    "; run.jsonl has each]");
     alike.number = 0;
   }
   return lines;

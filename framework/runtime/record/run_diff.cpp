@@ -3,10 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "artifacts/file.hpp"
+#include "artifacts/folder.hpp"
+#include "runtime/base/digest.hpp"
 #include "runtime/base/json_text.hpp"
 #include "runtime/record/deliver.hpp"
 #include "runtime/record/run_record.hpp"
@@ -41,18 +48,121 @@ Json negative(Json json) {
   return json;
 }
 
-/// An artifact as JSON. Of a File that holds JSON its content: two of them are compared number by number, not by bytes.
+bool has_numbers(const Json& list, size_t size) {
+  return list.is_array() && list.size() == size &&
+         std::ranges::all_of(list, [](const Json& one) { return one.is_number(); });
+}
+
+/// Structs of artifacts print as arrays; a quaternion gets its names here: the first array of a Rigid, [[w, x, y, z],
+/// [x, y, z]], which is like no other, and four numbers under a key that says rotation. Of anything else nothing.
+Json with_named_rotation(const Json& json, const std::string& path) {
+  const bool rigid = json.is_array() && json.size() == 2 && has_numbers(json[0], 4) && has_numbers(json[1], 3);
+  if (!rigid && !(has_numbers(json, 4) && path.ends_with("rotation"))) return {};
+  Json rotation;
+  for (size_t i = 0; i < 4; ++i) rotation[quaternion_keys[i]] = (rigid ? json[0] : json)[i];
+  return rigid ? Json{{"rotation", rotation}, {"translation", json[1]}} : rotation;
+}
+
+/// "before -> now" of texts of many lines, such as what a whole pipeline does: the lines that the other has not.
+std::string changed_lines(const std::string& before, const std::string& now) {
+  const auto lines_of = [](const std::string& text) {
+    std::set<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) lines.insert(line);
+    return lines;
+  };
+  const auto only_in = [](const std::set<std::string>& lines, const std::set<std::string>& others) {
+    std::string text;
+    for (const std::string& line : lines)
+      if (!others.count(line)) text += (text.empty() ? "" : " | ") + line;
+    return text.empty() ? std::string("(nothing)") : text;
+  };
+  const auto old = lines_of(before), current = lines_of(now);
+  return only_in(old, current) + " -> " + only_in(current, old);
+}
+
+/// What explains that two nodes gave other results. Another kind is another binary with other libraries, as a matter of
+/// course.
+std::vector<std::string> explained(const RecordedNode& a, const RecordedNode& b) {
+  std::vector<std::string> lines;
+  KeyFields before = a.fields, now = b.fields;
+  for (const auto& [name, value] : a.fields) {
+    const auto other = now.find(name);
+    if (other == now.end() || value == other->second || (value + other->second).find('\n') == std::string::npos)
+      continue;
+    lines.push_back(name + ": " + changed_lines(value, other->second));
+    before.erase(name);
+    now.erase(other);
+  }
+  for (const std::string& line : compare(before, now))
+    if (!line.starts_with("kind:") &&
+        (a.kind == b.kind || !(line.starts_with("library ") || line.starts_with("plugin "))))
+      lines.push_back(line);
+  return lines;
+}
+
+/// A line of text as its words and its numbers with a decimal point, which may differ within a tolerance.
+Json line_of(const std::string& line) {
+  const auto digit = [&](size_t at) { return at < line.size() && line[at] >= '0' && line[at] <= '9'; };
+  Json parts = Json::array();
+  size_t rest = 0;
+  for (size_t point = line.find('.'); point != std::string::npos; point = line.find('.', point + 1)) {
+    if (point <= rest || !digit(point - 1) || !digit(point + 1)) continue;
+    size_t begin = point, end = point + 1;
+    while (begin > rest && digit(begin - 1)) --begin;
+    if (begin > rest && (line[begin - 1] == '-' || line[begin - 1] == '+')) --begin;
+    while (digit(end)) ++end;
+    if (end < line.size() && (line[end] == 'e' || line[end] == 'E')) {
+      const size_t power = end + 1 + (end + 1 < line.size() && (line[end + 1] == '-' || line[end + 1] == '+'));
+      if (digit(power)) end = power;
+      while (digit(end)) ++end;
+    }
+    parts.push_back(line.substr(rest, begin - rest));
+    parts.push_back(std::strtod(line.substr(begin, end - begin).c_str(), nullptr));
+    rest = end;
+    point = end - 1;
+  }
+  if (parts.empty()) return line;
+  if (rest < line.size()) parts.push_back(line.substr(rest));
+  return parts;
+}
+
+/// What a file holds, as it is compared: JSON by its numbers, text by its lines, anything else by its bytes.
+Json inside_of(const std::string& name, std::string_view bytes) {
+  if (name.ends_with(".json"))
+    if (Json inside = Json::parse(bytes, nullptr, false); !inside.is_discarded()) return inside;
+  if (bytes.find('\0') != std::string_view::npos)
+    return std::to_string(bytes.size()) + " bytes, SHA-256 " + sha256_of(bytes.data(), bytes.size()).substr(0, 12);
+  Json lines = Json::array({nullptr});  // lines count from 1
+  for (size_t begin = 0; begin < bytes.size();) {
+    const size_t end = std::min(bytes.find('\n', begin), bytes.size());
+    lines.push_back(line_of(std::string(bytes.substr(begin, end - begin))));
+    begin = end + 1;
+  }
+  return {{"line", std::move(lines)}, {"ends", bytes.ends_with('\n') ? "in a line feed" : "without a line feed"}};
+}
+
+/// An artifact as JSON; of a File what it holds, of a Folder its files, not where they lie.
 Json content_of(Store& store, const plumbline_type& type, const std::string& hash) {
   Json json = Json::parse(blob_to_json(store, type, hash));
+  if (type.name == std::string(artifact_traits<Folder>::name)) json.erase("uri");  // each file has its own hash
   if (type.name != std::string(artifact_traits<File>::name)) return json;
+  constexpr uintmax_t most = 64u << 20;
   const Blob blob = store.get(hash);
   const File* file = flatbuffers::GetRoot<File>(blob.bytes().data);
-  if (!file->content() || !file->name()->str().ends_with(".json")) return json;
-  const Json inside = Json::parse(file->content()->begin(), file->content()->end(), nullptr, false);
-  if (inside.is_discarded()) return json;
-  json["content"] = inside;
+  const std::string name = file->name()->str();
+  if (file->uri() && file->uri()->size() > 0) {
+    json.erase("uri");
+    const std::filesystem::path path = store.resolve(file->uri()->str());
+    std::error_code error;
+    if (const auto size = std::filesystem::file_size(path, error); error || size > most) return json;  // sha256 tells
+    std::ifstream stream(path, std::ios::binary);
+    json["content"] = inside_of(name, std::string(std::istreambuf_iterator<char>(stream), {}));
+  } else {
+    const auto* content = file->content();
+    json["content"] = inside_of(name, {reinterpret_cast<const char*>(content->data()), content->size()});
+  }
   json.erase("sha256");  // of the bytes
-  json.erase("size");
   return json;
 }
 
@@ -82,6 +192,9 @@ struct Comparison {
       }
       for (const auto& [key, value] : b.items())
         if (!a.contains(key)) differ(path + "." + key + " is only in the second");
+    } else if (const Json x = with_named_rotation(a, path), y = with_named_rotation(b, path);
+               x.is_object() && y.is_object()) {
+      compare(x, y, path);
     } else if (a.is_array() && b.is_array()) {
       if (a.size() != b.size())
         differ(path + " has " + std::to_string(a.size()) + " and " + std::to_string(b.size()) + " items");
@@ -104,6 +217,7 @@ class Comparer {
 
   NodeDifference compare(const RecordedNode& a, const RecordedNode& b) {
     NodeDifference difference{label_of(a.name, a.round), {}, true};
+    const std::vector<std::string> reasons = explained(a, b);
     const auto differ = [&](const std::string& line) {
       difference.lines.push_back(line);
       difference.within_tolerance = false;
@@ -112,9 +226,7 @@ class Comparer {
     const auto done = [](const std::string& status) { return status == "executed" || status == "reused"; };
     if (done(a.status) != done(b.status) || (!done(a.status) && a.status != b.status))
       differ("status: " + a.status + " -> " + b.status);
-    // What explains a difference is told, but only results count as one.
-    for (const std::string& line : runtime::compare(a.fields, b.fields))
-      if (line.rfind("kind:", 0) != 0) difference.lines.push_back(line);
+    difference.lines.insert(difference.lines.end(), reasons.begin(), reasons.end());  // only results count
     compare_metrics(a, b, difference);
     for (const auto& [port, hashes] : a.outputs) {
       const auto other = b.outputs.find(port);
@@ -142,8 +254,9 @@ class Comparer {
       const double x = a.metrics[i].value, y = b.metrics[i].value;
       if (x == y || (std::isnan(x) && std::isnan(y))) continue;
       const double relative = std::abs(x - y) / std::max(std::abs(x), std::abs(y));
-      difference.lines.push_back("metric " + a.metrics[i].name + ": " + number_text(x) + " -> " + number_text(y) + " " +
-                                 a.metrics[i].unit);
+      const std::string unit = a.metrics[i].unit == "1" ? "" : " " + a.metrics[i].unit;
+      difference.lines.push_back("metric " + a.metrics[i].name + ": " + number_text(x) + " -> " + number_text(y) +
+                                 unit + (std::isnan(relative) ? "" : ", by " + size_text(relative) + " of its size"));
       if (a.metrics[i].name != b.metrics[i].name || !(relative <= tolerance_)) difference.within_tolerance = false;
     }
   }

@@ -60,6 +60,9 @@ struct ReadCampaign : Node {
   Out<Points> control{"control", frame("frame=building"), "the control points as given"};
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Param<std::string> takes{"takes", "any", one_of("any", "photographs", "observations"),
+                           "refuse a folder that has the other at once: what comes after it could only say that "
+                           "there are no images"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
   Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
@@ -73,6 +76,7 @@ struct ReadCampaign : Node {
     const auto attempt = [&](bool there, const auto& action) {
       if (there) site.problems.attempt(action);
     };
+    attempt(*takes != "any", [&] { require_what_is_taken(description); });
 
     std::optional<campaign::CampaignCameras> cameras;
     std::vector<campaign::PlateEntry> entries;
@@ -108,6 +112,17 @@ struct ReadCampaign : Node {
   }
 
  private:
+  void require_what_is_taken(const campaign::CampaignDescription& description) const {
+    if (*takes == "observations" && description.observations.empty() && !description.images.empty())
+      throw BadInput(
+          "campaign.yaml names photographs, and no table of tags that were measured already ('observations'), which "
+          "this pipeline is for; photographs: plumbline run site_campaign folder=FOLDER");
+    if (*takes == "photographs" && description.images.empty() && !description.observations.empty())
+      throw BadInput(
+          "campaign.yaml names tags that were measured already ('observations'), and no photographs, which this "
+          "pipeline is for; measured tags: plumbline run site_observations folder=FOLDER");
+  }
+
   /// Returns the number of images.
   std::size_t commit_observations(const std::vector<campaign::ObservedTag>& tags,
                                   const campaign::CampaignCameras& cameras) {

@@ -49,6 +49,13 @@ where() {  # the folder and the variables of a pipeline; nothing: it is not trie
   esac
 }
 missing=0 tried=0
+# A folder of the other kind is refused before anything is searched, with the pipeline that takes it.
+refused() {  # PIPELINE FOLDER THE_OTHER
+  plumbline run "$1" folder="$2" --out refused < /dev/null > said 2>&1
+  grep -q "plumbline run $3 folder=FOLDER" said && ! grep -q "(detect.apriltag)  *[0-9]" said || { echo "$1 folder=$2:"; tail -5 said; missing=1; }
+}
+refused site_observations site site_campaign
+refused site_campaign observed site_observations
 for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import json, sys; print(*[p["name"] for p in json.load(sys.stdin)])'); do
   # no pipe: with pipefail a grep that ends early would make this pass a pipeline over
   described=$(plumbline describe "$pipeline" --json) || { echo "$pipeline cannot be described"; missing=1; continue; }

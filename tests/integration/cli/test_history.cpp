@@ -129,6 +129,32 @@ TEST(History, DiffKnowsJsonAndRotations) {
   EXPECT_EQ(code_of("{no json", "{no json ").code, 1);
 }
 
+/// Artifacts have rotations as structs, and deliverables are text with numbers in it.
+TEST(History, DiffKnowsRotationsOfArtifactsAndNumbersInText) {
+  const Program plumbline;
+  plumbline.write("q.yaml",
+                  "plumbline: 1\nvars: {angle: 1, other: false}\nnodes:\n"
+                  "  q: {use: story.turn, with: {angle: \"${angle}\", other: \"${other}\"}}\n");
+  plumbline.write("t.yaml", "plumbline: 1\nvars: {t: ~}\nnodes:\n  t: {use: story.text, with: {text: \"${t}\"}}\n");
+  const auto between = [&](const char* file, std::vector<std::string> a, std::vector<std::string> b) {
+    for (auto* words : {&a, &b}) {
+      words->insert(words->begin(), {"run", file});
+      words->insert(words->end(), {"--out", words == &a ? "a" : "b", "-q"});
+      EXPECT_EQ(plumbline(*words).code, 0);
+    }
+    return plumbline({"diff", "a", "b", "--tolerance", "1e-9"});
+  };
+  Answer answer = between("q.yaml", {}, {"other=true"});
+  EXPECT_EQ(answer.code, 0) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "other bytes, the same content")) << answer.out;
+  EXPECT_EQ(between("q.yaml", {}, {"angle=1.001", "other=true"}).code, 1);
+  EXPECT_EQ(between("t.yaml", {"t=F01;1.25 mm"}, {"t=F01;1.2500000000001 mm"}).code, 0);
+  answer = between("t.yaml", {"t=F01;1.25 mm"}, {"t=F02;1.25 mm"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "content.line[1]")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "F01;") && contains(answer.out, "F02;")) << answer.out;
+}
+
 /// Every node alone in a fresh process: what is in the store must be what it gives there.
 TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
   const Program plumbline;

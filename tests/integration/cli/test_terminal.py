@@ -41,6 +41,9 @@ expect("\x1b" not in piped.stdout + piped.stderr and "\r" not in piped.stdout, "
 judged = on_terminal(["run", "single_floor", "columns=3", "camera=quick_6mp", "--out", "site"])
 expect(re.search(r"\x1b\[[0-9;]*m[^\x1b]*FAIL", judged), "no FAIL in colour")
 expect("\x1b[" in judged, "a terminal has no colour")
+expect(not re.search(r"\b0 \x1b\[3[0-9]m(pass|undecided)", judged), "a count of none is coloured as a verdict")
+german = on_terminal(["run", "single_floor", "columns=3", "camera=quick_6mp", "language=de", "--out", "site"])
+expect(re.search(r"\x1b\[31m(AUSSERHALB|keine Freigabe)", german), "no AUSSERHALB in colour")
 expect("Took part:" in plain(judged), "the run does not say what took part")
 expect(not re.search(r"about \d+\.\d+ s", plain(judged)), "time left to hundredths of a second")
 

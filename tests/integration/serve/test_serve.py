@@ -225,6 +225,21 @@ class Served(unittest.TestCase):
             self.assertEqual((status, "Allow: GET, HEAD" in head), (405, True), method)
 
     @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed (scripts/setup --tests)")
+    def test_sentences_of_a_result_are_broken_and_tables_are_not(self):
+        out = self.out / "told"
+        out.mkdir()
+        try:
+            start = {"event": "run_start", "time": "2026-01-01T00:00:00Z", "start": 1.0, "pipeline": "p.yaml", "arguments": [], "process": 1}
+            (out / "run.jsonl").write_text(json.dumps(start) + '\n{"event":"run_end","status":"ok","seconds":2.0,"outputs":{}}\n')
+            (out / "next.txt").write_text("Installation: FAIL\nfloor 1     3   pass\nNote: the stated uncertainties are too small\n")
+            dom = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", f"--user-data-dir={self.work}/chromium2",
+                                  "--virtual-time-budget=4000", "--dump-dom", self.address + "#told"], capture_output=True, text=True, timeout=60).stdout
+            self.assertIn('<span class="row">floor 1', dom, dom[-2000:])
+            self.assertIn('<span class="sentence">Note: the', dom)
+        finally:
+            shutil.rmtree(out)
+
+    @unittest.skipUnless(shutil.which("chromium"), "chromium is not installed (scripts/setup --tests)")
     def test_a_browser_shows_the_runs_on_a_desk_and_on_a_telephone(self):
         for size in ("1300,900", "390,800"):
             dom = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", f"--user-data-dir={self.work}/chromium",

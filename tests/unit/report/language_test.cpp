@@ -58,6 +58,17 @@ TEST(Catalogue, NoPlaceReachesOutOfItsBrackets) {
             "Versprung: 1 von 2 sind nicht beurteilt: P3 (keine Fläche davon wurde betrachtet)");
 }
 
+/// The second sentence alone looked like "Measure {anchor}.", and the first stayed English.
+TEST(Catalogue, ANoteOfTwoSentencesIsOne) {
+  EXPECT_TRUE(
+      german()
+          .find("Note: The anchors were measured by total station alone: nothing here is evidence of its accuracy "
+                "but the network's own redundancy. Measure some anchors again from other set-ups, or in "
+                "photographs.")
+          .value_or("")
+          .starts_with("Hinweis: Die Anker"));
+}
+
 TEST(Catalogue, ListsThatWereCutEndInTheOtherLanguage) {
   EXPECT_EQ(german().find("No photograph at hand shows the marker of F01-K1, F01-K2 and 43 more."),
             "Kein vorliegendes Foto zeigt die Marke von F01-K1, F01-K2 und 43 weitere.");

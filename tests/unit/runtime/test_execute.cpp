@@ -76,7 +76,7 @@ TEST(ToldOnce, WarningsThatDifferInNamesAndNumbersAreCounted) {
   ASSERT_EQ(lines.size(), 5u) << "three of a kind are each said";
   EXPECT_EQ(lines[0],
             "folder/IMG 1.jpg: the tags measure 0.51 of their spacing, 0.838 is in b.yaml [and 8 more like this: "
-            "folder/IMG 2.jpg, folder/IMG 3.jpg, folder/IMG 4.jpg, folder/IMG 5.jpg, ...]");
+            "folder/IMG 2.jpg, folder/IMG 3.jpg, folder/IMG 4.jpg, folder/IMG 5.jpg, others; run.jsonl has each]");
   EXPECT_EQ(lines[1].rfind("left out: folder/IMG 1.jpg: is the same file", 0), 0u) << lines[1];
   EXPECT_NE(lines[1].find("[and 8 more like this: folder/IMG 2.jpg"), std::string::npos) << lines[1];
   EXPECT_EQ(lines[2], texts[2]);
