@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 namespace plumbline::ifc {
 namespace {
 
-/// Whether the way from `from` to `to` goes through the box of the element, and not only along it.
-bool goes_through(const Element& element, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-  constexpr double touching = 1e-3;  // [m] an anchor sits on the wall it is fixed to
+constexpr double kTouching = 1e-3;  ///< [m] an anchor sits on the wall it is fixed to
+/// [m] The solid of the as-built file lies around what it stands for, where that was built.
+constexpr double kSolid = 0.03;
+
+/// Whether the way from `from` to `to` goes through the box of the element, smaller by `touching` [m] on each side.
+bool goes_through(const Element& element, double touching, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   const RigidTransform own = element.project_from_element.inverse();
   const Eigen::Vector3d begin = own * from, way = own * to - begin;
   double enters = 0, leaves = 1;
@@ -69,8 +73,23 @@ bool is_of_issue(const Element& element, const std::string& guid, const std::str
 
 double clipped_beyond(const BcfIssue& issue) { return std::max(1.0, issue.reach); }
 
+BcfIssue with_its_shape(const BcfIssue& issue, const BcfSurroundings& surroundings) {
+  BcfIssue whole = issue;
+  for (const Element* element : surroundings.around(issue.centre, clipped_beyond(issue)).shapes) {
+    const Eigen::Vector3d middle = 0.5 * (element->box_low + element->box_high);
+    const double reach = (element->box_high - middle).norm();
+    if (element->guid != issue.guid || !issue.about.empty() || reach <= std::max(1.0, issue.reach)) continue;
+    whole.centre = element->project_from_element * middle, whole.reach = reach;
+  }
+  return whole;
+}
+
 BcfView free_view(const BcfIssue& issue, const BcfSurroundings& surroundings) {
-  const auto around = surroundings.around(issue.centre, clipped_beyond(issue)).shapes;
+  const auto near = surroundings.around(issue.centre, clipped_beyond(issue));
+  const auto& around = near.shapes;
+  std::set<std::string> judged;  // they have solids, and are hidden like panels
+  for (const AnchorDeviationT* anchor : near.anchors) judged.insert(anchor->guid);
+  for (const PanelDeviationT* panel : near.panels) judged.insert(panel->guid);
   std::vector<Eigen::Vector3d> targets = {issue.centre};
   std::string parent;
   for (const Element* element : around) {
@@ -86,12 +105,14 @@ BcfView free_view(const BcfIssue& issue, const BcfSurroundings& surroundings) {
     std::vector<const Element*> in_the_way, panels;
     for (const Element* element : around) {
       if (is_of_issue(*element, issue.guid, parent)) continue;
+      const bool has_solid = judged.contains(element->guid), is_hidden = has_solid || element->is_panel;
       const bool blocks = std::any_of(targets.begin(), targets.end(), [&](const Eigen::Vector3d& target) {
         const double whole = direction.frame.out.dot(camera - target), shown = direction.frame.out.dot(plane - target);
         if (!(whole > 0 && shown > 0)) return false;  // cut away itself
-        return goes_through(*element, target, target + std::min(1.0, shown / whole) * (camera - target));
+        return goes_through(*element, has_solid ? -kSolid : kTouching, target,
+                            target + std::min(1.0, shown / whole) * (camera - target));
       });
-      if (blocks) (element->is_panel ? panels : in_the_way).push_back(element);
+      if (blocks) (is_hidden ? panels : in_the_way).push_back(element);
     }
     const bool front = *direction.words == 0;
     if (front) before = in_the_way;

@@ -198,10 +198,10 @@ void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   const bool seen = issue.reach > 0;
   const std::string view = seen ? uuid_of(options_.project_guid, "bcf view//" + issue.key()) : std::string();
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
-  BcfIssue shown = issue;
+  BcfIssue shown = seen ? with_its_shape(issue, surroundings) : issue;
   std::vector<const Element*> hidden;
   if (seen) {
-    BcfView from = free_view(issue, surroundings);
+    BcfView from = free_view(shown, surroundings);
     shown.frame = from.frame, hidden = std::move(from.hidden);
     if (!from.words.empty()) shown.description += (shown.description.empty() ? "" : " ") + from.words;
   }
