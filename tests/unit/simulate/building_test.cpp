@@ -93,8 +93,10 @@ TEST(Building, PlatesFaceTheCameras) {
 }
 
 TEST(Building, RefusesWhatCannotBeBuilt) {
-  EXPECT_THROW(make_building({.floors = 0}, 1), std::invalid_argument);
-  EXPECT_THROW(make_building({.columns = 1}, 1), std::invalid_argument);
+  for (const int floors : {0, 21}) EXPECT_THROW(make_building({.floors = floors}, 1), std::invalid_argument);
+  for (const int columns : {1, 13}) EXPECT_THROW(make_building({.columns = columns}, 1), std::invalid_argument);
+  for (const int floors : {1, 20}) EXPECT_NO_THROW(make_building({.floors = floors}, 1));
+  for (const int columns : {2, 12}) EXPECT_NO_THROW(make_building({.columns = columns}, 1));
   EXPECT_THROW(make_building({.tag_size = 1.5}, 1), std::invalid_argument);
 }
 

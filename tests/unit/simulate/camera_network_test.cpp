@@ -18,13 +18,23 @@ TEST(CameraNetwork, EveryImageSeesFourTagsAndAdjacentFloorsAreLinked) {
         const SimulatedCamera camera = make_camera(camera_profile(name), 1);
         std::vector<int> links(static_cast<std::size_t>(floors), 0);
         std::map<std::string, int> seen;
+        Eigen::Vector2d largest(0, 0);
         for (const CameraStation& s : plan_camera_stations(b, camera, {}, 1)) {
           const auto tags = visible_tags(b, camera.truth, s.camera_from_building);
           EXPECT_GE(tags.size(), 4u) << s.image;
           std::set<int> on;
-          for (const auto& tag : tags) on.insert(tag.anchor->floor), ++seen[tag.anchor->id];
+          for (const auto& tag : tags) {
+            on.insert(tag.anchor->floor), ++seen[tag.anchor->id];
+            for (const Eigen::Vector2d& corner : tag.corners) {
+              EXPECT_GE(corner.minCoeff(), 0) << s.image;
+              EXPECT_LE(corner.x(), camera.truth.width - 1) << s.image;
+              EXPECT_LE(corner.y(), camera.truth.height - 1) << s.image;
+              largest = largest.cwiseMax(corner);
+            }
+          }
           for (int f = 1; f < floors; ++f) links[f] += on.count(f) && on.count(f + 1);
         }
+        EXPECT_GT(largest.x(), camera.truth.height) << name << ": of the longer side all is used";
         for (int f = 1; f < floors; ++f) EXPECT_GE(links[f], 4) << name << " floor " << f;
         for (const Anchor& a : b.anchors) EXPECT_GE(seen[a.id], 4) << name << " " << a.id;
       }
@@ -77,6 +87,37 @@ TEST(CameraNetwork, TooCloseIsAnErrorThatNamesTheImage) {
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("F01-"), std::string::npos);
   }
+}
+
+TEST(CameraNetwork, RefusesFewerImagesThanAFloorNeedsAndMoreThanAnybodyTakes) {
+  const Building b = make_building({.floors = 1}, 1);
+  const SimulatedCamera camera = make_camera(camera_profile("hasselblad_100mp"), 1);
+  const auto planned = [&](int images) {
+    CameraNetworkOptions options;
+    options.images_per_floor = images;
+    return plan_camera_stations(b, camera, options, 1).size();
+  };
+  EXPECT_EQ(planned(4), 4u);
+  EXPECT_EQ(planned(100), 100u);
+  EXPECT_THROW(planned(3), std::invalid_argument);
+  EXPECT_THROW(planned(101), std::invalid_argument);
+}
+
+/// No two lenses are equal: principal points 5 px apart rms from their design, either way, focal lengths by 2e-3.
+TEST(Camera, NoTwoBodiesAreEqual) {
+  constexpr int bodies = 400;
+  const CameraProfile profile = camera_profile("hasselblad_100mp");
+  double x = 0, y = 0, focal = 0;
+  for (std::uint64_t seed = 0; seed < bodies; ++seed) {
+    const BrownCamera truth = make_camera(profile, seed).truth;
+    x += std::pow(truth.cx - profile.nominal.cx, 2), y += std::pow(truth.cy - profile.nominal.cy, 2);
+    focal += std::pow(truth.fx / profile.nominal.fx - 1, 2);
+    EXPECT_NEAR(truth.fx - profile.nominal.fx, truth.fy - profile.nominal.fy, 1e-9);
+  }
+  const double within = 4 / std::sqrt(2.0 * bodies);  // of a standard deviation, relative
+  EXPECT_NEAR(std::sqrt(x / bodies), 5, 5 * within);
+  EXPECT_NEAR(std::sqrt(y / bodies), 5, 5 * within);
+  EXPECT_NEAR(std::sqrt(focal / bodies), 2e-3, 2e-3 * within);
 }
 
 TEST(Camera, CalibrationIsWrongByAboutItsSigma) {
