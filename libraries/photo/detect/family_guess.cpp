@@ -1,6 +1,7 @@
 #include "photo/detect/family_guess.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <opencv2/imgproc.hpp>
 
@@ -44,6 +45,13 @@ std::string smallest_name(const std::string& family, int largest_id) {
   return family;
 }
 
+/// Whether `asked` has all tags of OpenCV's dictionary `name`: DICT_6X6_1000 those of DICT_6X6_50.
+bool holds(const std::string& asked, const std::string& name) {
+  const auto count = name.rfind('_') + 1;
+  if (!name.starts_with("DICT_") || !asked.starts_with(name.substr(0, count))) return asked == name;
+  return std::atoi(asked.c_str() + count) >= std::atoi(name.c_str() + count);
+}
+
 }  // namespace
 
 std::string tags_of_another_family(const GreyImage& image, const std::vector<std::string>& asked) {
@@ -64,7 +72,9 @@ std::string tags_of_another_family(const GreyImage& image, const std::vector<std
     const auto [count, largest] = found->second;
     const std::string name = smallest_name(family.name, largest);
     const bool weak = chance_of_code(family.codes.size(), family.cells.size(), 0) >= 1e-4;
-    if (count < (weak ? 4 : 2) || count <= most || std::find(asked.begin(), asked.end(), name) != asked.end()) continue;
+    if (count < (weak ? 4 : 2) || count <= most ||
+        std::any_of(asked.begin(), asked.end(), [&](const std::string& one) { return holds(one, name); }))
+      continue;
     most = count, best = std::to_string(count) + " tags of " + name;
   }
   return best;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "photo/images/motion_blur.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -82,7 +84,7 @@ std::string why_nothing_is_found(const GreyImage& image) {
     return "the photograph is blurred (its sharpest edges have a blur of " +
            (std::isfinite(seen.edge_sigma) ? rounded(seen.edge_sigma) : std::string("more than 100")) +
            " px, 1 sigma): out of focus, or the camera moved";
-  return {};
+  return in_words(motion_blur(image));
 }
 
 }  // namespace plumbline

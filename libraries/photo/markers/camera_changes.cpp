@@ -136,7 +136,12 @@ std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamer
       {0.03, 0.01 * w, 0.01 * w, 0.1, 0.3});
   // Of the distortion that all have in the mean: those that a program freed of it lack more than that.
   if (c.lens == LensModel::brown) add(What::undistorted, {{0, 0, 0, 0, -c.k1, -c.k2, -c.k3, -c.p1, -c.p2}}, {1.5});
-  add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
+  // Turned about the middle of the image, what is decentred changes its side, too.
+  const std::array<double, 9> p1 = {0, 0, 0, 0, 0, 0, 0, 1}, p2 = {0, 0, 0, 0, 0, 0, 0, 0, 1};
+  if (c.lens == LensModel::brown && !model.direction(p1).isZero(0) && !model.direction(p2).isZero(0))
+    add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}, p1, p2}, {0.01 * w, 0.01 * w, 0.002, 0.002});
+  else
+    add(What::turned, {{0, 0, 1}, {0, 0, 0, 1}}, {0.01 * w, 0.01 * w});
   return all;
 }
 
@@ -200,9 +205,8 @@ class Search {
         fit.log_likelihood() - none_.log_likelihood - std::log(static_cast<double>(hypotheses_.size()));
     std::vector<Candidate> found;
     for (const Hypothesis& hypothesis : hypotheses_) {
-      std::vector<Contrast> contrasts;
-      if (hypothesis.what != What::turned) contrasts = in_order_;
-      if (hypothesis.what == What::undistorted)
+      std::vector<Contrast> contrasts = in_order_;
+      if (hypothesis.what == What::undistorted || hypothesis.what == What::turned)
         std::erase_if(contrasts, [](const Contrast& c) { return c.split == Split::drift; });
       if (hypothesis.what == What::turned && upside_down_) contrasts.push_back(*upside_down_);
       if (hypothesis.what != What::aspect && hypothesis.what != What::turned)
@@ -242,8 +246,19 @@ double by_place(const EffectModel& model, const Eigen::VectorXd& weights) {
   return 1 - left.squaredNorm() / (weights.array() - weights.mean()).matrix().squaredNorm();
 }
 
+/// Turned about the middle of the image, the principal point of the one part is the mirror image of the other's;
+/// `camera` has the mean of both. What is asked of the photographs that are held upside down is said with it.
+bool is_mirrored(const Candidate& one, const BrownCamera& camera) {
+  if (one.contrast.split == Split::upside_down) return true;
+  const double turned = one.contrast.weights.mean();
+  const Eigen::Vector2d mean(camera.cx, camera.cy), last(camera.width - 1, camera.height - 1);
+  const Eigen::Array2d off = (2 * mean + (1 - 2 * turned) * one.fit.by.head<2>() - last).array();
+  return (off.abs() < 3 * one.fit.sigma.head<2>().array()).all();
+}
+
 /// A program takes all of the distortion away: half of the photographs lack twice their mean.
-bool is_plausible(const Candidate& one) {
+bool is_plausible(const Candidate& one, const BrownCamera& camera) {
+  if (one.hypothesis->what == What::turned) return is_mirrored(one, camera);
   if (one.hypothesis->what != What::undistorted) return true;
   return one.fit.by(0) > 0.7 - 3 * one.fit.sigma(0) && one.fit.by(0) < 4 + 3 * one.fit.sigma(0);
 }
@@ -285,7 +300,7 @@ std::optional<CameraChange> find_change(const CameraEvidence& evidence, const Br
   const Search search(model, camera, cam_from_object);
   Strengths fitted_to;
   std::vector<Candidate> all = search.candidates(fitted_to);
-  std::erase_if(all, [](const Candidate& one) { return !is_plausible(one); });
+  std::erase_if(all, [&](const Candidate& one) { return !is_plausible(one, camera); });
   if (all.empty()) return std::nullopt;
   const Candidate& best =
       *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.value < b.value; });

@@ -9,12 +9,13 @@
 #include "detector_node.hpp"
 #include "photo/detect/board.hpp"
 #include "photo/images/grey_image.hpp"
+#include "photo/images/motion_blur.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::detect {
 
 struct DetectBoard : Node {
-  static constexpr Info info{"detect.board", "", 5,
+  static constexpr Info info{"detect.board", "", 6,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
   Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
@@ -35,6 +36,7 @@ struct DetectBoard : Node {
       const SeenBoard seen = find_board(grey, pattern);
       result.problem = seen.problem, result.marker_ratio = seen.marker_ratio, result.contradicts = seen.contradicts;
       result.corner_inset_sigma = seen.inset_sigma;
+      result.stated_marker_ratio = stated_ratio(pattern), result.moved = in_words(motion_blur(grey));
       for (const SeenPoint& p : seen.points) {
         auto point = std::make_unique<BoardPointT>();
         point->id = p.id, point->board = p.board, point->pixel = p.pixel, point->sigma = p.sigma;
@@ -49,6 +51,7 @@ struct DetectBoard : Node {
     // Whether one photograph or the file is wrong shows in all of them: calibrate.board tells.
     const bool by_pitch = result.contradicts && std::isfinite(result.marker_ratio);
     if (!result.problem.empty() && !by_pitch) context.warn(result.path + ": " + result.problem);
+    if (result.problem.empty() && !result.moved.empty()) context.warn(result.path + ": " + result.moved);
     points.commit(result);
   }
 
@@ -72,12 +75,18 @@ struct DetectBoard : Node {
     return reason.empty() ? "" : "; " + reason;
   }
 
+  /// nan of a board without markers.
+  static double stated_ratio(const Board& pattern) {
+    if (pattern.kind == BoardKind::chessboard) return std::nan("");
+    return pattern.marker / (pattern.kind == BoardKind::tags ? pattern.marker + pattern.gap : pattern.square);
+  }
+
   /// Markers of another size against their squares or spacing than the file says: one of its two lengths is wrong. Blur
   /// and ink move every edge of a tag, by up to half a pixel.
   static void check_pitch(const Board& pattern, const std::string& file, const SeenBoard& seen, BoardPointsT& result) {
     if (pattern.kind == BoardKind::chessboard || !std::isfinite(seen.marker_ratio)) return;
     const bool tags = pattern.kind == BoardKind::tags;
-    const double stated = pattern.marker / (tags ? pattern.marker + pattern.gap : pattern.square);
+    const double stated = stated_ratio(pattern);
     const double limit = tags ? std::max(0.04, 1 / seen.marker_pixels) : 0.06;
     if (std::abs(seen.marker_ratio / stated - 1) < limit) return;
     const double pitch = tags ? pattern.marker + pattern.gap : pattern.square;

@@ -13,6 +13,7 @@
 #include "photo/detect/tag_pyramid.hpp"
 #include "photo/images/grey_image.hpp"
 #include "tag_rendering.hpp"
+#include "test_support.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -133,6 +134,16 @@ TEST(FamilyGuess, NamesTheTagsThatAreThereAndNothingElse) {
   test::TagScene scene;
   scene.corners = test::square_corners({100, 100}, 80, 0.3);
   EXPECT_EQ(tags_of_another_family(test::render(scene), {"tag16h5"}), "") << "one tag may be chance";
+}
+
+/// OpenCV's dictionaries of one size are parts of one another: tags of DICT_6X6_50 are none of another family than
+/// DICT_6X6_1000.
+TEST(FamilyGuess, APartOfTheFamilyIsNoOther) {
+  PLUMBLINE_REQUIRE_DATA("images/aruco_grid/aruco_data/0.jpg");
+  const GreyImage image = read_grey_image(test::data_file("images/aruco_grid/aruco_data/0.jpg"));
+  EXPECT_THAT(tags_of_another_family(image, {"DICT_5X5_1000"}), testing::HasSubstr("tags of DICT_6X6_50"));
+  EXPECT_EQ(tags_of_another_family(image, {"DICT_6X6_50"}), "");
+  EXPECT_EQ(tags_of_another_family(image, {"DICT_6X6_1000"}), "");
 }
 
 TEST(WideBorders, AreNamedWithTheFamily) {

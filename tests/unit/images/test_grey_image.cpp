@@ -4,11 +4,14 @@
 #include <png.h>
 #include <tiffio.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "photo/images/grey_image.hpp"
 #include "photo/images/grey_rows.hpp"
+#include "photo/images/motion_blur.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "photo/images/visibility.hpp"
 #include "test_support.hpp"
@@ -222,6 +225,49 @@ TEST(Visibility, SaysWhatKeepsTagsFromBeingFound) {
   EXPECT_THAT(why_nothing_is_found(step(20, 220, 8)), AllOf(HasSubstr("blur of 8 px"), HasSubstr("out of focus")));
   EXPECT_EQ(why_nothing_is_found(step(20, 220, 1)), "");
   EXPECT_EQ(why_nothing_is_found(step(100, 140, 3)), "");
+}
+
+/// Squares of 20 px, turned by `turn` [rad], averaged over `length` px along `direction`, two steps to a pixel.
+GreyImage squares(double turn, double length, double direction) {
+  GreyImage image{240, 200, {}};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      double sum = 0;
+      const int steps = 1 + static_cast<int>(2 * length);
+      for (int k = 0; k < steps; ++k) {
+        const double by = steps > 1 ? length * (k / (steps - 1.0) - 0.5) : 0;
+        const double px = x + by * std::cos(direction), py = y + by * std::sin(direction);
+        const double u = std::sin((std::cos(turn) * px + std::sin(turn) * py) * std::numbers::pi / 20),
+                     v = std::sin((std::cos(turn) * py - std::sin(turn) * px) * std::numbers::pi / 20);
+        sum += std::clamp(0.5 + 4 * u * v, 0.0, 1.0) / steps;
+      }
+      image.pixels.push_back(static_cast<std::uint8_t>(std::lround(20 + 200 * sum)));
+    }
+  return image;
+}
+
+TEST(MotionBlur, IsFoundWithItsDirection) {
+  const double quarter = 0.25 * std::numbers::pi;
+  const std::pair<double, const char*> directions[] = {{0, "blurred from left to right"},
+                                                       {quarter, "from the top left to the bottom right"},
+                                                       {2 * quarter, "up and down"},
+                                                       {3 * quarter, "from the bottom left to the top right"}};
+  for (const auto& [direction, words] : directions) {
+    const MotionBlur blur = motion_blur(squares(direction, 12, direction));
+    EXPECT_TRUE(blur.found()) << blur.most << " " << blur.least;
+    EXPECT_NEAR(blur.direction, direction, 1e-9);
+    EXPECT_THAT(in_words(blur), HasSubstr(words));
+    EXPECT_THAT(why_nothing_is_found(squares(direction, 12, direction)), HasSubstr(words));
+  }
+}
+
+TEST(MotionBlur, IsNoneOfWhatIsSharpOrBlurredAllRound) {
+  for (const double turn : {0.0, 0.3, 0.8}) {
+    EXPECT_EQ(in_words(motion_blur(squares(turn, 0, 0))), "");
+    EXPECT_EQ(in_words(motion_blur(squares(turn, 2, 0))), "") << "less than the edges are wide";
+  }
+  EXPECT_EQ(in_words(motion_blur(step(20, 220, 8))), "") << "edges of one direction do not tell";
+  EXPECT_EQ(in_words(motion_blur(GreyImage{16, 16, std::vector<std::uint8_t>(256)})), "");
 }
 
 TEST(GreyRows, GiveTheSamePixelsAsTheWholeImageAndAsAPart) {
