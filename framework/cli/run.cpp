@@ -120,8 +120,9 @@ std::string invalid_nodes(const runtime::Graph& graph, const runtime::RunResult&
 /// The last line of a run that is done and must not be used as it is.
 void print_invalid(const std::string& nodes) {
   if (nodes.empty()) return;
-  std::fprintf(stderr, "%s as it is (exit code 3): see the warnings of %s\n",
-               paint_error(Colour::red, "NOT TO BE USED").c_str(), nodes.c_str());
+  const std::string head = "NOT TO BE USED";
+  const std::string text = lines(head + " as it is (exit code 3): see the warnings of " + nodes);
+  std::fprintf(stderr, "%s%s\n", paint_error(Colour::red, head).c_str(), text.substr(head.size()).c_str());
 }
 
 /// The last lines of a run that failed: what failed, why, what follows from it in one line, and what to do.

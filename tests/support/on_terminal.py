@@ -33,7 +33,7 @@ def plain(text):
 
 def result_of(text):
     """The lines after those of the run: what a pipeline ends with."""
-    return plain(text).split("run.jsonl\n")[-1].splitlines()
+    return re.split(r"(?m)^  \S+run\.jsonl\n", plain(text))[-1].splitlines()
 
 
 def too_large(lines, columns, rows):
