@@ -135,7 +135,8 @@ TEST(History, DiffKnowsRotationsOfArtifactsAndNumbersInText) {
   plumbline.write("q.yaml",
                   "plumbline: 1\nvars: {angle: 1, other: false}\nnodes:\n"
                   "  q: {use: story.turn, with: {angle: \"${angle}\", other: \"${other}\"}}\n");
-  plumbline.write("t.yaml", "plumbline: 1\nvars: {t: ~}\nnodes:\n  t: {use: story.text, with: {text: \"${t}\"}}\n");
+  plumbline.write(
+      "t.yaml", "plumbline: 1\nvars: {t: ~}\nnodes:\n  t: {use: story.page, with: {name: page.csv, text: \"${t}\"}}\n");
   const auto between = [&](const char* file, std::vector<std::string> a, std::vector<std::string> b) {
     for (auto* words : {&a, &b}) {
       words->insert(words->begin(), {"run", file});
