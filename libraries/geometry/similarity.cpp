@@ -42,4 +42,18 @@ Eigen::Matrix3d rotation_of_moment(const Eigen::Matrix3d& moment) {
   return svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
 }
 
+Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  constexpr double kOpposite = 1e-12;  // 1 + cosine below which the cross product has no direction
+  const Eigen::Vector3d a = from.normalized(), b = to.normalized();
+  const double cosine = a.dot(b);
+  Eigen::Quaterniond q;
+  if (1 + cosine < kOpposite) {
+    q.w() = 0, q.vec() = a.unitOrthogonal();
+    return q;
+  }
+  const double s = std::sqrt(2 * (1 + cosine));  // twice the cosine of half the angle
+  q.w() = 0.5 * s, q.vec() = a.cross(b) / s;
+  return q;
+}
+
 }  // namespace plumbline

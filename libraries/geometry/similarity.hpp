@@ -26,4 +26,8 @@ SimilarityMotion fit_similarity(const std::vector<Eigen::Vector3d>& from, const 
 /// in Umeyama (1991).
 Eigen::Matrix3d rotation_of_moment(const Eigen::Matrix3d& moment);
 
+/// The rotation by the least angle that takes the direction of `from` to that of `to`, neither of them zero. Of
+/// opposite directions any axis across them will do; it is the same one every time.
+Eigen::Quaterniond shortest_rotation(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
+
 }  // namespace plumbline

@@ -12,6 +12,7 @@
 
 #include "geometry/edge_inset.hpp"
 #include "geometry/samples.hpp"
+#include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
 #include "geometry/tag_under_pose.hpp"
 
@@ -216,7 +217,7 @@ class Estimator {
         pose.rotation * Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>().computeDirect(scatter).eigenvectors().col(0);
     const Eigen::Vector3d place = pose * centre, sight = place.normalized();
     const Eigen::Vector3d mirrored = 2 * sight.dot(normal) * sight - normal;
-    const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(normal, mirrored);
+    const Eigen::Quaterniond turn = shortest_rotation(normal, mirrored);
     RigidTransform twin;
     twin.rotation = (turn * pose.rotation).normalized();
     twin.translation = place - twin.rotation * centre;

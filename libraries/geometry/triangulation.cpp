@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
+
 namespace plumbline {
 namespace {
 
@@ -53,7 +55,7 @@ std::optional<Eigen::Vector3d> linear_solution(const std::vector<PointView>& vie
       equations.row(2 * static_cast<Eigen::Index>(i) + c) =
           views[i].normalised(c) * projection.row(2) - projection.row(c);
   }
-  const Eigen::JacobiSVD<Eigen::MatrixX4d> svd(equations, Eigen::ComputeFullV);
+  const linear_algebra::SingularValues svd(equations, Eigen::ComputeFullV);
   const Eigen::Vector4d x = svd.matrixV().col(3);
   if (!(std::abs(x(3)) > parallel)) return std::nullopt;
   return Eigen::Vector3d(about + scale * x.head<3>() / x(3));

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/statistics/not_a_number.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 
 namespace plumbline::statistics {
 
@@ -60,7 +61,7 @@ std::vector<ErrorMode> error_modes(const VectorXd& positions, const VectorXd& er
   for (Index k = 0; k < 7; ++k)
     if (k < 3 || motions.col(k).norm() > kFlat * extent) shown.push_back(k);
   if (!(extent > 0)) shown.resize(3);
-  const MatrixXd estimate = MatrixXd(motions(Eigen::all, shown)).completeOrthogonalDecomposition().pseudoInverse();
+  const MatrixXd estimate = linear_algebra::pseudo_inverse(motions(Eigen::all, shown));
   const auto points = static_cast<double>(n);
   modes.push_back(
       {"heights", stated(unit(Eigen::all, heights), unit(heights, Eigen::all), points, errors, covariance)});

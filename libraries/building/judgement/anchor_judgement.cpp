@@ -6,6 +6,7 @@
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/figures.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -54,8 +55,8 @@ double uncertainty_of(const Span& span, const Eigen::Vector3d& d, const Eigen::M
   const Eigen::MatrixXd s = span * covariance * span.transpose();
   const Eigen::VectorXd v = span * d;
   const double length = v.norm();
-  const double variance = length > 1e-9 ? v.dot(s * v) / (length * length)
-                                        : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(s).eigenvalues().maxCoeff();
+  const double variance =
+      length > 1e-9 ? v.dot(s * v) / (length * length) : linear_algebra::SymmetricEigen(s).eigenvalues().maxCoeff();
   return std::sqrt(std::max(0.0, variance));
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <mutex>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/random.hpp"
 #include "geometry/statistics.hpp"
 
@@ -94,7 +95,7 @@ Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& cova
   Conformance result{std::numeric_limits<double>::quiet_NaN(),
                      std::vector<double>(quantities.size(), std::numeric_limits<double>::quiet_NaN()), inf, 0};
   if (quantities.empty() || covariance.size() == 0 || !covariance.allFinite() || !mean.allFinite()) return result;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
+  const linear_algebra::SymmetricEigen eigen(covariance);
   const Eigen::MatrixXd root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   const Eigen::MatrixXd values = values_of(quantities, mean, root);
   Eigen::Index at = 0;

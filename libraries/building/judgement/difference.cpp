@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "building/judgement/factor_in_place.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
@@ -72,7 +73,7 @@ class ControlInverse {
   explicit ControlInverse(const Eigen::MatrixXd& s) : cholesky_(s) {
     constexpr double regular = 1e-9;
     regular_ = cholesky_.info() == Eigen::Success && cholesky_.rcond() > regular;
-    if (!regular_) eigen_.compute(s);
+    if (!regular_) eigen_ = linear_algebra::SymmetricEigen(s);
   }
   bool regular() const { return regular_; }
   /// s⁺ · right.
@@ -86,7 +87,7 @@ class ControlInverse {
 
  private:
   Eigen::LLT<Eigen::MatrixXd> cholesky_;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen_;
+  linear_algebra::SymmetricEigen eigen_;
   bool regular_;
 };
 
@@ -176,7 +177,7 @@ bool mend(double limit, const std::vector<Index>& of_control, Eigen::MatrixXd& s
   }
   if (is_above(micrometre * micrometre, symmetric)) return zero_at_least(), true;
   if (!is_above(limit, symmetric)) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(symmetric);
+  const linear_algebra::SymmetricEigen eigen(symmetric);
   symmetric = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
   return true;
 }

@@ -11,6 +11,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::judgement {
@@ -208,7 +209,7 @@ void count_steps(const std::vector<PlaceError>& all, const std::vector<MeasuredP
   }
   if (off.size() == 0) return void(of.nees = of.freedom = 0);
   // Steps around a corner of four panels add up to nothing: such directions have no error, and none is tested.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(by * covariance * by.transpose());
+  const linear_algebra::SymmetricEigen spectrum(by * covariance * by.transpose());
   constexpr double kLeast = 2e-6;  // [m]
   of.nees = of.freedom = 0;
   for (Eigen::Index i = 0; i < off.size(); ++i) {

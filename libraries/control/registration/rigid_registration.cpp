@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/similarity.hpp"
 
 namespace plumbline::registration {
@@ -114,7 +115,7 @@ Eigen::MatrixXd residual_covariance_of(const Correspondences& points, const Cent
 }
 
 bool is_regular(const Eigen::MatrixXd& c) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(c, Eigen::EigenvaluesOnly);
+  const linear_algebra::SymmetricEigen eigen(c, Eigen::EigenvaluesOnly);
   return eigen.eigenvalues()[0] > 1e-10 * eigen.eigenvalues()[c.rows() - 1];
 }
 
@@ -135,7 +136,7 @@ Eigen::VectorXd flat(const Eigen::Matrix3Xd& m) { return Eigen::Map<const Eigen:
 
 /// G = (A' W A)^-1 A' W.
 Eigen::MatrixXd influence_of(const Eigen::MatrixXd& a, const Eigen::MatrixXd& weighted) {
-  return (a.transpose() * weighted).ldlt().solve(weighted.transpose());
+  return linear_algebra::solve_symmetric(a.transpose() * weighted, weighted.transpose());
 }
 
 void apply_step(Centred& t, const Eigen::VectorXd& step) {
@@ -254,7 +255,7 @@ Eigen::MatrixXd inner_datum(const Eigen::MatrixXd& covariance, const Eigen::Matr
   Centred t;
   t.centroid = points.rowwise().mean();
   const Eigen::MatrixXd a = slopes(t, points, unknowns);
-  const Eigen::MatrixXd fit = (a.transpose() * a).ldlt().solve(a.transpose());  // (A'A)^-1 A'
+  const Eigen::MatrixXd fit = linear_algebra::solve_symmetric(a.transpose() * a, a.transpose());  // (A'A)^-1 A'
   const Eigen::MatrixXd half = covariance - a * (fit * covariance);
   const Eigen::MatrixXd inner = half - (half * fit.transpose()) * a.transpose();
   return 0.5 * (inner + inner.transpose());

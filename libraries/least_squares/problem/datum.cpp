@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/random.hpp"
 
 namespace plumbline::least_squares {
@@ -22,10 +23,6 @@ Eigen::MatrixXd start_vectors(int rows, int columns) {
   return result;
 }
 
-Eigen::MatrixXd orthonormalised(const Eigen::MatrixXd& m) {
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(m).householderQ() * Eigen::MatrixXd::Identity(m.rows(), m.cols());
-}
-
 struct Ritz {
   Eigen::VectorXd values;   // ascending
   Eigen::MatrixXd vectors;  // n x k
@@ -33,12 +30,12 @@ struct Ritz {
 
 Ritz smallest_eigenpairs(const NormalEquations& normal, const SparseFactor& factor, int count) {
   const int n = normal.size();
-  Eigen::MatrixXd v = orthonormalised(start_vectors(n, count));
+  Eigen::MatrixXd v = linear_algebra::orthonormal_columns(start_vectors(n, count));
   Ritz ritz;
   for (int iteration = 0; iteration < 5; ++iteration) {
-    v = orthonormalised(factor.solve(v));
+    v = linear_algebra::orthonormal_columns(factor.solve(v));
     const Eigen::MatrixXd nv = normal.multiply_scaled(v);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(v.transpose() * nv);
+    const linear_algebra::SymmetricEigen eigen(v.transpose() * nv);
     v = v * eigen.eigenvectors();
     ritz = {eigen.eigenvalues(), v};
   }
@@ -46,10 +43,8 @@ Ritz smallest_eigenpairs(const NormalEquations& normal, const SparseFactor& fact
 }
 
 std::vector<int> pin_unknowns(const Eigen::MatrixXd& scaled_null_space) {
-  // The best conditioned d rows, greedily: QR with column pivoting of the transpose.
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(scaled_null_space.transpose());
-  std::vector<int> pinned;
-  for (int k = 0; k < scaled_null_space.cols(); ++k) pinned.push_back(qr.colsPermutation().indices()[k]);
+  const Eigen::VectorXi best = linear_algebra::best_conditioned_rows(scaled_null_space);
+  std::vector<int> pinned(best.begin(), best.end());
   std::sort(pinned.begin(), pinned.end());
   return pinned;
 }
@@ -66,7 +61,7 @@ void require_held(const Eigen::MatrixXd& scaled_null_space, const Eigen::VectorX
                   const std::vector<int>& datum_unknowns) {
   const int defect = static_cast<int>(scaled_null_space.cols());
   const Eigen::MatrixXd held = scaled_null_space(datum_unknowns, Eigen::all);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(
+  const linear_algebra::SingularValues svd(
       held.rows() < defect ? Eigen::MatrixXd(Eigen::MatrixXd::Zero(defect, defect)) : held, Eigen::ComputeThinV);
   const Eigen::VectorXd& singular = svd.singularValues();
   const double threshold = 1e-6;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::least_squares {
@@ -32,7 +33,7 @@ std::string direction(Eigen::Vector3d v) {
 /// Orthonormal basis of the part of `subspace` on which `rows` of it vanish, and of the rest.
 void split(const Eigen::MatrixXd& subspace, const Eigen::MatrixXd& rows, Eigen::MatrixXd& vanishing,
            Eigen::MatrixXd& rest) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeFullV);
+  const linear_algebra::SingularValues svd(rows, Eigen::ComputeFullV);
   const Eigen::Index columns = subspace.cols();
   Eigen::Index rank = 0;
   while (rank < svd.singularValues().size() && svd.singularValues()(rank) > 1e-4) ++rank;
@@ -74,7 +75,7 @@ void name_rotations(const Eigen::MatrixXd& rotations, const Eigen::MatrixXd& tra
     Eigen::Vector3d shift = motion.head<3>() * extent;
     if (translations.cols() > 0) {
       const Eigen::MatrixXd free = translations.topRows(3);
-      shift -= free * free.completeOrthogonalDecomposition().solve(shift);
+      shift -= free * linear_algebra::minimum_norm_solution(free, shift);
     }
     const Eigen::Vector3d through = centre + axis.cross(shift) / axis.squaredNorm();
     names.push_back(describe_rotation(axis, through, extent, fixed));
@@ -108,8 +109,7 @@ std::vector<std::string> describe_motions(const Eigen::MatrixXd& subspace, const
   // Translations in units of the extent, so that all seven numbers are comparable; then an orthonormal basis.
   Eigen::MatrixXd scaled = subspace;
   scaled.topRows(3) /= extent;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
-  scaled = qr.householderQ() * Eigen::MatrixXd::Identity(motion_count, subspace.cols());
+  scaled = linear_algebra::orthonormal_columns(scaled);
   Eigen::MatrixXd rigid, scale, translations, rotations;
   split(scaled, scaled.row(6), rigid, scale);
   if (rigid.cols() > 0) split(rigid, rigid.middleRows(3, 3), translations, rotations);
@@ -135,8 +135,7 @@ DatumAnalysis analyse_datum(const Eigen::MatrixXd& information, const std::vecto
   // Points on one line leave the metric itself singular; a small share of the extent keeps their rotation comparable.
   Eigen::MatrixXd regular = metric;
   regular.diagonal().array() += 1e-6 * std::max(1e-6, extent * extent);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(information.topLeftCorner(count, count),
-                                                                         regular);
+  const linear_algebra::GeneralizedSymmetricEigen solver(information.topLeftCorner(count, count), regular);
   const Eigen::VectorXd& values = solver.eigenvalues();
   const double best = std::max(values.maxCoeff(), 1e-300);
   DatumAnalysis result;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::least_squares {
@@ -171,7 +172,7 @@ class Rest {
   std::vector<int> pinned_;  ///< unknowns of the solution that are of c
   MatrixXd follow_;          ///< N_ff^-1 N_fc
   VectorXd scale_;
-  Eigen::SelfAdjointEigenSolver<MatrixXd> eigen_;  ///< of S, scaled
+  linear_algebra::SymmetricEigen eigen_;  ///< of S, scaled
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(__x86_64__)
@@ -145,7 +146,7 @@ BlockTest block_test(const BlockMatrices& m, const Eigen::VectorXd& whitened) {
     if (m.residual(0, 0) < kUncontrolled) return {};
     return {whitened[0] * whitened[0] / m.residual(0, 0), 1};
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m.residual);
+  const linear_algebra::SymmetricEigen eigen(m.residual);
   BlockTest test;
   for (int k = 0; k < whitened.size(); ++k) {
     if (eigen.eigenvalues()[k] < kUncontrolled) continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/vectors.hpp"
 
 namespace plumbline::loop {
@@ -34,7 +35,7 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
     const PanelPose::Held& held = pose.held[i];
     pose.hooks.row(i) = pose.movement(panel, brackets[held.bracket].design, held.direction);
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(pose.hooks, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const linear_algebra::SingularValues svd(pose.hooks, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   // A direction that a hook holds at less than a hundredth of the panel's half diagonal is not held.
   while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 0.01) ++rank;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/text/words.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
 
@@ -42,7 +43,7 @@ Eigen::Vector3d common_offset(const TagBlock& block, const TagBlockResult& resul
     r.segment<3>(3 * k) = residual;
   }
   const auto rest = [&](Eigen::Index columns, Eigen::VectorXd& x) {
-    x = a.leftCols(columns).colPivHouseholderQr().solve(r);
+    x = linear_algebra::least_squares_solution(a.leftCols(columns), r);
     return (r - a.leftCols(columns) * x).squaredNorm();
   };
   Eigen::VectorXd motion, all;

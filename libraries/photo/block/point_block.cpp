@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
 #include "photo/block/control_words.hpp"
@@ -288,7 +289,7 @@ void align_to_control(PointBlock& block) {
   if (from.size() < 3) return;
   Eigen::Matrix3Xd spread(3, static_cast<Eigen::Index>(to.size()));
   for (size_t k = 0; k < to.size(); ++k) spread.col(static_cast<Eigen::Index>(k)) = to[k] - to[0];
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> svd(spread.colwise() - spread.rowwise().mean());
+  const linear_algebra::SingularValues svd(spread.colwise() - spread.rowwise().mean());
   if (svd.singularValues()(1) < 1e-3 * svd.singularValues()(0)) return;  // a line does not tell the rotation
   require_same_hand(from, to);
   const SimilarityMotion move = fit_similarity(from, to, true);

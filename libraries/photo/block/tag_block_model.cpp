@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 
 namespace plumbline::block {
@@ -258,10 +259,9 @@ void add_control(const TagBlock& block, const TagBlockOptions& options, const Ta
 Eigen::MatrixXd regular_covariance(Eigen::MatrixXd covariance) {
   constexpr double exact = 1e-6, added = 1e-5;  // [m]
   if (covariance.size() == 0) return covariance;
-  const double smallest =
-      covariance.isDiagonal(0)
-          ? covariance.diagonal().minCoeff()
-          : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(covariance, Eigen::EigenvaluesOnly).eigenvalues()(0);
+  const double smallest = covariance.isDiagonal(0)
+                              ? covariance.diagonal().minCoeff()
+                              : linear_algebra::SymmetricEigen(covariance, Eigen::EigenvaluesOnly).eigenvalues()(0);
   if (smallest < exact * exact) covariance.diagonal().array() += added * added;
   return covariance;
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
 #include "photo/block/control_words.hpp"
 #include "photo/block/tag_block_model.hpp"
@@ -107,7 +108,7 @@ WithheldControl withheld_control(const TagModel& model, const TagStart& start, c
   const auto quality = adjusted.cofactors->known(adjusted.state, term);
   const Eigen::MatrixXd b = model.problem.known[term].whitening(Eigen::all, columns);
   const Eigen::MatrixXd seen = b.transpose() * quality.residual_cofactor * b, weight = b.transpose() * b;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> shown(seen, weight, Eigen::EigenvaluesOnly);
+  const linear_algebra::GeneralizedSymmetricEigen shown(seen, weight, Eigen::EigenvaluesOnly);
   if (!(shown.eigenvalues()(0) > determined)) {
     result.undetermined = "without its points the control does not hold the block";
     return result;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/text/words.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "least_squares/problem/defects.hpp"
 #include "least_squares/sparse/dense_cholesky.hpp"
 #include "photo/bundle/kernels.hpp"
@@ -34,7 +35,7 @@ std::string name_of_defect(const BoundProblem& problem, const Eigen::VectorXd& c
   }
   const Eigen::Vector3d centre = least_squares::centre_of(points);
   const Eigen::MatrixXd basis = least_squares::motion_basis(points, centre);
-  const Eigen::VectorXd motion = basis.completeOrthogonalDecomposition().solve(moved);
+  const Eigen::VectorXd motion = linear_algebra::minimum_norm_solution(basis, moved);
   if (largest > 0 && (basis * motion - moved).norm() < 0.05 * moved.norm()) {
     double extent = 1e-9;
     for (const auto& point : points) extent = std::max(extent, (point.position - centre).norm());
@@ -220,7 +221,7 @@ Eigen::MatrixXd TagBound::inverse_of_scaled(const Eigen::MatrixXd& scaled, const
     const Eigen::MatrixXd all = factor.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
     return all.bottomRightCorner(scaled.rows() - first, scaled.rows() - first);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(scaled);
+  const linear_algebra::SymmetricEigen spectrum(scaled);
   Eigen::VectorXd change = Eigen::VectorXd::Zero(size_);
   change(used) = scale.cwiseProduct(spectrum.eigenvectors().col(0));
   throw std::runtime_error("the geometry leaves " + name_of_defect(problem_, change) +
@@ -276,7 +277,7 @@ Eigen::VectorXd TagBound::height_gain(const BoundInformation& more, const std::v
                         grown =
                             Eigen::MatrixXd::Identity(n, n) + covariance_(more.unknowns, more.unknowns) * more.matrix;
   // R (I + C R)^-1 is symmetric, so its transpose can be solved for.
-  const Eigen::MatrixXd weight = grown.transpose().partialPivLu().solve(more.matrix);
+  const Eigen::MatrixXd weight = linear_algebra::solve(grown.transpose(), more.matrix);
   return (across * weight).cwiseProduct(across).rowwise().sum();
 }
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "base/text/words.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "photo/bundle/parts.hpp"
 #include "photo/bundle/weakest.hpp"
 #include "plumbline/failure.hpp"
@@ -29,8 +30,7 @@ Eigen::MatrixXd motions_of_kept(const Problem& problem, const Layout& layout, co
   for (int b : elimination.kept_blocks())
     kept.middleRows(elimination.kept_offset(b), layout.size(b)) = g.middleRows(layout.offset(b), layout.size(b));
   kept = elimination.scale().cwiseInverse().asDiagonal() * kept;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(kept);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(kept.rows(), kept.cols());
+  return linear_algebra::orthonormal_columns(kept);
 }
 
 /// A vector of the scaled reduced system as a direction in all unknowns, scaled to their conditional standard
@@ -80,7 +80,7 @@ std::string describe_direction(const Problem& problem, const Layout& layout, con
   if (body_unknowns.size() >= 9) {
     const Eigen::MatrixXd g = motions_of(problem, layout, state, centre)(body_unknowns, Eigen::all);
     const Eigen::VectorXd moved = direction(body_unknowns);
-    const Eigen::VectorXd motion = g.completeOrthogonalDecomposition().solve(moved);
+    const Eigen::VectorXd motion = linear_algebra::minimum_norm_solution(g, moved);
     if (moved.norm() > 0 && (g * motion - moved).norm() < 0.05 * moved.norm()) {
       double extent = 1e-9;
       for (const auto& b : bodies) extent = std::max(extent, (b.position - centre).norm());

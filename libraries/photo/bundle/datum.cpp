@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/rigid_transform.hpp"
 
 namespace plumbline::bundle {
@@ -182,7 +183,7 @@ void restore_datum(const Problem& problem, const Layout& layout, const Datum& da
     const Eigen::VectorXd length = g.colwise().norm().cwiseMax(1e-300);
     const Eigen::MatrixXd scaled = g * length.cwiseInverse().asDiagonal();
     const Eigen::VectorXd fitted =
-        (scaled.transpose() * scaled).completeOrthogonalDecomposition().solve(scaled.transpose() * change);
+        linear_algebra::minimum_norm_solution(scaled.transpose() * scaled, scaled.transpose() * change);
     motion.head(datum.count) = -fitted.cwiseQuotient(length);
     if (!motion.allFinite()) return;
     move(problem, centre, motion, state);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::bundle {
@@ -23,7 +24,7 @@ Spectrum all_eigenvalues(const Elimination& elimination, const Eigen::MatrixXd& 
   const Eigen::Index n = elimination.kept_count();
   Eigen::MatrixXd matrix = scaled(elimination).multiply(Eigen::MatrixXd::Identity(n, n));
   if (motions.cols() > 0) matrix += motions * motions.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(matrix);
+  const linear_algebra::SymmetricEigen spectrum(matrix);
   return {spectrum.eigenvalues(), spectrum.eigenvectors()};
 }
 
@@ -68,12 +69,11 @@ Spectrum smallest_eigenvalues(const Elimination& elimination, const Eigen::Matri
     for (int step = 0; step < 8; ++step) {
       stop_point();
       take_away(motions, basis);
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(basis);
-      basis = qr.householderQ() * Eigen::MatrixXd::Identity(n, count);
+      basis = linear_algebra::orthonormal_columns(basis);
       if (step < 7) basis = factor.solve(basis);
     }
     take_away(motions, basis);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small(basis.transpose() * matrix.multiply(basis));
+    const linear_algebra::SymmetricEigen small(basis.transpose() * matrix.multiply(basis));
     found = {small.eigenvalues(), basis * small.eigenvectors()};
     if (found.values(count - 1) >= limit || count == n) return found;
   }

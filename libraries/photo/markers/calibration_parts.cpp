@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "photo/markers/marker_truth.hpp"
 
@@ -59,7 +60,7 @@ CalibrationParts compare(const std::string& split, const Calibration& a, const C
   // Both are of one camera, which draws edges in alike.
   const Eigen::VectorXd apart = a.by_inset - b.by_inset;
   const Eigen::MatrixXd sum = (ca + cb + apart * apart.transpose())(both, both);
-  parts.statistic = d.dot(sum.ldlt().solve(d));
+  parts.statistic = d.dot(linear_algebra::solve_symmetric(sum, d));
   return parts;
 }
 

@@ -9,6 +9,7 @@
 #include <map>
 #include <numeric>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
@@ -97,7 +98,7 @@ std::vector<Contrast> groups(const EffectFit& fit, const Hypothesis& hypothesis)
   if (!steps.allFinite() || !(weight.sum() > 0)) return {};
   const Eigen::RowVectorXd mean = weight.transpose() * steps / weight.sum();
   const Eigen::MatrixXd centred = weight.cwiseMax(0).cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(centred, Eigen::ComputeThinV);
+  const linear_algebra::SingularValues svd(centred, Eigen::ComputeThinV);
   const Eigen::VectorXd value = steps * svd.matrixV().col(0);
   const auto n = static_cast<std::size_t>(value.size());
   std::vector<int> order(n);
@@ -242,7 +243,7 @@ double by_place(const EffectModel& model, const Eigen::VectorXd& weights) {
   columns.col(0).setOnes();
   for (std::size_t k = 0; k < model.places().size(); ++k)
     columns.col(static_cast<Eigen::Index>(k) + 1) = model.places()[k];
-  const Eigen::VectorXd left = weights - columns * columns.colPivHouseholderQr().solve(weights);
+  const Eigen::VectorXd left = weights - columns * linear_algebra::least_squares_solution(columns, weights);
   return 1 - left.squaredNorm() / (weights.array() - weights.mean()).matrix().squaredNorm();
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/random.hpp"
 #include "photo/markers/camera_evidence.hpp"
@@ -120,14 +121,14 @@ ExpectedScatter expected_scatter(const CameraEvidence& evidence, const Eigen::Ma
     sum += shares.back();
   }
   const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(p, p);
-  const Eigen::MatrixXd to_unit = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(sum).operatorInverseSqrt();
+  const Eigen::MatrixXd to_unit = linear_algebra::SymmetricEigen(sum).operatorInverseSqrt();
   ExpectedScatter expected{Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p), Eigen::MatrixXd::Zero(p, p)};
   for (Eigen::MatrixXd& share : shares) {
     share = to_unit * share * to_unit;
     expected.by_effects += share * share;
   }
   for (const Eigen::MatrixXd& share : shares) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(share);
+    const linear_algebra::SymmetricEigen axes(share);
     const Eigen::VectorXd own = axes.eigenvalues().cwiseMax(0).cwiseMin(1 - 1e-4);
     const Eigen::MatrixXd& v = axes.eigenvectors();
     const Eigen::VectorXd grown = own.array() / (1 - own.array());
@@ -150,7 +151,7 @@ struct Scale {
 /// Source: Haff (1980), Empirical Bayes estimation of the multivariate normal covariance matrix, Ann. Statist. 8(3).
 Scale most_likely(const Eigen::MatrixXd& scatter, int photographs) {
   const auto p = static_cast<double>(scatter.rows()), m = photographs - 1.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(scatter);
+  const linear_algebra::SymmetricEigen axes(scatter);
   const Eigen::ArrayXd sums = m * axes.eigenvalues().array().max(0);
   const auto log_gamma = [&](double x) {  // multivariate, without what does not depend on x
     double sum = 0;
@@ -214,10 +215,8 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence,
   const double effects =
       std::max(0.0, (found - expected.of_corners).trace() / std::max(1e-12, expected.of_effects.trace()));
   const Eigen::MatrixXd to_unit =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(expected.of_corners + effects * expected.of_effects)
-          .operatorInverseSqrt();
-  const Eigen::MatrixXd from_unit =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(unit + effects * expected.by_effects).operatorSqrt();
+      linear_algebra::SymmetricEigen(expected.of_corners + effects * expected.of_effects).operatorInverseSqrt();
+  const Eigen::MatrixXd from_unit = linear_algebra::SymmetricEigen(unit + effects * expected.by_effects).operatorSqrt();
   const Eigen::MatrixXd even = to_unit * found * to_unit;
   if (!even.allFinite()) return as_of_few();  // the photographs alone leave a direction open
   const Scale scale = most_likely(even, result.photographs);
@@ -226,7 +225,7 @@ EmpiricalCovariance empirical_covariance(const CameraEvidence& evidence,
     result.by_place = std::sqrt(alike_by(influences, neighbours_by_place(cam_from_object)));
   const double alike = std::pow(std::max(result.by_order, result.by_place), 2);
   const Eigen::MatrixXd turned = from_unit * scale.axes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(
+  const linear_algebra::SymmetricEigen axes(
       Eigen::MatrixXd(alike * turned * scale.variances.asDiagonal() * turned.transpose()));
   const Eigen::MatrixXd larger =
       axes.eigenvectors() * axes.eigenvalues().cwiseMax(1).asDiagonal() * axes.eigenvectors().transpose();

@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
@@ -125,7 +126,7 @@ MarkerHalves compare(const Centres& one, const Centres& two) {
   // Neither knows where the other's frame lies: a motion between them costs nothing.
   motions.colwise().normalize();
   sum += kFreeMotion * sum.diagonal().maxCoeff() * motions * motions.transpose();
-  const double square = difference.dot(sum.ldlt().solve(difference));
+  const double square = difference.dot(linear_algebra::solve_symmetric(sum, difference));
   halves.variance = square / halves.freedom;
   halves.tags_contradict = square > chi_squared_quantile(0.999, halves.freedom) && std::sqrt(halves.variance) > 1.5;
   return halves;
@@ -144,7 +145,7 @@ void compare_cameras(const MarkerBlock& block, const MarkerResult& one, const Ma
     Eigen::VectorXd d(static_cast<Eigen::Index>(both.size()));
     for (std::size_t i = 0; i < both.size(); ++i) d(static_cast<Eigen::Index>(i)) = second[both[i]] - first[both[i]];
     const Eigen::MatrixXd sum = a(both, both) + b(both, both);
-    square += d.dot(sum.ldlt().solve(d)), halves.camera_freedom += static_cast<int>(both.size());
+    square += d.dot(linear_algebra::solve_symmetric(sum, d)), halves.camera_freedom += static_cast<int>(both.size());
   }
   if (halves.camera_freedom == 0) return;
   halves.camera_variance = square / halves.camera_freedom;

@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "base/text/text.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
 #include "photo/markers/marker_model.hpp"
@@ -286,7 +287,7 @@ CalibrationTest test_calibration(const Eigen::VectorXd& change, const Eigen::Mat
   CalibrationTest test;
   if (free.empty()) return test;
   const Eigen::MatrixXd before = prior(free, free), shown = before - adjusted(free, free);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> directions(shown, before);
+  const linear_algebra::GeneralizedSymmetricEigen directions(shown, before);
   const Eigen::VectorXd along = directions.eigenvectors().transpose() * change(free);
   for (Eigen::Index k = 0; k < along.size(); ++k) {
     const double redundancy = directions.eigenvalues()(k);

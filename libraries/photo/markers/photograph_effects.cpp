@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
@@ -28,7 +29,7 @@ void add_main_columns(Eigen::MatrixXd rows, int most, std::vector<Eigen::VectorX
   constexpr double hardly = 1e-3;  // [rad], relative: nobody holds a camera as still
   rows.rowwise() -= rows.colwise().mean().eval();
   const auto n = static_cast<double>(rows.rows());
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU);
+  const linear_algebra::SingularValues svd(rows, Eigen::ComputeThinU);
   for (Eigen::Index k = 0; k < std::min<Eigen::Index>(most, svd.singularValues().size()); ++k)
     if (svd.singularValues()(k) > hardly * std::sqrt(n)) columns.emplace_back(std::sqrt(n) * svd.matrixU().col(k));
 }
@@ -36,7 +37,7 @@ void add_main_columns(Eigen::MatrixXd rows, int most, std::vector<Eigen::VectorX
 /// Inverse of a normal matrix, by way of its correlations; directions that are not determined get none.
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& normal, double& log_determinant) {
   const Eigen::VectorXd scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(scale.asDiagonal() * normal * scale.asDiagonal());
+  const linear_algebra::SymmetricEigen axes(scale.asDiagonal() * normal * scale.asDiagonal());
   const double least = 1e-11 * axes.eigenvalues().maxCoeff();
   const Eigen::VectorXd values = axes.eigenvalues().cwiseMax(least);
   log_determinant = values.array().log().sum() - 2 * scale.array().log().sum();
@@ -61,7 +62,7 @@ EffectModel::EffectModel(const CameraEvidence& evidence, const BrownCamera& came
     information_.emplace_back(inverse.asDiagonal() * evidence.information[i] * inverse.asDiagonal());
     // Directions that a photograph hardly determines hold the errors of the linearisation, too.
     constexpr double well = 1e-3;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(information_.back());
+    const linear_algebra::SymmetricEigen axes(information_.back());
     const Eigen::VectorXd along = axes.eigenvectors().transpose() * scores_.back();
     for (Eigen::Index k = 0; k < q; ++k)
       if (axes.eigenvalues()(k) > well * axes.eigenvalues()(q - 1))
@@ -172,7 +173,7 @@ void EffectFit::own_steps(const Eigen::MatrixXd& directions, Eigen::MatrixXd& st
     const Eigen::MatrixXd own = directions.transpose() * information_[at] * directions;
     const Eigen::VectorXd left = scores_[at] - information_[at].leftCols(p) * common_.head(p);
     const Eigen::MatrixXd floor = 1e-9 * own.trace() * Eigen::MatrixXd::Identity(k, k);
-    steps.row(i) = (own + floor).ldlt().solve(directions.transpose() * left).transpose();
+    steps.row(i) = linear_algebra::solve_symmetric(own + floor, directions.transpose() * left).transpose();
     information(i) = own.trace();
   }
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "photo/bundle/terms.hpp"
 #include "photo/markers/camera_evidence.hpp"
 
@@ -127,7 +128,7 @@ Eigen::VectorXd change_without(const PhotographShare& share, const Eigen::Matrix
   const auto n = static_cast<Eigen::Index>(kept.size());
   const Eigen::MatrixXd left =
       Eigen::MatrixXd::Identity(n, n) - share.information.topLeftCorner(n, n) * cofactor(kept, kept);
-  return -cofactor(wanted, kept) * left.partialPivLu().solve(share.score.head(n));
+  return -cofactor(wanted, kept) * linear_algebra::solve(left, share.score.head(n));
 }
 
 }  // namespace plumbline::markers

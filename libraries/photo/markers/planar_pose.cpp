@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/linear_algebra/decompositions.hpp"
+#include "geometry/similarity.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -58,8 +61,7 @@ std::vector<Eigen::Matrix3d> rotations_of(const Eigen::Matrix3d& homography) {
   const Eigen::Vector2d v(h(0, 2), h(1, 2));
   Eigen::Matrix2d slope;
   slope << h(0, 0) - h(2, 0) * v.x(), h(0, 1) - h(2, 1) * v.x(), h(1, 0) - h(2, 0) * v.y(), h(1, 1) - h(2, 1) * v.y();
-  const Eigen::Matrix3d turn =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), v.homogeneous().eval()).toRotationMatrix();
+  const Eigen::Matrix3d turn = shortest_rotation(Eigen::Vector3d::UnitZ(), v.homogeneous()).toRotationMatrix();
   Eigen::Matrix<double, 2, 3> sight;
   sight << 1, 0, -v.x(), 0, 1, -v.y();
   const Eigen::Matrix2d a = (sight * turn).leftCols<2>().inverse() * slope;
@@ -95,7 +97,7 @@ Eigen::Matrix3d plane_homography(const std::vector<Eigen::Vector2d>& plane, cons
     rows.row(r) << p.transpose(), 0, 0, 0, -q.x() * p.transpose();
     rows.row(r + 1) << 0, 0, 0, p.transpose(), -q.y() * p.transpose();
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeFullV);
+  const linear_algebra::SingularValues svd(rows, Eigen::ComputeFullV);
   const Eigen::VectorXd h = svd.matrixV().col(8);
   Eigen::Matrix3d m;
   m << h(0), h(1), h(2), h(3), h(4), h(5), h(6), h(7), h(8);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "plumbline/stop.hpp"
 #include "surface/dense/facet_sigmas.hpp"
 
@@ -196,13 +197,13 @@ Eigen::MatrixXd reduced_factor(const Eigen::MatrixXd& rows, const OrientationCov
   const Eigen::VectorXd scale = orientations.matrix.diagonal()(used).cwiseSqrt();
   const Eigen::MatrixXd correlations =
       scale.cwiseInverse().asDiagonal() * orientations.matrix(used, used) * scale.cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(correlations);
+  const linear_algebra::SymmetricEigen spectrum(correlations);
   if (!(spectrum.eigenvalues()(0) > -1e-6 * static_cast<double>(used.size())))
     throw std::runtime_error("the covariance of the orientations has a negative eigenvalue: it is none");
   const Eigen::MatrixXd root =
       scale.asDiagonal() * spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   const Eigen::MatrixXd stacked = rows(Eigen::all, used) * root;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> principal(stacked.transpose() * stacked);
+  const linear_algebra::SymmetricEigen principal(stacked.transpose() * stacked);
   const double all = principal.eigenvalues().sum();
   Eigen::Index kept = 0;
   double rest = all;

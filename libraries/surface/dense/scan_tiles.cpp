@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
+
 namespace plumbline::surface {
 namespace {
 
@@ -126,7 +128,7 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> factor_of(const ScanPlace& place, const
   if ((n != 6 && n != 7) || place.covariance.cols() != n || !place.covariance.allFinite())
     throw std::invalid_argument("the covariance of a scan's place has " + std::to_string(n) +
                                 " rows, expected 6, or 7 with scale");
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spectrum(place.covariance);
+  const linear_algebra::SymmetricEigen spectrum(place.covariance);
   if (spectrum.eigenvalues()(0) < -1e-9 * std::max(spectrum.eigenvalues()(n - 1), 1e-30))
     throw std::invalid_argument("the covariance of the scan's place has a negative eigenvalue: it is none");
   const Eigen::MatrixXd root = spectrum.eigenvectors() * spectrum.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/similarity.hpp"
 #include "geometry/statistics.hpp"
 #include "least_squares/problem/reliability.hpp"
@@ -207,10 +208,10 @@ MatrixXd weights_of(const Difference& r, const MatrixXd& all_motions) {
       c += scale / std::max(1e-12, g.col(k).cwiseAbs2().maxCoeff()) * g.col(k) * g.col(k).transpose();
   }
   require_regular(c, static_cast<int>(g.cols()));
-  const MatrixXd p = c.ldlt().solve(MatrixXd::Identity(c.rows(), c.cols()));
+  const MatrixXd p = linear_algebra::solve_symmetric(c, MatrixXd::Identity(c.rows(), c.cols()));
   const MatrixXd pg = p * g;
   full(rows, rows) =
-      g.cols() == 0 ? p : MatrixXd(p - pg * MatrixXd(g.transpose() * pg).ldlt().solve(MatrixXd(pg.transpose())));
+      g.cols() == 0 ? p : MatrixXd(p - pg * linear_algebra::solve_symmetric(g.transpose() * pg, pg.transpose()));
   return full;
 }
 
@@ -234,7 +235,7 @@ class Localisation {
     if (without.empty()) return total_;
     const auto rows = rows_of(r_, without);
     const VectorXd u = u_(rows);
-    return std::max(0.0, total_ - u.dot(MatrixXd(weights_(rows, rows)).ldlt().solve(u)));
+    return std::max(0.0, total_ - u.dot(linear_algebra::solve_symmetric(weights_(rows, rows), u)));
   }
   int rank(const std::vector<size_t>& without) const { return rank_ - static_cast<int>(rows_of(r_, without).size()); }
   double critical(const std::vector<size_t>& without) const {
@@ -292,7 +293,7 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
   MatrixXd h = g.transpose();
   for (size_t i = 0; i < stable.size(); ++i)
     if (!stable[i]) h.middleCols(static_cast<Index>(3 * i), 3).setZero();
-  if (g.cols() > 0) h = MatrixXd(h * g).ldlt().solve(h);
+  if (g.cols() > 0) h = linear_algebra::solve_symmetric(h * g, h);
   const VectorXd d = r.d - g * (h * r.d);
   const MatrixXd hc = h * r.covariance, hch = hc * h.transpose();
   const double delta = least_squares::non_centrality(options.alpha0, options.power);
@@ -308,7 +309,7 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
     m.critical = critical_value(options.alpha0, m.rank, options.variance_degrees);
     m.covariance = r.covariance.block<3, 3>(k, k) - cross - cross.transpose() + gi * hch * gi.transpose();
     const VectorXd movement = d(rows);
-    m.statistic = movement.dot(MatrixXd(m.covariance(own, own)).ldlt().solve(movement));
+    m.statistic = movement.dot(linear_algebra::solve_symmetric(m.covariance(own, own), movement));
     for (const Index c : own) {
       m.position[c] = r.place[k + c];
       m.movement[c] = d[k + c];

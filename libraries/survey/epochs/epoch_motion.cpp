@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::survey {
@@ -33,7 +34,7 @@ MatrixXd free_directions(const MatrixXd& covariance, double before) {
   constexpr double kNothing = 1e-9;  // of the variance that a point had: rounding leaves 1e-14
   const Index n = covariance.rows();
   if (n == 0) return MatrixXd(0, 0);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(covariance);
+  const linear_algebra::SymmetricEigen spectrum(covariance);
   const Index none = (spectrum.eigenvalues().array() <= kNothing * before).count();
   return none == 0 ? MatrixXd(MatrixXd::Identity(n, n)) : MatrixXd(spectrum.eigenvectors().rightCols(n - none));
 }
@@ -81,9 +82,9 @@ MatrixXd shown_velocities(const MatrixXd& normal) {
   const Index n = normal.rows() / 2;
   const MatrixXd of_both = normal.topRightCorner(n, n), of_velocity = normal.bottomRightCorner(n, n);
   const MatrixXd reduced =
-      of_velocity - of_both.transpose() * MatrixXd(normal.topLeftCorner(n, n)).ldlt().solve(of_both);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> spectrum(reduced);
-  const double largest = Eigen::SelfAdjointEigenSolver<MatrixXd>(of_velocity).eigenvalues()[n - 1];
+      of_velocity - of_both.transpose() * linear_algebra::solve_symmetric(normal.topLeftCorner(n, n), of_both);
+  const linear_algebra::SymmetricEigen spectrum(reduced);
+  const double largest = linear_algebra::SymmetricEigen(of_velocity).eigenvalues()[n - 1];
   const Index none = (spectrum.eigenvalues().array() <= kNothing * largest).count();
   return spectrum.eigenvectors().rightCols(n - none);
 }
@@ -119,7 +120,8 @@ void add_movements(const std::vector<SeenPoint>& seen, const SeriesOptions& opti
     }
     const MatrixXd directions = free_directions(c, before);
     const VectorXd free = directions.transpose() * d;
-    if (free.size() > 0) at.statistic = free.dot(MatrixXd(directions.transpose() * c * directions).ldlt().solve(free));
+    if (free.size() > 0)
+      at.statistic = free.dot(linear_algebra::solve_symmetric(directions.transpose() * c * directions, free));
     at.critical = critical_of(options.alpha0, static_cast<int>(std::max<Index>(1, free.size())), degrees);
     at.moved = at.statistic > at.critical;
     const double length = d.norm(),
@@ -155,7 +157,7 @@ void add_velocity(const std::vector<SeenPoint>& seen, const SeriesOptions& optio
   Index equations = 0;
   for (const SeenPoint& s : seen) {
     const LineRows& rows = line.emplace_back(rows_of(s, directions, axes, origin, s.time - seen.front().time));
-    const MatrixXd weighted = rows.covariance.ldlt().solve(rows.design);
+    const MatrixXd weighted = linear_algebra::solve_symmetric(rows.covariance, rows.design);
     normal += rows.design.transpose() * weighted;
     right += weighted.transpose() * rows.place;
     equations += rows.place.size();
@@ -181,12 +183,12 @@ void add_velocity(const std::vector<SeenPoint>& seen, const SeriesOptions& optio
     point.velocity[axes[a]] = along[i], point.velocity_sigma[axes[a]] = std::sqrt(std::max(0.0, variances[i]));
   }
   point.velocity_critical = critical_of(options.alpha0, static_cast<int>(m), degrees);
-  point.velocity_statistic = v.dot(q.ldlt().solve(v));
+  point.velocity_statistic = v.dot(linear_algebra::solve_symmetric(q, v));
   point.moves = point.velocity_statistic > point.velocity_critical;
   if (equations <= n + m) return;
   for (const LineRows& rows : line) {
     const VectorXd r = rows.place - rows.design * x;
-    point.misfit += r.dot(rows.covariance.ldlt().solve(r));
+    point.misfit += r.dot(linear_algebra::solve_symmetric(rows.covariance, r));
   }
   point.misfit_critical = critical_of(options.alpha0, static_cast<int>(equations - n - m), degrees);
 }

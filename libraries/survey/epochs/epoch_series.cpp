@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
 #include "survey/epochs/epoch_axes.hpp"
@@ -147,7 +148,7 @@ void align(const Epoch& reference, const std::vector<std::string>& stable, int f
   for (Index k = 0; k < g.cols(); ++k)
     if (e.col(k).cwiseAbs().maxCoeff() > 0) moving.push_back(k);
   const MatrixXd of = g(Eigen::all, moving), on = e(Eigen::all, moving);
-  const MatrixXd h = MatrixXd(on.transpose() * of).ldlt().solve(MatrixXd(on.transpose()));
+  const MatrixXd h = linear_algebra::solve_symmetric(on.transpose() * of, on.transpose());
   MatrixXd s = MatrixXd::Identity(3 * n, 3 * n) - of * h;
   for (Index i = 0; i < n; ++i) s.middleRows(3 * i, 3) = (turn * s.middleRows(3 * i, 3)).eval();  // and turned with it
   epoch.covariance = (s * epoch.covariance * s.transpose()).eval();

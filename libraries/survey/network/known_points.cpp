@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
 #include "survey/network/network_model.hpp"
 #include "survey/words/network_words.hpp"
@@ -40,7 +41,7 @@ Known known_of(const CoordinateGroup& group, const NetworkModel& model, const Ne
   }
   MatrixXd q = MatrixXd::Zero(n, n);  // of the adjusted coordinates
   q(rows, rows) = cofactors.joint(unknowns);
-  const MatrixXd p = group.covariance.ldlt().solve(MatrixXd::Identity(n, n));
+  const MatrixXd p = linear_algebra::solve_symmetric(group.covariance, MatrixXd::Identity(n, n));
   return {&group, p * v, p - p * q * p, p.diagonal().maxCoeff()};
 }
 
@@ -57,7 +58,7 @@ KnownPoint difference_of(const Known& known, const std::string& id, double alpha
   for (const Index row : rows)
     result.sigma[known.group->components[row].axis] = std::sqrt(known.group->covariance(row, row));
   const VectorXd u = known.u(rows);
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(known.m(rows, rows)));
+  const linear_algebra::SymmetricEigen eigen(MatrixXd(known.m(rows, rows)));
   VectorXd d = VectorXd::Zero(u.size());
   for (Index k = 0; k < u.size(); ++k) {
     const double weight = eigen.eigenvalues()[k];

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <set>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "survey/network/network_model.hpp"
 #include "survey/network/network_parts.hpp"
 #include "survey/words/network_words.hpp"
@@ -33,8 +34,8 @@ class DefectNamer {
   Eigen::MatrixXd beyond_motions() const {
     const Eigen::MatrixXd motions = whole_motions();
     const Eigen::MatrixXd unit = open_.colwise().normalized();
-    const Eigen::MatrixXd rest = unit - motions * motions.completeOrthogonalDecomposition().solve(unit);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
+    const Eigen::MatrixXd rest = unit - motions * linear_algebra::minimum_norm_solution(motions, unit);
+    const linear_algebra::SingularValues svd(rest, Eigen::ComputeThinU);
     const auto count = (svd.singularValues().array() > 1e-3).count();
     return svd.matrixU().leftCols(count);
   }
@@ -101,7 +102,7 @@ class DefectNamer {
   /// Does a movement of these points that turns orientations with it lie in the open directions?
   bool is_open(const Eigen::VectorXd& movement) const {
     if (movement.norm() == 0) return false;
-    const Eigen::VectorXd fit = open_ * open_.completeOrthogonalDecomposition().solve(movement);
+    const Eigen::VectorXd fit = open_ * linear_algebra::minimum_norm_solution(open_, movement);
     return (movement - fit).norm() < 1e-4 * movement.norm();
   }
 
@@ -167,7 +168,7 @@ class DefectNamer {
   /// Nothing that was named already says it.
   bool is_new(const Eigen::VectorXd& movement) const {
     if (named_.cols() == 0) return true;
-    const Eigen::VectorXd fit = named_ * named_.completeOrthogonalDecomposition().solve(movement);
+    const Eigen::VectorXd fit = named_ * linear_algebra::minimum_norm_solution(named_, movement);
     return (movement - fit).norm() > 1e-3 * movement.norm();
   }
   std::vector<std::string> names_of(const std::vector<int>& points) const {
@@ -295,8 +296,8 @@ class DefectNamer {
     for (int axis = 0; axis < 3; ++axis) motions.col(axis) = translation(points, axis);
     motions.col(3) = turn(points, orientations_of(points), centre);
     // A movement is not of the whole if a held point would have to take part in it.
-    const Eigen::MatrixXd unseen = open_ * open_.completeOrthogonalDecomposition().solve(motions) - motions;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(unseen, Eigen::ComputeFullV);
+    const Eigen::MatrixXd unseen = open_ * linear_algebra::minimum_norm_solution(open_, motions) - motions;
+    const linear_algebra::SingularValues svd(unseen, Eigen::ComputeFullV);
     int count = 0;
     for (int c = 0; c < 4; ++c) {
       const Eigen::VectorXd v = motions * svd.matrixV().col(c);
@@ -342,7 +343,7 @@ class DefectNamer {
   /// What these movements do not explain belongs to single points or set-ups.
   void name_rest(Eigen::MatrixXd rest) {
     const Eigen::VectorXd before = rest.colwise().norm().transpose();
-    if (named_.cols() > 0) rest -= named_ * named_.completeOrthogonalDecomposition().solve(rest);
+    if (named_.cols() > 0) rest -= named_ * linear_algebra::minimum_norm_solution(named_, rest);
     std::set<int> blocks;
     for (int c = 0; c < rest.cols(); ++c) {
       if (rest.col(c).norm() < 1e-3 * before[c]) continue;

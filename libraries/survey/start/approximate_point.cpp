@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "survey/model/observation_equations.hpp"
 #include "survey/start/approximate_frame.hpp"
 
@@ -49,7 +50,7 @@ std::optional<Vector3d> improve(const std::vector<PointCondition>& conditions, V
       if (damping > 1e6) break;
     }
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a);
+  const linear_algebra::SingularValues svd(a);
   if (!(v.cwiseAbs().maxCoeff() < kAgreement) || svd.singularValues()[2] < kWeakest) return std::nullopt;
   return p;
 }

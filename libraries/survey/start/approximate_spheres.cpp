@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "survey/start/approximate_frame.hpp"
 
 namespace plumbline::survey {
@@ -60,7 +61,7 @@ bool Frame::place_by_slope_distances(bool accept_ambiguous) {
       a.row(static_cast<Eigen::Index>(k)) = 2 * c.transpose();
       b[static_cast<Eigen::Index>(k)] = c.squaredNorm() - list[k].radius * list[k].radius - power;
     }
-    Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    linear_algebra::SingularValues svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
     svd.setThreshold(kFlat);
     if (svd.rank() < 2) continue;
     const Vector3d foot = mean + svd.solve(b);  // in the plane of the centres, if they lie in one

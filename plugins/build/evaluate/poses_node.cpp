@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/packed_symmetric.hpp"
 
@@ -24,7 +25,8 @@ double squared_error(const PoseT& estimate, const RigidTransform& exact) {
   const Eigen::AngleAxisd turn(exact.rotation * estimate.cam_from_world.rotation.conjugate());
   Eigen::Matrix<double, 6, 1> error;
   error << turn.angle() * turn.axis(), exact.translation - estimate.cam_from_world.translation;
-  return error.dot(unpack_symmetric(estimate.covariance, 6, "the pose of " + estimate.path).ldlt().solve(error));
+  return error.dot(
+      linear_algebra::solve_symmetric(unpack_symmetric(estimate.covariance, 6, "the pose of " + estimate.path), error));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/text/words.hpp"
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "loop/state/plan_artifact.hpp"
 
@@ -168,7 +169,7 @@ class Builder {
     if (found == 0) return;
     for (const Eigen::Index place : at)
       for (Eigen::Index k = 0; k < 3; ++k) anchors.push_back(place < 0 ? 0 : 3 * place + k);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_control(all(known, known));
+    const linear_algebra::SymmetricEigen of_control(all(known, known));
     const double largest = std::max(0.0, of_control.eigenvalues().maxCoeff());
     Eigen::MatrixXd across = all(anchors, known) * of_control.eigenvectors();
     for (std::size_t b = 0; b < at.size(); ++b)

@@ -11,6 +11,7 @@
 
 #include "camera_profiles.hpp"  // generated from profiles/*.yaml
 #include "geometry/random.hpp"
+#include "geometry/similarity.hpp"
 #include "base/text/one_document.hpp"
 
 namespace plumbline::simulate {
@@ -184,8 +185,7 @@ RigidTransform cutting_a_tag(const Building& building, const BrownCamera& camera
   if (std::isinf(nearest)) return pose;
   const auto now = unproject(camera, from), then = unproject(camera, to);
   if (!now || !then) return pose;
-  const RigidTransform turn{Eigen::Quaterniond::FromTwoVectors(now->homogeneous(), then->homogeneous()),
-                            Eigen::Vector3d::Zero()};
+  const RigidTransform turn{shortest_rotation(now->homogeneous(), then->homogeneous()), Eigen::Vector3d::Zero()};
   return turn * pose;
 }
 
