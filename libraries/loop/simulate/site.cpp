@@ -131,6 +131,24 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
   actuals.items.push_back(std::move(actual));
 }
 
+/// Its face, in the frame of the control that its floor has.
+void SimulatedSite::see_panel(const std::string& id, Random& luck, ActualT& actual) const {
+  constexpr double kSeen = 0.001;  // who hangs a panel sees it to a millimetre
+  for (std::size_t j = 0; j < design_.panels.size(); ++j) {
+    const Panel& panel = design_.panels[j];
+    if (panel.id != id) continue;
+    std::vector<Bracket> there = design_.brackets;
+    for (Bracket& bracket : there) bracket.deviation.setZero();
+    const PanelPose pose = pose_of(panel, there);
+    Eigen::VectorXd moved(pose.solve.cols());
+    for (Eigen::Index i = 0; i < moved.size(); ++i) moved[i] = pose.held[i].direction.dot(truth_[pose.held[i].bracket]);
+    const Eigen::Matrix<double, 6, 1> twist = pose.solve * moved;
+    actual.measured = panel.centre + twist.head<3>() + made_[5 * j + 4] * panel.axes.col(2) +
+                      walk_[panel.floor - 1] * Eigen::Vector3d::UnitZ() + luck.normal3(kSeen);
+  }
+  actual.sigma.setConstant(kSeen);
+}
+
 ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
   ActualsT actuals;
   std::vector<int> hung(static_cast<std::size_t>(options_.tower.floors) + 1, 0);
@@ -150,7 +168,7 @@ ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
     if (luck.uniform() < options_.faults.did_nothing)
       planted_.push_back({"panel not hung", item->id, round, 0}), not_hung_.insert(item->id);
     else
-      actual->measured = item->expected + luck.normal3(0.001), not_hung_.erase(item->id);
+      see_panel(item->id, luck, *actual), not_hung_.erase(item->id);
     actuals.items.push_back(std::move(actual));
     hung[item->floor] += loads_.insert(item->id).second;
   }

@@ -220,6 +220,14 @@ void count_planted(const SimulatedSite& site, const LoopStateT& state, TrialResu
   }
 }
 
+void look_at_plates_of(SimulatedSite& site, const std::string& id, TrialResult& result) {
+  for (const Panel& panel : site.design().panels) {
+    if (panel.id != id) continue;
+    for (const Hook& hook : panel.hooks) site.mend_plate(site.design().brackets[hook.bracket].id);
+  }
+  ++result.looks;
+}
+
 /// A person goes where the state sends one: to brackets that moved without explanation, once to each that was set too
 /// often, and to the control of a floor that was in doubt twice in a row (once may have been the campaign).
 void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std::string>& in_doubt,
@@ -237,6 +245,7 @@ void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std:
     if (!is_doubtful && !set_too_often.insert(item->id).second) continue;
     rejected.push_back(item->id);
     if (item->kind == "bracket") site.mend_plate(item->id), ++result.looks;
+    if (item->kind == "panel" && item->why.rfind("was measured ", 0) == 0) look_at_plates_of(site, item->id, result);
   }
   for (const auto& item : state.items)
     if (item->kind == "panel" && item->status == ItemStatus::relocalised && item->hangs && !item->seen)

@@ -157,6 +157,14 @@ std::string no_proof(const LoopItemT& item, const ActualT& actual) {
          "; measure it again, or accept it when somebody has seen it";
 }
 
+/// The place of a panel with its standard deviations, for whoever compares it with where its brackets say that it
+/// hangs.
+std::vector<double> place_with_sigma(const ActualT& actual) {
+  if (!actual.measured.allFinite() || !actual.sigma.allFinite() || !(actual.sigma.minCoeff() > 0)) return {};
+  return {actual.measured.x(), actual.measured.y(), actual.measured.z(),
+          actual.sigma.x(),    actual.sigma.y(),    actual.sigma.z()};
+}
+
 /// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
 /// be of the time before it was taken down and hung again.
 bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
@@ -210,7 +218,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
     for (auto& candidate : state.items)
       if (candidate->id == actual->item) item = candidate.get(), ++named;
     if (named == 1 && shows_what_was_reported(*item, *actual)) {
-      item->seen = true;
+      item->seen = true, item->place = place_with_sigma(*actual);
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
       continue;
     }
@@ -232,6 +240,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
       item->seen = item->hangs && shows_panel(*item, *actual);
+      item->place = item->seen ? place_with_sigma(*actual) : std::vector<double>();
       if (const std::string doubt = no_proof(*item, *actual); doubted && !doubt.empty())
         doubted->push_back(report + doubt);
       item->at = actual->at;  // of the work, not of its release: none is none
@@ -281,6 +290,7 @@ bool accept_item(LoopStateT& state, const std::string& id) {
     }
     if (item->id != id || item->status != ItemStatus::rejected) continue;
     found = true, item->reworks = item->waited = 0;
+    item->place.clear();  // somebody has looked at what it contradicted
     // What hangs is not released again: the next measurement judges it.
     move(state, *item, item->hangs ? ItemStatus::relocalised : ItemStatus::planned,
          {"accepted by a person", {}, {}, {}});

@@ -13,7 +13,8 @@
 // stays verified until its control fits again or somebody has looked at it.
 //
 // The plates tell nothing of whether a panel hangs: it is verified only if it was itself measured (its report has a
-// place that is not the target's own number) or a person has seen it.
+// place that is not the target's own number) or a person has seen it. A place with standard deviations is compared with
+// where the brackets say that the panel hangs; one that contradicts them sends a person.
 #pragma once
 
 #include "artifacts/actuals.hpp"

@@ -72,6 +72,25 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
                                                            : "nothing is planned";
 }
 
+/// What verification rests on, and cannot tell.
+std::string untold_words(const LoopStateT& state) {
+  int told = 0, untold = 0;
+  double from = 0;
+  for (const auto& item : state.items) {
+    if (item->kind != "panel" || item->status != ItemStatus::verified) continue;
+    (item->told_from > 0 ? told : untold)++, from = std::max(from, item->told_from);
+  }
+  const std::string what = "no campaign tells a plate that was knocked before it was measured first: ";
+  std::string text;
+  if (told > 0)
+    text += what + "the measured places of " + std::to_string(told) + " verified panels would, from a shift of " +
+            text::millimetres(from) + " at their centre on (four times in five)\n";
+  if (untold > 0)
+    text += what + "of " + std::to_string(untold) +
+            " verified panels nothing would, give their measured place with its sigma\n";
+  return text;
+}
+
 }  // namespace
 
 std::string next_step(const LoopStateT& state) {
@@ -101,7 +120,7 @@ std::string next_words(const LoopStateT& state) {
     if (!floor.measure.empty()) text += begin + "measure " + text::join(floor.measure) + "\n";
     for (const std::string& line : floor.lines) text += begin + line + "\n";
   }
-  return text;
+  return text + untold_words(state);
 }
 
 }  // namespace plumbline::loop

@@ -41,6 +41,22 @@ std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const st
   return out;
 }
 
+/// Of a panel that hangs; empty where its hooks do not tell. Errors that are rare have no part in it.
+std::vector<double> centre_sigma(const Facade& facade, const Fit& fit, std::size_t j) {
+  const Panel& panel = facade.panels[j];
+  if (!panel.installed || fit.poses[j].held.empty()) return {};
+  std::vector<JudgedValue> along(3);
+  for (int k = 0; k < 3; ++k) {
+    const auto row = fit.poses[j].movement(panel, panel.centre, panel.axes.col(k));
+    if (!fit.poses[j].tells(row)) return {};
+    along[k].panel = j, along[k].direction = k, along[k].rows = {{j, row}};
+  }
+  along[2].edges = {{5 * j + 4, 1.0}};  // its face
+  const Eigen::MatrixXd own = errors_of({&along[0], &along[1], &along[2]}, facade, fit.poses).covariance_when(-1);
+  const Eigen::Vector3d sigma = (panel.axes * own * panel.axes.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
+  return {sigma.x(), sigma.y(), sigma.z()};
+}
+
 std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
                                               const PanelGate& gate, std::size_t index) {
   const Panel& panel = facade.panels[index];
@@ -53,7 +69,7 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
   out->depends_on = panel.depends_on, out->centre = panel.centre;
   out->corners.assign(panel.corners.begin(), panel.corners.end());
   out->shift = fit.twists[index].head<3>(), out->rotation = fit.twists[index].tail<3>() / fit.poses[index].arm;
-  out->installed = panel.installed;
+  out->installed = panel.installed, out->centre_sigma = centre_sigma(facade, fit, index);
   out->gate = gate.verdict == GateVerdict::go      ? GateDecision::go
               : gate.verdict == GateVerdict::no_go ? GateDecision::no_go
                                                    : GateDecision::hold;
@@ -153,6 +169,22 @@ std::string settings_csv(const InstallationPlanT& plan) {
   return text;
 }
 
+namespace {
+
+/// VERIFIED is a probability too: what is left of it, over all that hang.
+std::string hanging_words(const InstallationPlanT& plan) {
+  int panels = 0;
+  double outside = 0;
+  for (const auto& panel : plan.panels)
+    if (panel->installed && panel->p_in >= 0) ++panels, outside += 1 - panel->p_in;
+  return panels == 0
+             ? std::string()
+             : fmt::format("{} judged; of these {:.2f} are expected to be outside their limits (the sum of 1 - p)",
+                           panels, outside);
+}
+
+}  // namespace
+
 std::string installation_words(const InstallationPlanT& plan) {
   std::string text = std::to_string(plan.go) + " panels GO, " + std::to_string(plan.hold) + " HOLD, " +
                      std::to_string(plan.no_go) + " NO_GO\n";
@@ -168,6 +200,7 @@ std::string installation_words(const InstallationPlanT& plan) {
   }
   part("NO_GO", forbidden);
   part("HOLD", waiting);
+  if (const std::string hanging = hanging_words(plan); !hanging.empty()) part("What hangs", {hanging});
   part("Campaigns beside each other", plan.consistency);
   part("Not planned", plan.notes);
   part("Taken of who sets brackets",

@@ -135,6 +135,7 @@ void Round::release() {
     }
     item.waited = 0;
     item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
+    item.place.clear(), item.told_from = 0;
     move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
   }
 }

@@ -58,6 +58,9 @@ class Round {
   /// Whether all anchors of a panel were measured, and those of a panel that was just hung since it hangs.
   bool can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const;
   void verify_panels();
+  /// Why the panel's own place contradicts its brackets; empty: it does not, or there is none. It is compared once: the
+  /// building moves afterwards.
+  static std::string place_contradiction(const PlannedPanelT& panel, LoopItemT& item);
   void take_down(const PlannedPanelT& panel, LoopItemT& item);
   /// Back to planned with one more rework, or rejected after too many.
   void do_again(LoopItemT& item, const Because& because);

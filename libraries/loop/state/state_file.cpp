@@ -16,8 +16,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Of version 2 control and readings are not known; of version 3 not on which control single items rest.
-constexpr int kVersion = 4, kOldest = 2;
+/// Of version 2 control and readings are not known; of version 3 not on which control single items rest; of version 4
+/// not where panels were measured themselves.
+constexpr int kVersion = 5, kOldest = 2;
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -85,7 +86,9 @@ Json json_of(const LoopItemT& item) {
           {"jobs", item.jobs},
           {"unset", item.unset},
           {"waited", item.waited},
-          {"control", item.control}};
+          {"control", item.control},
+          {"place", item.place},
+          {"told_from", item.told_from}};
 }
 
 ItemStatus status_of(const std::string& name) {
@@ -106,8 +109,11 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   json.at("basis").get_to(item->basis), json.at("jobs").get_to(item->jobs);
   if (json.contains("unset")) json.at("unset").get_to(item->unset), json.at("waited").get_to(item->waited);
   item->control = json.value("control", 0);
+  item->place = json.value("place", std::vector<double>()), item->told_from = json.value("told_from", 0.0);
   if (item->unset.size() != 0 && item->unset.size() != 3)
     throw std::runtime_error("where " + item->id + " stands unset has not three numbers");
+  if (item->place.size() != 0 && item->place.size() != 6)
+    throw std::runtime_error("where " + item->id + " was measured has not six numbers");
   return item;
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "loop/state/control_change.hpp"
+#include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
 #include "two_floors.hpp"
@@ -370,6 +371,39 @@ TEST(Rounds, APanelThatNothingHasSeenIsNotVerified) {
     next_plan(*state, plan_after_setting(0, "fourth"));
     EXPECT_EQ(item(*state, "p0").status, ItemStatus::verified) << item(*state, "p0").why;
   }
+}
+
+/// Its plates are where they were to be, as far as any campaign on them tells.
+TEST(Rounds, APanelThatHangsElsewhereThanItsBracketsSayGoesToAPerson) {
+  const auto judged = [](double off, double sigma) {
+    LoopStateT state = with_released_panel();
+    ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+    actuals.items[0]->measured = {0.0003, 0, off}, actuals.items[0]->sigma.setConstant(sigma);
+    EXPECT_TRUE(apply_actuals(state, actuals).empty());
+    InstallationPlanT plan = plan_after_setting(0, "third");
+    plan.panels[0]->centre_sigma = {0.0006, 0.0006, 0.0006};
+    next_plan(state, std::move(plan));
+    return state;
+  };
+  LoopStateT knocked = judged(0.0045, 0.0008), right = judged(0.0035, 0.0008), unsaid = judged(0.0045, nan);
+  EXPECT_EQ(item(knocked, "p0").status, ItemStatus::rejected);
+  EXPECT_EQ(item(knocked, "p0").why.find("was measured 4.5 mm from where its brackets say that it hangs: look whether"),
+            0u)
+      << item(knocked, "p0").why;
+  EXPECT_EQ(item(right, "p0").status, ItemStatus::verified);
+  EXPECT_NEAR(item(right, "p0").told_from, 0.00484, 1e-5);
+  EXPECT_NE(next_words(right).find("of 1 verified panels would, from a shift of 4.8 mm at their centre on"),
+            std::string::npos)
+      << next_words(right);
+  EXPECT_EQ(item(unsaid, "p0").status, ItemStatus::verified);
+  EXPECT_NE(next_words(unsaid).find("of 1 verified panels nothing would"), std::string::npos) << next_words(unsaid);
+  // Compared once, and not again after somebody has looked; the building sinks afterwards.
+  EXPECT_TRUE(accept_item(knocked, "p0"));
+  for (LoopStateT* state : {&knocked, &right}) {
+    next_plan(*state, plan_after_setting(0, "fourth"));
+    EXPECT_EQ(item(*state, "p0").status, ItemStatus::verified) << item(*state, "p0").why;
+  }
+  EXPECT_EQ(check_journal(knocked.journal).words, "");
 }
 
 TEST(Rounds, APanelThatWasReportedDoneAndThenFailedGoesToAPerson) {

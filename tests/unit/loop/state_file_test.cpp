@@ -21,6 +21,7 @@ LoopStateT some_state() {
   recall(state, {"CP3"}, "control point CP3 moved");
   close_round(state);
   state.readings = {"00aa", "11bb"};
+  item(state, "p0").place = {1.5, 2.5, 3.25, 0.001, 0.001, 0.002}, item(state, "p0").told_from = 0.0051;
   state.control.push_back(std::make_unique<ControlMarkT>());
   state.controls.push_back(std::make_unique<ControlSetT>());
   state.controls[0]->marks.push_back(std::make_unique<ControlMarkT>());
@@ -55,6 +56,8 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
   ASSERT_EQ(read.controls.size(), 1u);
   EXPECT_EQ(read.controls[0]->marks[0]->place, state.controls[0]->marks[0]->place);
   EXPECT_EQ(read.items[0]->control, 1);
+  EXPECT_EQ(item(read, "p0").place, item(state, "p0").place);
+  EXPECT_EQ(item(read, "p0").told_from, 0.0051);
   EXPECT_EQ(read.items[0]->unset, state.items[0]->unset);
   EXPECT_EQ(read.items[0]->unset.size(), 3u);
   for (LoopStateT* s : {&state, &read}) accept_item(*s, "CP3"), next_plan(*s, plan_after_setting(0, "third"));
