@@ -1,6 +1,6 @@
 // Known points as the readings alone have them, from the network that is adjusted with them: what a free network of its
 // own would say, without its start, its iterations, its order of elimination and its tests.
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -38,7 +38,7 @@ std::vector<char> control_blocks(const NetworkModel& m, const NetworkProblem& pr
   for (std::size_t g = 0; g < m.survey.coordinates.size(); ++g)
     if (m.survey.coordinates[g].is_control) rows.insert(m.first_row_of_group[g]);
   std::vector<char> out;
-  for (const auto& block : lin.blocks) out.push_back(rows.contains(problem.rows[static_cast<std::size_t>(block.row)]));
+  for (const auto& block : lin.blocks) out.push_back(rows.contains(problem.rows[block.row]));
   return out;
 }
 
@@ -73,7 +73,7 @@ MeasuredControl Adjuster::measured_control(Pass& pass) const {
     const int block = pass.problem.point_blocks[i];
     const auto& value = pass.problem.problem.parameters[block].value;
     for (int c = 0; c < 3; ++c) {
-      if (m_.roles[i][static_cast<std::size_t>(c)] == CoordinateRole::unused) continue;
+      if (m_.roles[i][c] == CoordinateRole::unused) continue;
       components.push_back({block, c});
       rows.push_back(static_cast<Index>(3 * points.size()) + c);
     }

@@ -19,7 +19,7 @@ namespace plumbline::survey {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFits = 0.85;     ///< share of sights that agree where a cause is undone
+constexpr double kMostFit = 0.85;  ///< share of sights that agree where a cause is undone
 constexpr double kMisfits = 0.75;  ///< and that do at most as the file is
 
 double circle(double angle) { return angle - 2 * kPi * std::floor(angle / (2 * kPi)); }
@@ -128,7 +128,7 @@ class Causes {
     for (const AngleMistake& mistake : kAngleMistakes) {
       stop_point();
       const double share = share_with(without_mistake(sample.survey, mistake, sample.set_up), sample.set_up);
-      if (share >= kFits && share > most) most = share, best = &mistake;
+      if (share >= kMostFit && share > most) most = share, best = &mistake;
     }
     if (!best) return false;
     const std::string owner = set_up < 0 ? "all " : "the ";

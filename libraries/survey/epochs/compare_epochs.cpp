@@ -1,6 +1,6 @@
 #include "survey/epochs/compare_epochs.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // What would mend a failing rule of a plan. Every remedy is tried out on a copy of the layout before it is proposed:
 // first single sights that are possible but not planned, then more sets, then one more set-up.
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,6 +1,6 @@
 // One point from any three observations that tie it to known points: what no construction with rays, circles or spheres
 // covers, such as a direction, a slope distance and a zenith angle from three different stations.
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -11,6 +11,7 @@
 #include "survey/model/common_info.hpp"
 #include "survey/model/reduced_readings.hpp"
 #include "survey/model/repeated_readings.hpp"
+#include "survey/start/alike_names.hpp"
 #include "survey/start/merged_names.hpp"
 
 namespace plumbline::survey {
@@ -255,6 +256,7 @@ MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const Mer
   else
     merged = Merger(surveys, options).run();
   for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
+  append(examine_known_names(merged.survey, options.known), merged.findings);
   return merged;
 }
 

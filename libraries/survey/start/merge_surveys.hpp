@@ -19,7 +19,8 @@ struct MergeOptions {
 
 struct MergedSurvey {
   SurveyObservations survey;
-  std::vector<Finding> findings;  ///< what was united and why, what was kept apart, coordinates that contradict
+  std::vector<Finding>
+      findings;  ///< what was united and why, what was kept apart, coordinates that contradict, known points unread
 };
 
 /// Readings that stand in two files, or in one twice, are taken once (take_out_repeated_readings), with a warning.

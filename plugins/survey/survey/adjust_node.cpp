@@ -10,6 +10,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
+#include "survey/start/alike_names.hpp"
 #include "survey/start/merge_surveys.hpp"
 #include "tables.hpp"
 
@@ -120,6 +121,23 @@ AdjustOptions AdjustNode::options() const {
   return o;
 }
 
+namespace {
+
+/// What was found when the files were joined may be why the network cannot be adjusted: then it is said before the
+/// failure, which has no result to say it in.
+NetworkResult adjust_or_say(Context& context, const MergedSurvey& merged, const AdjustOptions& options,
+                            const ControlPoints& known) {
+  try {
+    return adjust_network(merged.survey, options, known);
+  } catch (const NetworkError&) {
+    for (const Finding& finding : merged.findings)
+      if (finding.severity != Finding::Severity::note) context.warn(finding.text);
+    throw;
+  }
+}
+
+}  // namespace
+
 void AdjustNode::run(Context& context) {
   std::vector<SurveyObservations> surveys;
   for (size_t i = 0; i < observations.size(); ++i) surveys.push_back(from_artifact(observations.unpack(i)));
@@ -137,7 +155,8 @@ void AdjustNode::run(Context& context) {
   for (const std::string& text : instruments_without_profile(survey.instruments, o.instruments, o.profile))
     context.warn(text);
   announce_network(context, survey, o.largest_whole);
-  NetworkResult result = adjust_network(survey, o, known);
+  NetworkResult result = adjust_or_say(context, merged, o, known);
+  for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());
   if (result.validity != Validity::sound) context.warn(result.verdict);

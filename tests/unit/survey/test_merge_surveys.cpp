@@ -5,6 +5,7 @@
 
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/start/alike_names.hpp"
 #include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
@@ -272,6 +273,33 @@ TEST(MergeSurveys, LocalCoordinatesKeepTheirSetUp) {
   ASSERT_EQ(merged.survey.local_coordinates.size(), 2u);
   EXPECT_EQ(merged.survey.set_ups.at(merged.survey.local_coordinates[0].set_up).id, "A/2");
   EXPECT_EQ(merged.survey.set_ups.at(merged.survey.local_coordinates[1].set_up).id, "B/2");
+}
+
+TEST(AlikeNames, AKnownPointOfWhichOnlyANameLikeItIsReadIsSaid) {
+  const SurveyObservations survey = day("monday.gsi", 1);
+  MergeOptions options;
+  options.known = {"M00", "m01", "M-1-2", "elsewhere"};
+  const MergedSurvey merged = merge_surveys({survey}, options);
+  EXPECT_TRUE(says(merged, "m01 (read is M01)"));
+  EXPECT_TRUE(says(merged, "M-1-2 (read is M12)"));
+  EXPECT_TRUE(says(merged, "no reading touches: elsewhere"));
+  EXPECT_FALSE(says(merged, "M00"));
+  options.known = {"M00", "M01"};
+  EXPECT_TRUE(merge_surveys({survey}, options).findings.empty());
+}
+
+TEST(AlikeNames, OneMarkUnderTwoNamesIsSaidAndTwoMarksAreNot) {
+  SurveyObservations survey = day("monday.gsi", 1);
+  for (Observation& o : survey.observations)
+    if (o.to == "M01" && o.from == "S2") o.to = "m01";
+  const std::vector<Finding> one = examine_alike_points(adjust_network(survey, {}));
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one.front().points, (std::vector<std::string>{"M01", "m01"}));
+  for (Observation& o : survey.observations) {
+    if (o.to == "m01") o.to = "M01";
+    if (o.to == "M12") o.to = "m01";  // another mark, some metres away
+  }
+  EXPECT_TRUE(examine_alike_points(adjust_network(survey, {})).empty());
 }
 
 }  // namespace

@@ -1,0 +1,89 @@
+#include "survey/start/alike_names.hpp"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "base/text/bare_name.hpp"
+#include "base/text/words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr size_t kMostNamed = 8;
+
+std::set<std::string> measured_names(const SurveyObservations& survey) {
+  std::set<std::string> names;
+  for (const SetUp& s : survey.set_ups) names.insert(s.station);
+  for (const Observation& o : survey.observations)
+    for (const std::string* id : {&o.from, &o.to, &o.second_to}) names.insert(*id);
+  for (const CoordinateGroup& g : survey.coordinates)
+    for (const auto& c : g.components)
+      if (!g.is_control) names.insert(c.point);
+  for (const VectorGroup& g : survey.vectors)
+    for (const auto& v : g.vectors) names.insert({v.from, v.to});
+  for (const LocalCoordinate& c : survey.local_coordinates) names.insert(c.point);
+  names.erase("");
+  return names;
+}
+
+/// Between two points along the axes that both have [m]; NaN with none.
+double distance(const ResultPoint& a, const ResultPoint& b) {
+  double sum = kNotGiven;
+  for (int k = 0; k < 3; ++k)
+    if (const double d = a.position[k] - b.position[k]; !std::isnan(d)) sum = or_zero(sum) + d * d;
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known) {
+  const std::set<std::string> measured = measured_names(survey);
+  const std::set<std::string> held(known.begin(), known.end());
+  std::map<std::string, std::vector<std::string>> by_fold;
+  for (const std::string& id : measured)
+    if (!held.contains(id)) by_fold[text::bare_name(id)].push_back(id);
+  std::vector<std::string> alike, points, unread;
+  for (const std::string& id : known) {
+    if (measured.contains(id)) continue;
+    const auto at = by_fold.find(text::bare_name(id));
+    if (at == by_fold.end()) {
+      unread.push_back(id);
+      continue;
+    }
+    alike.push_back(id + " (read is " + text::join(at->second, 2) + ")");
+    points.insert(points.end(), at->second.begin(), at->second.end());
+  }
+  std::vector<Finding> findings;
+  if (!alike.empty())
+    findings.push_back({Finding::Severity::warning,
+                        "known points hold nothing because no reading has their names, only names like them: " +
+                            text::join(alike, kMostNamed) + ". Where it is one mark, write its name the same way",
+                        points});
+  if (!unread.empty())
+    findings.push_back(
+        {Finding::Severity::note, "known points that no reading touches: " + text::join(unread, kMostNamed), {}});
+  return findings;
+}
+
+std::vector<Finding> examine_alike_points(const NetworkResult& result) {
+  constexpr double kOneMark = 0.1;  // [m]
+  std::map<std::string, std::vector<const ResultPoint*>> by_fold;
+  for (const ResultPoint& p : result.points) by_fold[text::bare_name(p.id)].push_back(&p);
+  std::vector<Finding> findings;
+  for (const auto& [fold, points] : by_fold)
+    for (size_t i = 0; i < points.size(); ++i)
+      for (size_t j = i + 1; j < points.size(); ++j) {
+        const double apart = distance(*points[i], *points[j]);
+        if (!(apart < kOneMark)) continue;
+        findings.push_back({Finding::Severity::warning,
+                            points[i]->id + " and " + points[j]->id + " are two points here, and come out " +
+                                text::millimetres(apart) +
+                                " apart: if they are one mark, write its name the same way everywhere",
+                            {points[i]->id, points[j]->id}});
+      }
+  return findings;
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,22 @@
+// Names that are one to a person and two to a program: P3 and p3, P03, P-3. What is meant as one mark falls apart in
+// two points, and a known point holds nothing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "survey/model/adjust_options.hpp"
+#include "survey/model/network_result.hpp"
+#include "survey/model/survey_observations.hpp"
+
+namespace plumbline::survey {
+
+/// Known points that no reading touches: a warning of those that differ from a measured point, known by nobody, in
+/// case, separators or leading zeros only (text::bare_name); a note of the others.
+std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known);
+
+/// Points of one adjusted network whose names are alike and that come out within 100 mm of each other [m, result's
+/// frame]: a warning for each pair.
+std::vector<Finding> examine_alike_points(const NetworkResult& result);
+
+}  // namespace plumbline::survey
