@@ -73,8 +73,7 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
       std::vector<size_t> cells;
       for (int r = row; r < std::min(row + tile, static_cast<int>(grid.rows)); ++r)
         for (int c = column; c < std::min(column + tile, static_cast<int>(grid.columns)); ++c)
-          cells.push_back(static_cast<size_t>(r) * static_cast<size_t>(grid.columns) + static_cast<size_t>(c)),
-              some.push_back(&facets[cells.back()]);
+          cells.push_back(static_cast<size_t>(r) * grid.columns + c), some.push_back(&facets[cells.back()]);
       const std::vector<double> sigmas = stated_sigmas(some);
       for (size_t i = 0; i < cells.size(); ++i)
         if (some[i]->outcome == FacetOutcome::measured)

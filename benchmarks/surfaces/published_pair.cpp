@@ -20,7 +20,7 @@ struct Truth {
   double step = 1e300;  ///< between the values that it is written in [px]
   double at(long x, long y) const {
     if (x < 0 || y < 0 || x >= width || y >= height) return kNan;
-    return disparity[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+    return disparity[static_cast<size_t>(y) * width + x];
   }
   /// Between the four pixels around, or of the nearest one where they lie more than a pixel of disparity apart.
   double at(const Eigen::Vector2d& pixel) const {
@@ -41,7 +41,7 @@ struct Truth {
 void leave_out_hidden(Truth& truth) {
   std::vector<double> nearest(static_cast<size_t>(truth.width));
   for (int y = 0; y < truth.height; ++y) {
-    double* row = truth.disparity.data() + static_cast<size_t>(y) * static_cast<size_t>(truth.width);
+    double* row = truth.disparity.data() + static_cast<size_t>(y) * truth.width;
     std::fill(nearest.begin(), nearest.end(), 0);
     const auto column = [&](int x) { return std::lround(x - row[x]); };
     for (int x = 0; x < truth.width; ++x)

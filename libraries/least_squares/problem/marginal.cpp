@@ -66,8 +66,7 @@ class Rest {
     }
     std::sort(pinned_.begin(), pinned_.end());
     for (int u = 0; u < all_.count(); ++u)
-      if (place_[static_cast<std::size_t>(u)] == -1)
-        place_[static_cast<std::size_t>(u)] = solution.unknowns(all_.block_of(u), all_.component_of(u));
+      if (place_[u] == -1) place_[u] = solution.unknowns(all_.block_of(u), all_.component_of(u));
     if (std::find(left_out.begin(), left_out.end(), 1) == left_out.end()) {
       factor_ = solution.factor;
       return;
@@ -98,10 +97,10 @@ class Rest {
       const auto jacobian = lin_.jacobian_of(block);
       const int* columns = lin_.columns.data() + block.column_begin;
       for (int c = 0; c < block.column_count; ++c) {
-        const int own = place_[static_cast<std::size_t>(columns[c])];
+        const int own = place_[columns[c]];
         if (own >= -1) continue;
         for (int f = 0; f < block.column_count; ++f) {
-          const int other = place_[static_cast<std::size_t>(columns[f])];
+          const int other = place_[columns[f]];
           const double product = jacobian.col(c).dot(jacobian.col(f));
           (other >= 0 ? n_fc(other, -2 - own) : n_cc(-2 - other, -2 - own)) += product;
         }
@@ -139,7 +138,7 @@ class Rest {
     const VectorXd d_c = cofactors() * (follow_.transpose() * g_f - g_c), d_f = -solve(g_f) - follow_ * d_c;
     VectorXd step(all_.count());
     for (int u = 0; u < all_.count(); ++u) {
-      const int at = place_[static_cast<std::size_t>(u)];
+      const int at = place_[u];
       step[u] = at >= 0 ? d_f[at] : d_c[-2 - at];
     }
     apply_step(problem_, all_, step);

@@ -1,17 +1,15 @@
 #include "photo/block/tag_block.hpp"
 
-#include <fmt/core.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <utility>
 
 #include "base/text/words.hpp"
 #include "geometry/median.hpp"
 #include "photo/block/tag_block_model.hpp"
 #include "photo/block/tag_block_orientations.hpp"
+#include "photo/block/tag_block_rejected.hpp"
 #include "plumbline/failure.hpp"
 
 namespace plumbline::block {
@@ -338,67 +336,6 @@ void require_usable(const TagBlock& block) {
   for (const auto& plate : block.plates)
     if (!(plate.plate.tag_size > 0)) throw std::runtime_error("the plate of " + plate.anchor + " has no tag size");
 }
-
-namespace {
-
-/// The block without one of its control points.
-void leave_out(int plate, TagControl& control) {
-  std::vector<int> rows;
-  for (size_t k = 0; k < control.plates.size(); ++k)
-    for (int c = 0; c < 3 && control.plates[k] != plate; ++c) rows.push_back(3 * static_cast<int>(k) + c);
-  control.position = control.position(rows).eval();
-  control.covariance = control.covariance(rows, rows).eval();
-  std::erase(control.plates, plate);
-}
-
-/// Too many contradictions have another cause than single points.
-void require_few(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
-  constexpr size_t part = 3;
-  if (part * rejected.size() <= given.control.plates.size()) return;
-  std::vector<std::string> names;
-  for (size_t k = 0; k < std::min<size_t>(rejected.size(), 5); ++k)
-    names.push_back(given.plates[rejected[k].plate].anchor);
-  throw std::runtime_error("more than a third of the " + std::to_string(given.control.plates.size()) +
-                           " control points contradict the photographs, " + text::enumerate(names) +
-                           " most: survey and photographs do not show the same state, or their standard deviations are "
-                           "wrong; leaving points out (robust_control) does not mend that");
-}
-
-/// Differences of the survey from the model that the points left out had no part in.
-void fill_rejected_control(const TagBlock& given, TagBlockResult& result) {
-  for (RejectedControl& rejected : result.rejected_control) {
-    const auto k = std::find(given.control.plates.begin(), given.control.plates.end(), rejected.plate) -
-                   given.control.plates.begin();
-    const auto j = std::find(result.plates.begin(), result.plates.end(), rejected.plate) - result.plates.begin();
-    rejected.off = given.control.position.segment<3>(3 * k) - result.anchors.segment<3>(3 * j);
-    rejected.sigma =
-        (given.control.covariance.diagonal().segment<3>(3 * k) + result.anchor_covariance.diagonal().segment<3>(3 * j))
-            .cwiseSqrt();
-    const std::string text =
-        fmt::format(" contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} mm",
-                    1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z());
-    result.left_out.push_back("the control of " + given.plates[rejected.plate].anchor + ", which" + text);
-  }
-}
-
-/// Names the control that robust_control would leave out, where it stays: a wrong point bends the block and moves its
-/// neighbours' w too, so which it is shows only without it.
-void name_wrong_control(const TagBlock& given, TagBlockOptions options, TagBlockResult& result) {
-  options.robust_control = true;
-  options.withhold.clear();
-  try {
-    const TagBlockResult without = adjust_tag_block(given, options);
-    for (const RejectedControl& rejected : without.rejected_control)
-      result.warnings.push_back(fmt::format(
-          "the control of {} contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} "
-          "mm and is kept; robust_control=true leaves it out",
-          given.plates[rejected.plate].anchor, 1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z()));
-  } catch (const std::runtime_error& error) {
-    result.warnings.emplace_back(error.what());
-  }
-}
-
-}  // namespace
 
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
   require_usable(given);

@@ -1,5 +1,7 @@
 // Approximate values of a tag block: good enough for Levenberg-Marquardt, not more.
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,6 +1,6 @@
 #include "photo/bundle/datum.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,6 +1,6 @@
 #include "photo/bundle/weakest.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "geometry/linear_algebra/decompositions.hpp"

@@ -53,8 +53,7 @@ bool same_place(const DetectedTag& a, const DetectedTag& b) {
 
 std::vector<const std::uint8_t*> row_starts(const GreyImage& image) {
   std::vector<const std::uint8_t*> rows;
-  for (int y = 0; y < image.height; ++y)
-    rows.push_back(&image.pixels[static_cast<size_t>(y) * static_cast<size_t>(image.width)]);
+  for (int y = 0; y < image.height; ++y) rows.push_back(&image.pixels[static_cast<size_t>(y) * image.width]);
   return rows;
 }
 
@@ -234,7 +233,7 @@ ArucoDetector::ArucoDetector(const TagDictionary& dictionary, const ArucoOptions
   impl_->dictionary = dictionary;
   impl_->options = options;
   impl_->codes = opencv_dictionary(dictionary);
-  const auto bits = static_cast<size_t>(dictionary.size) * static_cast<size_t>(dictionary.size);
+  const auto bits = static_cast<size_t>(dictionary.size) * dictionary.size;
   impl_->chance = chance_of_code(dictionary.codes.size(), bits,
                                  static_cast<int>(options.correction_rate * dictionary.correctable_bits));
   impl_->limit = options.limit ? *options.limit : likeness_limit(impl_->chance);

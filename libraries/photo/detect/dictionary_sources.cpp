@@ -87,8 +87,7 @@ std::vector<std::pair<int, int>> cells_of_bits(const std::string& text, const st
   const bool inside = std::all_of(cells.begin(), cells.end(), [&](const auto& c) {
     return std::min(c.first, c.second) >= 0 && std::max(c.first, c.second) < size;
   });
-  if (reversed || !inside || size < 3 || size > 8 ||
-      cells.size() != static_cast<size_t>(size) * static_cast<size_t>(size))
+  if (reversed || !inside || size < 3 || size > 8 || cells.size() != static_cast<size_t>(size) * size)
     refuse_source(
         file, "is a family of libapriltag whose " + std::to_string(cells.size()) +
                   " cells do not fill a square inside one black border; only such families are read from a file. Use "

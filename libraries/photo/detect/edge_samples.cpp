@@ -74,7 +74,7 @@ void EdgeSamples::collect(const GreyImage& image, const EdgeFrame& frame, const 
     double from = low.x() - frame.centre.x(), to = high.x() - frame.centre.x();
     narrow(frame.along.x(), frame.along.y() * dy, length + off, from, to);
     narrow(frame.across.x(), frame.across.y() * dy, width + off, from, to);
-    const std::uint8_t* row = &image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width)];
+    const std::uint8_t* row = &image.pixels[static_cast<std::size_t>(y) * image.width];
     const int first = std::max(0, static_cast<int>(std::ceil(from + frame.centre.x())));
     const int last = std::min(image.width - 1, static_cast<int>(std::floor(to + frame.centre.x())));
     if (last < first) continue;

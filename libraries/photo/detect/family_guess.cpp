@@ -18,7 +18,7 @@ GreyImage reduced(const GreyImage& image, int longest) {
   if (factor <= 1) return image;
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.pixels.data()));
   GreyImage result{image.width / factor, image.height / factor, {}};
-  result.pixels.resize(static_cast<std::size_t>(result.width) * static_cast<std::size_t>(result.height));
+  result.pixels.resize(static_cast<std::size_t>(result.width) * result.height);
   cv::Mat small(result.height, result.width, CV_8UC1, result.pixels.data());
   cv::resize(view, small, small.size(), 0, 0, cv::INTER_AREA);
   return result;

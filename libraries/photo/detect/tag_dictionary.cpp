@@ -292,7 +292,7 @@ TagDictionary parse_dictionary(const std::string& text, const std::string& file)
   std::set<int> ids;
   for (const int id : dictionary.ids)
     if (!ids.insert(id).second) refuse(file, "the id " + std::to_string(id) + " occurs twice");
-  const size_t cells = static_cast<size_t>(dictionary.size) * static_cast<size_t>(dictionary.size);
+  const size_t cells = static_cast<size_t>(dictionary.size) * dictionary.size;
   for (size_t i = 0; i < dictionary.codes.size(); ++i)
     if (dictionary.codes[i].size() != cells)
       refuse(file, "marker_" + std::to_string(dictionary.ids[i]) + " has " +

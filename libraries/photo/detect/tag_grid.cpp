@@ -182,7 +182,7 @@ class Saddles {
   double grey(const Eigen::Vector2d& p) const {
     const int x = static_cast<int>(std::lround(p.x())), y = static_cast<int>(std::lround(p.y()));
     if (x < 0 || y < 0 || x >= image_.width || y >= image_.height) return -1;
-    return image_.pixels[static_cast<size_t>(y) * static_cast<size_t>(image_.width) + static_cast<size_t>(x)];
+    return image_.pixels[static_cast<size_t>(y) * image_.width + x];
   }
 
   const GreyImage& image_;

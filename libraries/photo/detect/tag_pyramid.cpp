@@ -41,10 +41,10 @@ class Window {
         pixels_(std::make_unique_for_overwrite<std::uint8_t[]>(static_cast<std::size_t>(width) *
                                                                static_cast<std::size_t>(rows))),
         rows_(height) {
-    prefer_large_pages(pixels_.get(), static_cast<std::size_t>(width) * static_cast<std::size_t>(rows));
+    prefer_large_pages(pixels_.get(), static_cast<std::size_t>(width) * rows);
   }
   std::uint8_t* next() {
-    std::uint8_t* row = &pixels_[static_cast<std::size_t>(end_ % held_) * static_cast<std::size_t>(width_)];
+    std::uint8_t* row = &pixels_[static_cast<std::size_t>(end_ % held_) * width_];
     rows_[end_++] = row;
     return row;
   }
@@ -102,8 +102,7 @@ class Reducer {
 
 std::vector<const std::uint8_t*> rows_of(const GreyImage& image, int first, int end) {
   std::vector<const std::uint8_t*> rows(static_cast<std::size_t>(end));
-  for (int y = first; y < end; ++y)
-    rows[y] = &image.pixels[static_cast<std::size_t>(y - first) * static_cast<std::size_t>(image.width)];
+  for (int y = first; y < end; ++y) rows[y] = &image.pixels[static_cast<std::size_t>(y - first) * image.width];
   return rows;
 }
 

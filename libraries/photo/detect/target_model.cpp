@@ -132,8 +132,7 @@ TargetPixels disc(const GreyImage& image, const Eigen::Vector2d& centre, double 
       if (x < 0 || y < 0 || x >= image.width || y >= image.height) continue;
       if ((Eigen::Vector2d(x, y) - centre).norm() > radius) continue;
       pixels.at.emplace_back(x, y);
-      grey.push_back(image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                  static_cast<std::size_t>(x)]);
+      grey.push_back(image.pixels[static_cast<std::size_t>(y) * image.width + x]);
     }
   pixels.grey = Eigen::Map<Eigen::VectorXd>(grey.data(), static_cast<Eigen::Index>(grey.size()));
   return pixels;

@@ -73,8 +73,7 @@ const std::vector<Template>& templates() {
 float grey_at(const GreyImage& image, double x, double y) {
   const int i = static_cast<int>(x), j = static_cast<int>(y);
   const float u = static_cast<float>(x - i), v = static_cast<float>(y - j);
-  const std::uint8_t* p =
-      &image.pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(i)];
+  const std::uint8_t* p = &image.pixels[static_cast<std::size_t>(j) * image.width + i];
   const std::uint8_t* q = p + image.width;
   return (1 - v) * ((1 - u) * p[0] + u * p[1]) + v * ((1 - u) * q[0] + u * q[1]);
 }

@@ -49,7 +49,7 @@ bool decode(const Bytes& bytes, JpegState& state, jpeg_decompress_struct& cinfo,
   jpeg_start_decompress(&cinfo);
   image.width = static_cast<int>(cinfo.output_width);
   image.height = static_cast<int>(cinfo.output_height);
-  const auto pixels = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const auto pixels = static_cast<std::size_t>(image.width) * image.height;
   if (pixels > kMostPixels) {
     std::snprintf(state.message.data(), state.message.size(), "it claims %d x %d pixels", image.width, image.height);
     return false;

@@ -90,7 +90,7 @@ GreyImage read_grey_part(const std::filesystem::path& path, int left, int top, i
                          std::to_string(top) + ") is outside of the image of " + std::to_string(rows->width()) + " x " +
                          std::to_string(rows->height()) + " pixels");
   GreyImage part{last - first, end - begin, {}};
-  part.pixels.reserve(static_cast<std::size_t>(part.width) * static_cast<std::size_t>(part.height));
+  part.pixels.reserve(static_cast<std::size_t>(part.width) * part.height);
   std::vector<std::uint8_t> row(static_cast<std::size_t>(rows->width()));
   rows->skip(begin);
   for (int y = begin; y < end; ++y) {

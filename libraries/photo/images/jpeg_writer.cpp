@@ -12,7 +12,7 @@ namespace plumbline {
 std::string grey_jpeg(const GreyImage& image, int quality) {
   constexpr int most = 65500;
   if (image.width < 1 || image.height < 1 || image.width > most || image.height > most ||
-      image.pixels.size() != static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height))
+      image.pixels.size() != static_cast<std::size_t>(image.width) * image.height)
     throw std::invalid_argument("a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
                                 " pixels cannot be written as JPEG");
   jpeg_compress_struct encoder{};

@@ -18,15 +18,10 @@ constexpr std::size_t kFewest = 20;  // edges of a direction
 struct Cells {
   int columns = 0, rows = 0;
   std::vector<double> mean;
-  double at(int column, int row) const {
-    return mean[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)];
-  }
+  double at(int column, int row) const { return mean[static_cast<std::size_t>(row) * columns + column]; }
 };
 
-int grey(const GreyImage& image, int x, int y) {
-  return image
-      .pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)];
-}
+int grey(const GreyImage& image, int x, int y) { return image.pixels[static_cast<std::size_t>(y) * image.width + x]; }
 
 Cells cells_of(const GreyImage& image) {
   Cells cells{image.width / kCell, image.height / kCell, {}};

@@ -22,7 +22,7 @@ void write_grey_tiff(const std::filesystem::path& path, int width, int height, c
   }
   std::vector<std::uint8_t> row(static_cast<std::size_t>(width));  // the predictor works in place
   for (int y = 0; y < height; ++y) {
-    const std::uint8_t* from = pixels + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+    const std::uint8_t* from = pixels + static_cast<std::size_t>(y) * width;
     row.assign(from, from + width);
     if (TIFFWriteScanline(to, row.data(), static_cast<std::uint32_t>(y)) != 1) throw std::runtime_error(refused);
   }

@@ -35,8 +35,7 @@ int best_contrast(const GreyImage& image) {
       Histogram values{};
       for (int y = top; y < std::min(top + kSide, image.height); ++y)
         for (int x = left; x < std::min(left + kSide, image.width); ++x)
-          ++values[image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                static_cast<std::size_t>(x)]];
+          ++values[image.pixels[static_cast<std::size_t>(y) * image.width + x]];
       best = std::max(best, value_exceeded_by(values, 0.02) - value_exceeded_by(values, 0.98));
     }
   return best;
@@ -49,8 +48,7 @@ std::string rounded(double value) { return std::to_string(static_cast<int>(std::
 Visibility visibility(const GreyImage& image) {
   Histogram values{}, slopes{};
   const auto at = [&](int x, int y) {
-    return static_cast<int>(image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                                         static_cast<std::size_t>(x)]);
+    return static_cast<int>(image.pixels[static_cast<std::size_t>(y) * image.width + x]);
   };
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {

@@ -1,6 +1,7 @@
 #include "photo/markers/control_adjustment.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -104,8 +104,7 @@ FusedFace fuse_face(const std::vector<PanelFace>& faces, size_t which,
   const std::vector<size_t> others = around(faces, which, reach);
   const int columns = std::max(1, static_cast<int>(face.width / options.cell)),
             rows = std::max(1, static_cast<int>(face.height / options.cell));
-  std::vector<std::vector<Said>> cells(static_cast<size_t>(columns) * static_cast<size_t>(rows),
-                                       std::vector<Said>(sources.size()));
+  std::vector<std::vector<Said>> cells(static_cast<size_t>(columns) * rows, std::vector<Said>(sources.size()));
   int rank = 0;
   for (size_t s = 0; s < sources.size(); ++s) {
     rank += ranks[s];
@@ -122,8 +121,7 @@ FusedFace fuse_face(const std::vector<PanelFace>& faces, size_t which,
         const double sigma = static_cast<double>(tile.points[p].sigma);
         if (c < 0 || r < 0 || c >= columns || r >= rows || !(std::abs(at.z()) <= reach + 6 * sigma)) continue;
         if (is_of_another(faces, which, others, point, at.z())) continue;
-        cells[static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c)][s].points.push_back(
-            {t, p, at.z(), sigma});
+        cells[static_cast<size_t>(r) * columns + c][s].points.push_back({t, p, at.z(), sigma});
       }
     }
   }

@@ -40,7 +40,7 @@ Orthophoto orthophoto_of(const std::vector<PanelFace>& faces, const std::vector<
   const Eigen::Vector2d size = extent / picture.pixel;
   picture.width = static_cast<int>(std::ceil(size.x() - 1e-6)),
   picture.height = static_cast<int>(std::ceil(size.y() - 1e-6));
-  picture.grey.assign(static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height), 0);
+  picture.grey.assign(static_cast<size_t>(picture.width) * picture.height, 0);
   picture.shown.assign(picture.grey.size(), Shown::unseen);
   return picture;
 }
@@ -54,8 +54,7 @@ GreyImage reduced(const Orthophoto& picture, int most) {
       int sum = 0, shown = 0, all = 0;
       for (int b = y * edge; b < std::min((y + 1) * edge, picture.height); ++b)
         for (int a = x * edge; a < std::min((x + 1) * edge, picture.width); ++a) {
-          const int grey =
-              picture.grey[static_cast<size_t>(b) * static_cast<size_t>(picture.width) + static_cast<size_t>(a)];
+          const int grey = picture.grey[static_cast<size_t>(b) * picture.width + a];
           sum += grey, shown += grey > 0, ++all;
         }
       small.pixels.push_back(2 * shown < all || shown == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(sum / shown));

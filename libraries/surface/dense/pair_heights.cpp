@@ -66,7 +66,7 @@ std::optional<size_t> CellGrid::at(double u, double v) const {
   const Eigen::Vector2d size = step();
   const double c = (u - area.low.x()) / size.x(), r = (v - area.low.y()) / size.y();
   if (!(c >= 0 && r >= 0 && c < columns && r < rows)) return std::nullopt;
-  return static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c);
+  return static_cast<size_t>(r) * columns + static_cast<size_t>(c);
 }
 
 PairHeight cell_height(const CellGrid& grid, size_t cell, std::vector<float>& heights, double expected,

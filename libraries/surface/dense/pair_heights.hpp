@@ -23,7 +23,7 @@ struct CellGrid {
   }
   /// Number of the cell that holds a place; nothing beside the area.
   std::optional<size_t> at(double u, double v) const;
-  size_t size() const { return static_cast<size_t>(columns) * static_cast<size_t>(rows); }
+  size_t size() const { return static_cast<size_t>(columns) * rows; }
 };
 
 /// What one pair says of a cell.

@@ -13,7 +13,7 @@ int grey_at(const GreyImage& image, double x, double y) {
   const int left = static_cast<int>(std::floor(x)), top = static_cast<int>(std::floor(y));
   if (left < 0 || top < 0 || left + 1 >= image.width || top + 1 >= image.height) return -1;
   const double a = x - left, b = y - top;
-  const std::uint8_t* p = image.pixels.data() + static_cast<size_t>(top) * static_cast<size_t>(image.width) + left;
+  const std::uint8_t* p = image.pixels.data() + static_cast<size_t>(top) * image.width + left;
   const std::uint8_t* q = p + image.width;
   return static_cast<int>(std::lround((1 - b) * ((1 - a) * p[0] + a * p[1]) + b * ((1 - a) * q[0] + a * q[1])));
 }
@@ -69,9 +69,7 @@ std::pair<float, float> centre_and_spread(std::vector<float> values) {
 /// Means over squares of half width `half`, of what is there (not below 0); below 0 where nothing is.
 std::vector<float> box_means(const std::vector<float>& values, int width, int height, int half) {
   std::vector<float> across(values.size()), count(values.size()), means(values.size());
-  const auto at = [width](int x, int y) {
-    return static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x);
-  };
+  const auto at = [width](int x, int y) { return static_cast<size_t>(y) * width + x; };
   for (int y = 0; y < height; ++y) {
     float sum = 0, n = 0;
     const auto take = [&](int x, float sign) {
@@ -107,10 +105,10 @@ std::vector<float> extremes(std::vector<float> values, int width, int height, in
         for (int d = -half; d <= half; ++d) {
           const int i = across ? x + d : x, j = across ? y : y + d;
           if (i < 0 || i >= width || j < 0 || j >= height) continue;
-          const float value = values[static_cast<size_t>(j) * static_cast<size_t>(width) + static_cast<size_t>(i)];
+          const float value = values[static_cast<size_t>(j) * width + i];
           if (value >= 0 && (best < 0 || (largest ? value > best : value < best))) best = value;
         }
-        passed[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = best;
+        passed[static_cast<size_t>(y) * width + x] = best;
       }
     values.swap(passed);
   }
@@ -220,13 +218,13 @@ PanelPainter::Strip PanelPainter::strip(int from, int to) const {
   const int halo = blur_ + shift_ + 1;
   strip.top = std::max(top_, from - halo);
   strip.width = right_ - left_ + 1, strip.height = std::min(bottom_, to - 1 + halo) - strip.top + 1;
-  const size_t size = static_cast<size_t>(strip.width) * static_cast<size_t>(strip.height);
+  const size_t size = static_cast<size_t>(strip.width) * strip.height;
   strip.place.resize(size), strip.layers.resize(views_.size());
   for (auto& layer : strip.layers) layer.grey.assign(size, -1);
   for (int y = 0; y < strip.height; ++y) {
     stop_point();
     for (int x = 0; x < strip.width; ++x) {
-      const size_t at = static_cast<size_t>(y) * static_cast<size_t>(strip.width) + static_cast<size_t>(x);
+      const size_t at = static_cast<size_t>(y) * strip.width + x;
       strip.place[at] = place_of(left_ + x, strip.top + y);
       if (std::abs(strip.place[at].x()) > 0.5 * face_.width + beyond_ ||
           std::abs(strip.place[at].y()) > 0.5 * face_.height + beyond_)
@@ -282,9 +280,8 @@ PaintCounts PanelPainter::paint(int from, int to) const {
   const Strip rows = strip(from, to);
   for (int y = from; y < to; ++y)
     for (int x = left_; x <= right_; ++x) {
-      const size_t at =
-          static_cast<size_t>(y - rows.top) * static_cast<size_t>(rows.width) + static_cast<size_t>(x - left_);
-      const size_t pixel = static_cast<size_t>(y) * static_cast<size_t>(picture_.width) + static_cast<size_t>(x);
+      const size_t at = static_cast<size_t>(y - rows.top) * rows.width + static_cast<size_t>(x - left_);
+      const size_t pixel = static_cast<size_t>(y) * picture_.width + x;
       const bool own = on_panel(rows.place[at]);
       if (!own && picture_.shown[pixel] != Shown::unseen) continue;
       std::uint8_t grey = 0;

@@ -167,7 +167,7 @@ struct Division {
   size_t cell_of(const Sample& s) const {
     const int c = std::clamp(static_cast<int>((s.u / across + 0.5) * columns), 0, columns - 1);
     const int r = std::clamp(static_cast<int>((s.v / up + 0.5) * rows), 0, rows - 1);
-    return static_cast<size_t>(r) * static_cast<size_t>(columns) + static_cast<size_t>(c);
+    return static_cast<size_t>(r) * columns + c;
   }
 };
 
@@ -181,7 +181,7 @@ OutlyingCells outlying_cells(const PanelFace& face, const std::vector<Sample>& s
   constexpr size_t least = 3;  // points that can agree with each other
   const Division division(face, options);
   std::map<size_t, std::vector<size_t>> outlying;  // points by cell
-  std::vector<size_t> others(static_cast<size_t>(division.columns) * static_cast<size_t>(division.rows));
+  std::vector<size_t> others(static_cast<size_t>(division.columns) * division.rows);
   for (size_t i = 0; i < samples.size(); ++i)
     if (counts[i])
       ++others[division.cell_of(samples[i])];

@@ -93,7 +93,7 @@ size_t ScanTiles::tile_at(const Hit& hit) const {
     return std::clamp(static_cast<int>((local / size + 0.5) * count), 0, count - 1);
   };
   const int c = place(hit.local.x(), face.width, layout.columns), r = place(hit.local.y(), face.height, layout.rows);
-  return layout.first + static_cast<size_t>(r) * static_cast<size_t>(layout.columns) + static_cast<size_t>(c);
+  return layout.first + static_cast<size_t>(r) * layout.columns + c;
 }
 
 std::optional<size_t> ScanTiles::tile_of(const Eigen::Vector3d& point) const {

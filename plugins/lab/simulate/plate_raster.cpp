@@ -307,7 +307,7 @@ void integrate_line(const std::vector<float>& samples, const std::vector<float>&
 
 RayGrid::RayGrid(const BrownCamera& camera, const Eigen::Vector2d& drift)
     : columns((camera.width + step - 1) / step + 1), rows((camera.height + step - 1) / step + 1) {
-  x.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+  x.reserve(static_cast<std::size_t>(columns) * rows);
   y.reserve(x.capacity());
   for (int r = 0; r < rows; ++r) {
     const Eigen::Vector2d moved = drift * (static_cast<double>(r * step) / camera.height - 0.5);

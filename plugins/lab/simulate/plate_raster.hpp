@@ -18,9 +18,7 @@ struct RayGrid {
   /// Throws std::invalid_argument if the distortion cannot be inverted within the image.
   /// `drift`: how far the image moves between the exposures of the first and the last row [px].
   explicit RayGrid(const BrownCamera& camera, const Eigen::Vector2d& drift = {0, 0});
-  std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
-  }
+  std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
 };
 
 /// Black and white modules of a tag36h11, 10 × 10 with the white edge, row 0 on top. Throws std::invalid_argument for

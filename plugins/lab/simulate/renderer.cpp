@@ -273,7 +273,7 @@ struct Renderer::Scene {
     }
     for (const PlateRaster& plate : plates) {  // metal, paper and ink have no hue
       if (row < plate.top || row >= plate.top + plate.height) continue;
-      const std::size_t offset = static_cast<std::size_t>(row - plate.top) * static_cast<std::size_t>(plate.width);
+      const std::size_t offset = static_cast<std::size_t>(row - plate.top) * plate.width;
       for (int column = plate.left; column < plate.left + plate.width; ++column) {
         if (plate.coverage[offset + static_cast<std::size_t>(column - plate.left)] < 0.5f) continue;
         blue[column / 2] = red[column / 2] = 128;
@@ -315,8 +315,7 @@ void add_glare(PlateRaster& plate, Random& random) {
   const double strength = random.uniform(0.3, 0.9);
   for (int row = 0; row < plate.height; ++row)
     for (int column = 0; column < plate.width; ++column) {
-      const auto i =
-          static_cast<std::size_t>(row) * static_cast<std::size_t>(plate.width) + static_cast<std::size_t>(column);
+      const auto i = static_cast<std::size_t>(row) * plate.width + column;
       const double d2 = std::pow((column - x) / radius, 2) + std::pow((row - y) / radius, 2);
       plate.reflectance[i] += plate.coverage[i] * static_cast<float>(strength * std::exp(-0.5 * d2));
     }

@@ -86,7 +86,7 @@ std::vector<std::uint8_t> photograph(const PanelledFacade& facade, const BrownCa
                                      const RigidTransform& cam_from_world, const Exposure& exposure) {
   const RigidTransform facade_from_cam = facade.world_from_facade.inverse() * cam_from_world.inverse();
   const Eigen::Matrix3d turn = facade_from_cam.rotation.toRotationMatrix();
-  std::vector<std::uint8_t> grey(static_cast<size_t>(camera.width) * static_cast<size_t>(camera.height));
+  std::vector<std::uint8_t> grey(static_cast<size_t>(camera.width) * camera.height);
   tbb::parallel_for(0, camera.height, [&](int y) {
     Random noise(derive_seed(exposure.seed, "row", static_cast<std::uint64_t>(y)));
     const int n = exposure.supersampling;
@@ -100,7 +100,7 @@ std::vector<std::uint8_t> photograph(const PanelledFacade& facade, const BrownCa
               reflectance(facade, {facade_from_cam.translation, turn * Eigen::Vector3d(bearing->x(), bearing->y(), 1)});
         }
       const double level = 20 + 220 * sum / (n * n) + exposure.noise * noise.normal();
-      grey[static_cast<size_t>(y) * static_cast<size_t>(camera.width) + static_cast<size_t>(x)] =
+      grey[static_cast<size_t>(y) * camera.width + x] =
           static_cast<std::uint8_t>(std::lround(std::clamp(level, 0.0, 255.0)));
     }
   });

@@ -60,8 +60,8 @@ SurfacesT planted_surfaces(const PanelledFacade& facade, std::int64_t columns, d
   const auto count = static_cast<std::int64_t>(facade.panels.size());
   for (const RaisedPanel& panel : facade.panels) planted.panels.push_back(figures_of(facade, panel));
   const auto join = [&](std::int64_t first, std::int64_t second, bool upright) {
-    planted.joints.push_back(joint_between(facade, facade.panels[static_cast<size_t>(first)],
-                                           facade.panels[static_cast<size_t>(second)], upright, nominal_joint));
+    planted.joints.push_back(
+        joint_between(facade, facade.panels[first], facade.panels[second], upright, nominal_joint));
     planted.joints.back()->first_panel = static_cast<int>(first);
     planted.joints.back()->second_panel = static_cast<int>(second);
   };

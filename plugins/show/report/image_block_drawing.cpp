@@ -134,9 +134,7 @@ void draw_pixels(Markup& html, const GreyImage& image, double x0, double y0, dou
         const int x = static_cast<int>(std::lround(x0 + (c + 0.5) * step)),
                   y = static_cast<int>(std::lround(y0 + (row + 0.5) * step));
         if (x < 0 || y < 0 || x >= image.width || y >= image.height) return -1;
-        return static_cast<int>(
-                   image.pixels[static_cast<size_t>(y) * static_cast<size_t>(image.width) + static_cast<size_t>(x)]) &
-               0xf8;
+        return static_cast<int>(image.pixels[static_cast<size_t>(y) * image.width + x]) & 0xf8;
       };
       const int value = grey(column);
       int end = column + 1;

@@ -72,7 +72,7 @@ struct Joints : Node {
       for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);
     }
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(by_orientation.size()), photographs.orientations().size());
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = by_orientation[static_cast<size_t>(i)];
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = by_orientation[i];
     if (rows.rows() > 0) add_common_errors(reduced_factor(rows, photographs.orientations()), result);
     context.info(std::to_string(found) + " of " + std::to_string(joints.size()) + " joints measured");
     context.metric("joints", found, "1");

@@ -187,6 +187,17 @@ TEST(Rooms, DampedLoopsAreCounted) {
   EXPECT_EQ(found, std::set<std::string>{}) << "use descend() of least_squares/problem/descent.hpp";
 }
 
+// A file includes the parts of Eigen that it uses: <Eigen/Dense> has all of them, and their compile time.
+TEST(Rooms, NobodyIncludesAllOfEigen) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex all("#include *<Eigen/(Dense|Eigen)>");
+  std::set<std::string> found;
+  for (const char* folder : {"libraries", "plugins", "programs", "framework"})
+    for (const auto& [file, text] : sources_of(root / folder))
+      if (std::regex_search(text, all)) found.insert(file);
+  EXPECT_EQ(found, std::set<std::string>{}) << "dense decompositions: geometry/linear_algebra/decompositions.hpp";
+}
+
 // docs/architecture.md has a row for each library.
 TEST(Rooms, EveryLibraryIsDescribed) {
   const fs::path root = plumbline::test::source_dir();
