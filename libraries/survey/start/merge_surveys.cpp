@@ -256,7 +256,10 @@ MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const Mer
   else
     merged = Merger(surveys, options).run();
   for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
-  append(examine_known_names(merged.survey, options.known), merged.findings);
+  // A folder's files were joined before, with the same known points, and what was found stands in `warnings`.
+  const std::vector<std::string>& said = merged.survey.warnings;
+  for (Finding& finding : examine_known_names(merged.survey, options.known))
+    if (std::find(said.begin(), said.end(), finding.text) == said.end()) merged.findings.push_back(std::move(finding));
   return merged;
 }
 

@@ -284,6 +284,9 @@ TEST(AlikeNames, AKnownPointOfWhichOnlyANameLikeItIsReadIsSaid) {
   EXPECT_TRUE(says(merged, "M-1-2 (read is M12)"));
   EXPECT_TRUE(says(merged, "no reading touches: elsewhere"));
   EXPECT_FALSE(says(merged, "M00"));
+  SurveyObservations said = survey;
+  for (const Finding& f : merged.findings) said.warnings.push_back(f.text);
+  EXPECT_TRUE(merge_surveys({said}, options).findings.empty());
   options.known = {"M00", "M01"};
   EXPECT_TRUE(merge_surveys({survey}, options).findings.empty());
 }
