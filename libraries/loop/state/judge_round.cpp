@@ -134,7 +134,7 @@ std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& it
     const double sigma = std::hypot(item.place[3 + k], panel.centre_sigma[k]);
     const double apart = std::abs(item.place[k] - panel.centre[k] - panel.shift[k]);
     if (apart > worst * sigma) worst = apart / sigma, off = apart;
-    item.told_from = std::max(item.told_from, (kOff + kPower) * sigma);
+    item.told_from = std::fmax(item.told_from, (kOff + kPower) * sigma);
   }
   item.place.clear();
   if (worst <= kOff) return {};

@@ -1,5 +1,6 @@
 #include "loop/state/next_words.hpp"
 
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -78,7 +79,7 @@ std::string untold_words(const LoopStateT& state) {
   double from = 0;
   for (const auto& item : state.items) {
     if (item->kind != "panel" || item->status != ItemStatus::verified) continue;
-    (item->told_from > 0 ? told : untold)++, from = std::max(from, item->told_from);
+    (std::isnan(item->told_from) ? untold : told)++, from = std::fmax(from, item->told_from);
   }
   const std::string what = "no campaign tells a plate that was knocked before it was measured first: ";
   std::string text;

@@ -1,5 +1,6 @@
 // What comes next: what was released and no longer holds is recalled, what is GO and whose turn it is is released.
 #include <algorithm>
+#include <cmath>
 
 #include "base/text/words.hpp"
 #include "loop/state/round.hpp"
@@ -135,7 +136,7 @@ void Round::release() {
     }
     item.waited = 0;
     item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
-    item.place.clear(), item.told_from = 0;
+    item.place.clear(), item.told_from = std::nan("");
     move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
   }
 }

@@ -1,5 +1,6 @@
 #include "loop/state/state_file.hpp"
 
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -88,7 +89,7 @@ Json json_of(const LoopItemT& item) {
           {"waited", item.waited},
           {"control", item.control},
           {"place", item.place},
-          {"told_from", item.told_from}};
+          {"told_from", std::isnan(item.told_from) ? Json() : Json(item.told_from)}};
 }
 
 ItemStatus status_of(const std::string& name) {
@@ -109,7 +110,8 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   json.at("basis").get_to(item->basis), json.at("jobs").get_to(item->jobs);
   if (json.contains("unset")) json.at("unset").get_to(item->unset), json.at("waited").get_to(item->waited);
   item->control = json.value("control", 0);
-  item->place = json.value("place", std::vector<double>()), item->told_from = json.value("told_from", 0.0);
+  item->place = json.value("place", std::vector<double>());
+  if (json.contains("told_from") && !json.at("told_from").is_null()) json.at("told_from").get_to(item->told_from);
   if (item->unset.size() != 0 && item->unset.size() != 3)
     throw std::runtime_error("where " + item->id + " stands unset has not three numbers");
   if (item->place.size() != 0 && item->place.size() != 6)
