@@ -21,7 +21,8 @@ void Adjuster::report_points(const Pass& pass, NetworkResult& result) const {
       point.position[k] = exists ? pass.problem.problem.parameters[block].value[k] : kNotGiven;
       point.unknowns[k] = pass.solution.unknowns(block, k);
     }
-    result.points.push_back(std::move(point));
+    // Named by readings alone, in a file that says of each point what it is (gama-local): none of them is used.
+    if (!point.position.array().isNaN().all()) result.points.push_back(std::move(point));
   }
 }
 

@@ -28,6 +28,18 @@ std::set<std::string> measured_names(const SurveyObservations& survey) {
   return names;
 }
 
+/// Points that a file holds, or knows: fixed, part of the datum, keyed in, or with a control's covariance.
+std::set<std::string> held_by_file(const SurveyObservations& survey) {
+  std::set<std::string> names;
+  for (const Point& p : survey.points)
+    for (size_t k = 0; k < 3; ++k)
+      if (p.known[k] || p.roles[k] > CoordinateRole::free) names.insert(p.id);
+  for (const CoordinateGroup& g : survey.coordinates)
+    for (const auto& c : g.components)
+      if (g.is_control) names.insert(c.point);
+  return names;
+}
+
 /// Between two points along the axes that both have [m]; NaN with none.
 double distance(const ResultPoint& a, const ResultPoint& b) {
   double sum = kNotGiven;
@@ -40,16 +52,18 @@ double distance(const ResultPoint& a, const ResultPoint& b) {
 
 std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known) {
   const std::set<std::string> measured = measured_names(survey);
-  const std::set<std::string> held(known.begin(), known.end());
+  const std::set<std::string> given(known.begin(), known.end());
+  std::set<std::string> held = held_by_file(survey);
+  held.insert(given.begin(), given.end());
   std::map<std::string, std::vector<std::string>> by_fold;
   for (const std::string& id : measured)
     if (!held.contains(id)) by_fold[text::bare_name(id)].push_back(id);
   std::vector<std::string> alike, points, unread;
-  for (const std::string& id : known) {
+  for (const std::string& id : held) {
     if (measured.contains(id)) continue;
     const auto at = by_fold.find(text::bare_name(id));
     if (at == by_fold.end()) {
-      unread.push_back(id);
+      if (given.contains(id)) unread.push_back(id);
       continue;
     }
     alike.push_back(id + " (read is " + text::join(at->second, 2) + ")");

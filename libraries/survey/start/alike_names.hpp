@@ -11,8 +11,9 @@
 
 namespace plumbline::survey {
 
-/// Known points that no reading touches: a warning of those that differ from a measured point, known by nobody, in
-/// case, separators or leading zeros only (text::bare_name); a note of the others.
+/// Known points that no reading touches, of those in `known` and those that the files hold or have keyed in: a warning
+/// where one differs from a measured point, known by nobody, in case, separators or leading zeros only
+/// (text::bare_name); a note of the others in `known`.
 std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known);
 
 /// Points of one adjusted network whose names are alike and that come out within 100 mm of each other [m, result's

@@ -111,6 +111,21 @@ TEST(GamaXml, OneDimensionalLevelling) {
   EXPECT_TRUE(std::isnan(r.point("B").position.x()));
 }
 
+TEST(GamaXml, APointThatOnlyReadingsNameIsNoPointOfTheResult) {
+  const auto s = read_gama_xml(
+      network(
+          "<point id='A' z='10' fix='z'/><point id='B' adj='z'/>"
+          "<height-differences><dh from='A' to='B' val='1.000' stdev='1'/><dh from='B' to='A' val='-1.001' stdev='1'/>"
+          "<dh from='A' to='X' val='2.000' stdev='1'/></height-differences>"),
+      "t.gkf");
+  const NetworkResult r = adjust_network(s, {});
+  ASSERT_EQ(r.points.size(), 2u);
+  for (const ResultPoint& p : r.points) EXPECT_FALSE(p.position.array().isNaN().all()) << p.id;
+  bool told = false;
+  for (const Finding& f : r.findings) told |= f.text.find("A -> X") != std::string::npos;
+  EXPECT_TRUE(told);
+}
+
 TEST(GamaXml, PlaneTriangleFromAnglesAndOneDistance) {
   const auto s = read_gama_xml(
       network(

@@ -287,6 +287,19 @@ TEST(AlikeNames, AKnownPointOfWhichOnlyANameLikeItIsReadIsSaid) {
   SurveyObservations said = survey;
   for (const Finding& f : merged.findings) said.warnings.push_back(f.text);
   EXPECT_TRUE(merge_surveys({said}, options).findings.empty());
+  // The same where the file itself has it: held, or keyed in.
+  for (const bool keyed : {false, true}) {
+    SurveyObservations file = survey;
+    Point& p = file.points.emplace_back();
+    p.id = "m01", p.coordinates = {1, 2, 3};
+    if (keyed)
+      p.known[0] = true;
+    else
+      p.roles[0] = CoordinateRole::fixed;
+    EXPECT_TRUE(says(merge_surveys({file}), "m01 (read is M01)")) << keyed;
+    file.points.back().id = "elsewhere";
+    EXPECT_TRUE(merge_surveys({file}).findings.empty()) << keyed;
+  }
   options.known = {"M00", "M01"};
   EXPECT_TRUE(merge_surveys({survey}, options).findings.empty());
 }
