@@ -110,7 +110,7 @@ class Rest {
     MatrixXd s = n_cc - n_fc.transpose() * follow_;
     scale_ = n_cc.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
     s = scale_.asDiagonal() * (0.5 * (s + s.transpose())).eval() * scale_.asDiagonal();
-    eigen_.compute(s);
+    eigen_ = linear_algebra::SymmetricEigen(s);
   }
 
   int defect() const {

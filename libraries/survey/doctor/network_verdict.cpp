@@ -117,4 +117,11 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
   }
 }
 
+void doubt_known_names(const std::vector<std::string>& points, NetworkResult& r) {
+  if (points.empty() || r.validity == Validity::invalid) return;
+  r.validity = Validity::doubtful;
+  r.verdict = "doubtful: known points hold nothing, as their names are written otherwise than those read (" +
+              join(points, 4) + "); of the readings: " + r.verdict;
+}
+
 }  // namespace plumbline::survey

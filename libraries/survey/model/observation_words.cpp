@@ -1,10 +1,14 @@
 #include "survey/model/observation_words.hpp"
 
+#include <algorithm>
+
 namespace plumbline::survey {
 
 std::string name_of(const Observation& o) {
   const std::string at = place(o.source);
-  return kind_name(o.kind) + " " + o.from + " -> " + o.to + (at.empty() ? "" : " (" + at + ")");
+  std::string kind = kind_name(o.kind);
+  std::replace(kind.begin(), kind.end(), '_', ' ');
+  return kind + " " + o.from + " -> " + o.to + (at.empty() ? "" : " (" + at + ")");
 }
 
 std::string kind_name(ObservationKind kind) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/text/bare_name.hpp"
+#include "base/text/composed.hpp"
 #include "base/text/words.hpp"
 
 namespace plumbline::survey {
@@ -40,6 +41,29 @@ std::set<std::string> held_by_file(const SurveyObservations& survey) {
   return names;
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// What spellings of one mark have in common: text::bare_name, with umlauts in either encoding, capital, small or
+/// written out (MÜ1, mü1, MUE1), and with the letters O, I and l beside a digit taken for the digits they look like.
+std::string fold(const std::string& name) {
+  static const std::map<std::string, std::string> umlauts = {{"Ä", "AE"}, {"ä", "AE"}, {"Ö", "OE"}, {"ö", "OE"},
+                                                             {"Ü", "UE"}, {"ü", "UE"}, {"ß", "SS"}};
+  const std::string composed = text::composed(name);
+  std::string out;
+  for (std::size_t i = 0; i < composed.size(); ++i) {
+    if (const auto umlaut = umlauts.find(composed.substr(i, 2)); umlaut != umlauts.end()) {
+      out += umlaut->second, ++i;
+      continue;
+    }
+    const char c = composed[i];
+    const bool beside_digit =
+        (!out.empty() && is_digit(out.back())) || (i + 1 < composed.size() && is_digit(composed[i + 1]));
+    const bool nought = c == 'O' || c == 'o', one = c == 'I' || c == 'l';
+    out += beside_digit && nought ? '0' : beside_digit && one ? '1' : c;
+  }
+  return text::bare_name(out);
+}
+
 /// Between two points along the axes that both have [m]; NaN with none.
 double distance(const ResultPoint& a, const ResultPoint& b) {
   double sum = kNotGiven;
@@ -57,11 +81,11 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
   held.insert(given.begin(), given.end());
   std::map<std::string, std::vector<std::string>> by_fold;
   for (const std::string& id : measured)
-    if (!held.contains(id)) by_fold[text::bare_name(id)].push_back(id);
+    if (!held.contains(id)) by_fold[fold(id)].push_back(id);
   std::vector<std::string> alike, points, unread;
   for (const std::string& id : held) {
     if (measured.contains(id)) continue;
-    const auto at = by_fold.find(text::bare_name(id));
+    const auto at = by_fold.find(fold(id));
     if (at == by_fold.end()) {
       if (given.contains(id)) unread.push_back(id);
       continue;
@@ -73,7 +97,7 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
   if (!alike.empty())
     findings.push_back({Finding::Severity::warning,
                         "known points hold nothing because no reading has their names, only names like them: " +
-                            text::join(alike, kMostNamed) + ". Where it is one mark, write its name the same way",
+                            text::join(alike, kMostNamed) + "; where it is one mark, write its name the same way",
                         points});
   if (!unread.empty())
     findings.push_back(
@@ -84,7 +108,7 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
 std::vector<Finding> examine_alike_points(const NetworkResult& result) {
   constexpr double kOneMark = 0.1;  // [m]
   std::map<std::string, std::vector<const ResultPoint*>> by_fold;
-  for (const ResultPoint& p : result.points) by_fold[text::bare_name(p.id)].push_back(&p);
+  for (const ResultPoint& p : result.points) by_fold[fold(p.id)].push_back(&p);
   std::vector<Finding> findings;
   for (const auto& [fold, points] : by_fold)
     for (size_t i = 0; i < points.size(); ++i)

@@ -1,5 +1,5 @@
-// Names that are one to a person and two to a program: P3 and p3, P03, P-3. What is meant as one mark falls apart in
-// two points, and a known point holds nothing.
+// Names that are one to a person and two to a program: P3 and p3, P03, P-3, PO3 with the letter O, MÜ1 and MUE1. What
+// is meant as one mark falls apart in two points, and a known point holds nothing.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@
 namespace plumbline::survey {
 
 /// Known points that no reading touches, of those in `known` and those that the files hold or have keyed in: a warning
-/// where one differs from a measured point, known by nobody, in case, separators or leading zeros only
-/// (text::bare_name); a note of the others in `known`.
+/// where one differs from a measured point, known by nobody, in case, separators, leading zeros, the spelling of
+/// umlauts or letters that look like digits only; a note of the others in `known`.
 std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known);
 
 /// Points of one adjusted network whose names are alike and that come out within 100 mm of each other [m, result's

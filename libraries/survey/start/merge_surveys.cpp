@@ -258,8 +258,10 @@ MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const Mer
   for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
   // A folder's files were joined before, with the same known points, and what was found stands in `warnings`.
   const std::vector<std::string>& said = merged.survey.warnings;
-  for (Finding& finding : examine_known_names(merged.survey, options.known))
+  for (Finding& finding : examine_known_names(merged.survey, options.known)) {
+    append(finding.points, merged.known_by_other_names);
     if (std::find(said.begin(), said.end(), finding.text) == said.end()) merged.findings.push_back(std::move(finding));
+  }
   return merged;
 }
 

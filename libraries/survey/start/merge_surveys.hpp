@@ -21,6 +21,7 @@ struct MergedSurvey {
   SurveyObservations survey;
   std::vector<Finding>
       findings;  ///< what was united and why, what was kept apart, coordinates that contradict, known points unread
+  std::vector<std::string> known_by_other_names;  ///< measured points that a known point means, were its name the same
 };
 
 /// Readings that stand in two files, or in one twice, are taken once (take_out_repeated_readings), with a warning.

@@ -10,6 +10,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
+#include "survey/doctor/network_doctor.hpp"
 #include "survey/start/alike_names.hpp"
 #include "survey/start/merge_surveys.hpp"
 #include "tables.hpp"
@@ -159,6 +160,7 @@ void AdjustNode::run(Context& context) {
   for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());
+  doubt_known_names(merged.known_by_other_names, result);
   if (result.validity != Validity::sound) context.warn(result.verdict);
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);

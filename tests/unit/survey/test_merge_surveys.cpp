@@ -5,6 +5,7 @@
 
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/doctor/network_doctor.hpp"
 #include "survey/start/alike_names.hpp"
 #include "survey/start/merge_surveys.hpp"
 
@@ -302,6 +303,50 @@ TEST(AlikeNames, AKnownPointOfWhichOnlyANameLikeItIsReadIsSaid) {
   }
   options.known = {"M00", "M01"};
   EXPECT_TRUE(merge_surveys({survey}, options).findings.empty());
+}
+
+TEST(AlikeNames, LettersThatLookLikeDigitsAndUmlautsOfTwoEncodingsAreAlike) {
+  const std::string composed =
+                        "M\xc3\x9c"
+                        "1",
+                    decomposed =
+                        "MU\xcc\x88"
+                        "1";
+  for (const auto& [known, read] : std::vector<std::pair<std::string, std::string>>{
+           {"PO3", "P03"}, {"M0l", "M01"}, {decomposed, composed}, {"mue1", composed}, {"FO1", "F1"}}) {
+    SurveyObservations survey = day("monday.gsi", 1);
+    for (Observation& o : survey.observations)
+      if (o.to == "M01") o.to = read;
+    MergeOptions options;
+    options.known = {known};
+    EXPECT_EQ(merge_surveys({survey}, options).known_by_other_names, std::vector<std::string>{read}) << known;
+    options.known = {read, "BOLT", "MI"};
+    EXPECT_TRUE(merge_surveys({survey}, options).known_by_other_names.empty()) << "letters alone stay letters";
+  }
+}
+
+TEST(AlikeNames, NothingIsSoundWhileKnownPointsHoldNothingForTheirSpelling) {
+  const SurveyObservations survey = day("monday.gsi", 1);
+  MergeOptions options;
+  options.known = {"M00", "m01"};
+  SurveyObservations joined = survey;
+  for (int round = 0; round < 2; ++round) {
+    const MergedSurvey merged = merge_surveys({joined}, options);
+    EXPECT_EQ(merged.known_by_other_names, std::vector<std::string>{"M01"}) << "also of a folder that was joined";
+    NetworkResult result = adjust_network(merged.survey, {});
+    ASSERT_EQ(result.validity, Validity::sound) << result.verdict;
+    const std::string before = result.verdict;
+    doubt_known_names({}, result);
+    EXPECT_EQ(result.verdict, before);
+    doubt_known_names(merged.known_by_other_names, result);
+    EXPECT_EQ(result.validity, Validity::doubtful);
+    EXPECT_NE(result.verdict.find("(M01); of the readings: " + before), std::string::npos) << result.verdict;
+    for (const Finding& f : merged.findings) joined.warnings.push_back(f.text);
+  }
+  NetworkResult invalid;
+  invalid.validity = Validity::invalid, invalid.verdict = "not a result";
+  doubt_known_names({"M01"}, invalid);
+  EXPECT_EQ(invalid.verdict, "not a result");
 }
 
 TEST(AlikeNames, OneMarkUnderTwoNamesIsSaidAndTwoMarksAreNot) {

@@ -28,7 +28,7 @@ TEST(Screening, ReadingsToAPointWithoutHeight) {
   n.survey.observations.push_back(level);
   const NetworkResult r = adjust_network(n.survey, free_network());
   const std::string text = all_words(r);
-  for (const char* words : {"zenith_angle S1 -> M11", "slope_distance S2 -> M11", "height_difference M10 -> M11"})
+  for (const char* words : {"zenith angle S1 -> M11", "slope distance S2 -> M11", "height difference M10 -> M11"})
     EXPECT_NE(text.find(words), std::string::npos) << words << " in " << text;
   EXPECT_NE(text.find("one end has no height"), std::string::npos);
   int directions = 0, others = 0;
