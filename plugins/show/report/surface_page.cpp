@@ -139,6 +139,7 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
       "p", {{"class", "note"}},
       "Widths and steps with their standard uncertainties in mm; 'at' is the way from the joint's middle in m, upwards "
       "or to the right. A step is positive where the second panel stands further out.");
+  html.element("p", {{"class", "note"}}, kTemperature);
   if (!surfaces.joints_measured.empty()) html.element("p", {{"class", "note"}}, surfaces.joints_measured);
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});

@@ -10,6 +10,11 @@
 
 namespace plumbline::report {
 
+/// What no table of joints can say of itself: what the temperature does to them.
+inline constexpr const char* kTemperature =
+    "Widths are as they were when they were measured: in 10 K a metre of aluminium changes by 0.24 mm, of steel by "
+    "0.12 mm, of glass by 0.09 mm, and nothing here says at which temperature the design holds.";
+
 /// One offline HTML page. `judgement` may be null. Deterministic; all text from the input is escaped.
 std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title,
                                 const std::vector<FacadePicture>& pictures = {});

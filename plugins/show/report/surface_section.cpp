@@ -9,6 +9,7 @@
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
+#include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
 
@@ -112,6 +113,7 @@ void write_surfaces(Markup& html, const SurfaceJudgementT& judgement) {
       "joint (the width against the design's), narrowest and widest are those of the place along the joint that "
       "keeps its limit least well. The probability is that the limit is kept everywhere, given what was "
       "measured and how surely.");
+  html.element("p", {{"class", "note"}}, kTemperature);
 }
 
 }  // namespace plumbline::report
