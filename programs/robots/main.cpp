@@ -91,6 +91,7 @@ void say(const std::string& line) {
 
 int carry_out(const Arguments& arguments) {
   const Job job = job_to_do(arguments);
+  if (arguments.public_key.empty()) say("who made this job is not checked: --public-key checks its signature");
   ExchangeFolder log(arguments.folder);
   check_time(job, arguments, log);
   OrderExchange exchange(job, robot_of(arguments), log);

@@ -87,6 +87,17 @@ OrderExchange::OrderExchange(const Job& job, const VdaRobot& robot, ExchangeLog&
   for (const std::string& line : log_.states()) take(line, false, 0);
   // What is on disk was heard by a program before this one; the robot is asked anew.
   answered_ = false;
+  refuse_old_revision();
+}
+
+/// A robot that did a later plan's work would do it backwards.
+void OrderExchange::refuse_old_revision() {
+  if (is_over() || status_ == ExchangeStatus::accepted || job_.revision >= newest_revision_) return;
+  status_ = sent_at_ < 0 ? ExchangeStatus::rejected : ExchangeStatus::unknown;
+  reason_ = job_objections(job_, newest_revision_, "", job_.basis).front() +
+            (sent_at_ < 0 ? "; it was sent to this robot by this folder. This one was not sent (a loop that was begun "
+                            "anew has a folder of its own)"
+                          : "; it is not sent again: measure the items");
 }
 
 void OrderExchange::restore_sent() {
@@ -100,8 +111,9 @@ void OrderExchange::restore_sent() {
       sent_at_ = at, header_at_sending_ = newest_header_ = sent.value("robotHeaderId", -1LL);
       newest_ = std::max(newest_, sent.value("robotSeconds", -1e300));
     }
-    if (sent.value("orderId", "") != job_.id)
-      other_order_ = sent.value("orderId", ""), other_sent_at_ = std::max(other_sent_at_, at);
+    if (sent.value("orderId", "") == job_.id) continue;
+    newest_revision_ = std::max(newest_revision_, sent.value("revision", 0));
+    other_order_ = sent.value("orderId", ""), other_sent_at_ = std::max(other_sent_at_, at);
   }
 }
 
@@ -189,6 +201,7 @@ MqttMessage OrderExchange::order(double now, const std::string& utc) {
   // On disk first: if nothing comes after this line, the order may be out and may not.
   log_.append_sent(ordered_json{
       {"orderId", job_.id},
+      {"revision", job_.revision},
       {"headerId", order_number_},
       {"at", now},
       {"utc", utc},

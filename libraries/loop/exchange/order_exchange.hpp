@@ -69,7 +69,8 @@ const char* name_of(ExchangeStatus status);
 
 class OrderExchange {
  public:
-  /// `robot.header_id` and `robot.timestamp` are not used. Takes up what `log` says of this order. Throws what
+  /// `robot.header_id` and `robot.timestamp` are not used. Takes up what `log` says of this order; a job of a lower
+  /// revision than another one that `log` has sent is rejected (unknown, if it was sent before that). Throws what
   /// vda_order() throws.
   OrderExchange(const Job& job, const VdaRobot& robot, ExchangeLog& log, const ExchangeTimes& times = {});
 
@@ -93,6 +94,7 @@ class OrderExchange {
  private:
   void take(const std::string& payload, bool is_new, double now);
   void restore_sent();
+  void refuse_old_revision();
   MqttMessage question(const std::string& utc);
   MqttMessage order(double now, const std::string& utc);
 
@@ -111,6 +113,7 @@ class OrderExchange {
   double newest_ = -1e300;  ///< timestamp of the newest state [s]
   long long newest_header_ = -1;
   int question_number_ = 0, order_number_ = 0;
+  int newest_revision_ = 0;  ///< of other jobs that were sent
 };
 
 }  // namespace plumbline::loop

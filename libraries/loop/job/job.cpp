@@ -252,7 +252,7 @@ JobItem read_item(const Reader& reader, const std::string& frame) {
   item.id = reader.at("id").text(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
   item.operation = reader.at("operation").one_of({"setBracket", "placePanel", "drill", "setAnchor", "mountBracket"});
   if (reader.has("ifcGuid")) item.guid = reader.at("ifcGuid").text();
-  item.floor = reader.at("storey").whole(0), item.revision = reader.at("revision").whole(0);
+  item.floor = reader.at("storey").whole(0), item.revision = reader.at("revision").whole(1);
   for (const Reader& before : reader.at("dependsOn").items()) item.depends_on.push_back(before.text());
   reader.at("frame").one_of({frame});
   item.design = reader.at("designPose").at("position").vector();

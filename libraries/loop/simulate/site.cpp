@@ -121,7 +121,8 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
   } else if (luck.uniform() < f.twice) {
     plant("done twice", b, round, what), twice = true;
   } else if (luck.uniform() < f.old_revision) {
-    plant("old revision", b, round, Eigen::Vector3d::Zero()), actual->revision = item.revision - 1;
+    plant("old revision", b, round, Eigen::Vector3d::Zero()),
+        actual->revision = item.revision > 1 ? item.revision - 1 : 1000;
   } else if (luck.uniform() < f.other_job) {
     const Eigen::Vector3d other = luck.normal3(0.006);
     plant("other job", b, round, other - what), what = other, actual->job = "job-of-another-tower";

@@ -89,6 +89,8 @@ constexpr double kReach = 0.25;
 constexpr double kSettingReach = 0.03;
 /// A panel that was measured within this of where its centre is to be hangs there [m].
 constexpr double kPanelReach = 0.05;
+/// A standard deviation above this shows of no place where it is, and one below that no instrument of a site has [m].
+constexpr double kLargestSigma = 0.05, kLeastSigma = 1e-5;
 /// What is nearer than this to the target is the target's own number, not a measurement: with all its digits, or as a
 /// file with four decimals has it [m].
 constexpr double kEcho = 6e-5;
@@ -101,6 +103,41 @@ std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   return released && *then <= *released
              ? "is dated " + actual.at + ", not after the item was released or reported last at " + item.at
              : std::string();
+}
+
+/// A robot whose clock is ahead, or another zone: no campaign would ever be later than such work.
+std::string future_doubt(const ActualT& actual, const std::string& now) {
+  const std::optional<double> then = seconds_of(actual.at), here = seconds_of(now);
+  return then && here && *then > *here ? "is dated " + actual.at + ", later than this round, which is said to be at " +
+                                             now + ": mend the clock of who reports, or 'now', and report it again"
+                                       : std::string();
+}
+
+/// What a panel's place is compared by: a thousand times too large, it would agree with everything.
+std::string sigma_doubt(const ActualT& actual) {
+  if (actual.sigma.array().isNaN().all()) return {};
+  const double least = actual.sigma.minCoeff(), most = actual.sigma.maxCoeff();
+  if (!actual.sigma.allFinite() || !(least > 0))
+    return fmt::format("has the sigma {:g}, {:g}, {:g}; expected three standard deviations in metres, each above 0",
+                       actual.sigma.x(), actual.sigma.y(), actual.sigma.z());
+  const auto words = [](double sigma, const char* why) {
+    return fmt::format("has a sigma of {:g} m, {}; give standard deviations in metres and report it again", sigma, why);
+  };
+  if (most > kLargestSigma)
+    return words(most, 1e-3 * most <= kLargestSigma && 1e-3 * least >= kLeastSigma
+                           ? "by which it could be anywhere; that would fit if it is in millimetres"
+                           : "by which it could be anywhere");
+  if (least < kLeastSigma)
+    return words(least, std::sqrt(most) <= kLargestSigma && std::sqrt(least) >= kLeastSigma
+                            ? "which no instrument has; that would fit if it is a variance"
+                            : "which no instrument has");
+  return {};
+}
+
+/// What is wrong with a report whatever it is on.
+std::string doubt_of_itself(const ActualT& actual, const std::string& now) {
+  const std::string doubt = future_doubt(actual, now);
+  return doubt.empty() ? sigma_doubt(actual) : doubt;
 }
 
 /// A report on work that was released before, or on another robot's, does not say that this was done.
@@ -167,10 +204,10 @@ std::vector<double> place_with_sigma(const ActualT& actual) {
 
 /// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
 /// be of the time before it was taken down and hung again.
-bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual) {
-  return item.kind == "panel" && is_over(item) && item.hangs && !item.seen && actual.outcome == "done" &&
-         (actual.revision == 0 || actual.revision == item.revision) && shows_panel(item, actual) &&
-         date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
+bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual, const std::string& now) {
+  return doubt_of_itself(actual, now).empty() && item.kind == "panel" && is_over(item) && item.hangs && !item.seen &&
+         actual.outcome == "done" && (actual.revision == 0 || actual.revision == item.revision) &&
+         shows_panel(item, actual) && date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
 }
 
 /// With the one whose name differs in case, separators or leading zeros alone.
@@ -184,9 +221,10 @@ std::string unknown_words(const LoopStateT& state, const std::string& name) {
 }
 
 /// Why a report is not taken; empty if it is.
-std::string objection(const LoopItemT* item, const ActualT& actual) {
+std::string objection(const LoopItemT* item, const ActualT& actual, const std::string& now) {
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
     return "outcome '" + actual.outcome + "', expected done, failed or skipped";
+  if (const std::string doubt = doubt_of_itself(actual, now); !doubt.empty()) return doubt;
   if (is_over(*item) && actual.revision == item->revision)
     return actual.outcome == "done" ? "was reported before; nothing changes"
                                     : "says " + actual.outcome + ", a report before it said done: look at it";
@@ -209,7 +247,8 @@ std::string objection(const LoopItemT* item, const ActualT& actual) {
 
 }  // namespace
 
-std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals, std::vector<std::string>* doubted) {
+std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals, std::vector<std::string>* doubted,
+                                       const std::string& now) {
   std::vector<std::string> refused;
   for (const auto& actual : actuals.items) {
     const std::string report = "report on " + actual->item + (actual->by.empty() ? "" : " by " + actual->by) + ": ";
@@ -217,14 +256,14 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
     int named = 0;
     for (auto& candidate : state.items)
       if (candidate->id == actual->item) item = candidate.get(), ++named;
-    if (named == 1 && shows_what_was_reported(*item, *actual)) {
+    if (named == 1 && shows_what_was_reported(*item, *actual, now)) {
       item->seen = true, item->place = place_with_sigma(*actual);
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
       continue;
     }
     const std::string why_not = named > 1   ? "a bracket and a panel have this name: give one of them another"
                                 : named < 1 ? unknown_words(state, actual->item)
-                                            : objection(item, *actual);
+                                            : objection(item, *actual, now);
     if (!why_not.empty()) {
       if (named == 1 && contradicts(*item, *actual))
         reject_item(state, *item,
@@ -252,6 +291,17 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
     }
   }
   return refused;
+}
+
+std::string time_doubt(const LoopStateT& state, const std::string& now) {
+  const std::optional<double> here = seconds_of(now);
+  for (const auto& item : state.items) {
+    const std::optional<double> released = seconds_of(item->at);
+    if (item->status == ItemStatus::released && here && released && *released > *here)
+      return "this round is said to be at " + now + ", and " + item->id + " was released at " + item->at +
+             ", after it: 'now' is of another round, or in another zone";
+  }
+  return {};
 }
 
 void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why) {

@@ -44,11 +44,15 @@ struct MachineOptions {
 /// released with, another job, an item that is not released, a report not later than its release or the report before,
 /// or with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a
 /// setting far from what was asked for, a place metres away from where the item is (with what would explain it: feet,
-/// millimetres, exchanged axes, another frame), a name of a bracket and a panel. A panel that was reported done and
-/// then failed goes to a person. `doubted`: panels' reports that are taken, though their place does
-/// not show that it hangs, with why.
+/// millimetres, exchanged axes, another frame), a name of a bracket and a panel, standard deviations that are in
+/// another unit or none, a date later than `now` (ISO 8601 with zone; empty: not said, and nothing is too late). A
+/// panel that was reported done and then failed goes to a person. `doubted`: panels' reports that are taken, though
+/// their place does not show that it hangs, with why.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
-                                       std::vector<std::string>* doubted = nullptr);
+                                       std::vector<std::string>* doubted = nullptr, const std::string& now = {});
+
+/// Why a round cannot be at `now` (ISO 8601 with zone): something was released after it. Empty: it can.
+std::string time_doubt(const LoopStateT& state, const std::string& now);
 
 /// Takes a new plan, made from a new measurement: items of a first plan are added; brackets and panels that were
 /// executed are judged by it; released ones whose setting changed by more than a tenth of the tolerance, or all of them

@@ -9,6 +9,9 @@
 namespace plumbline::loop {
 namespace {
 
+/// Revision of a job that was left from another loop: there is none before the first.
+constexpr int kOtherLoop = 1000;
+
 /// Who hangs a panel sees it to a millimetre.
 Eigen::Vector3d seen_panel(const Job& job, const JobItem& item, Random& own) {
   return job.origin + item.target + own.normal3(0.001);
@@ -49,7 +52,7 @@ Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed
   if (luck.uniform() < *skipped) {
     deed.outcome = "skipped", untouched = true;
   } else if (luck.uniform() < *old_revision) {
-    deed.revision -= 1;
+    deed.revision = deed.revision > 1 ? deed.revision - 1 : kOtherLoop;
   } else if (luck.uniform() < *did_nothing) {
     untouched = true;
   } else if (is_bracket && luck.uniform() < *off_8mm) {

@@ -7,7 +7,7 @@
 namespace plumbline::loop {
 
 struct SimulateRobots : RobotNode {
-  static constexpr Info info{"simulate.robots", "robot", 3,
+  static constexpr Info info{"simulate.robots", "robot", 4,
                              "Robots that do a job with their errors and faults, on a site whose truth only they move"};
   Optional<Poses> believed{
       "believed", frame("frame=?F"),

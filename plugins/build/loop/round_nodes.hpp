@@ -19,7 +19,7 @@ struct ReadState : Node {
 };
 
 struct ReadReports : Node {
-  static constexpr Info info{"read.reports", "", 1,
+  static constexpr Info info{"read.reports", "", 2,
                              "What robots and people report since the last round, out of as many files as there are"};
   Param<std::vector<FilePath>> json{"json", std::vector<FilePath>{}, "files like actuals.json"};
   Param<std::vector<FilePath>> hilti{"hilti", std::vector<FilePath>{}, "staked points: PtID;E;N;H"};

@@ -9,14 +9,26 @@
 
 namespace plumbline::loop {
 
+namespace {
+
+void check_date(const char* name, const std::string& date) {
+  if (!date.empty() && !seconds_of(date))
+    throw std::runtime_error(std::string(name) + " is '" + date +
+                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+}
+
+}  // namespace
+
 void UpdateState::run(Context& context) {
   LoopStateT state;
   if (before) state = before.unpack();
+  check_date("now", *now);
+  if (const std::string doubt = time_doubt(state, *now); !doubt.empty()) throw std::runtime_error(doubt);
   std::size_t taken = 0, refused = 0;
   if (reports) {
     const ActualsT actuals = reports.unpack();
     std::vector<std::string> doubted;
-    const auto objections = apply_actuals(state, actuals, &doubted);
+    const auto objections = apply_actuals(state, actuals, &doubted, *now);
     for (const std::string& line : actuals.refused) context.warn(line);
     for (const std::string& objection : objections) context.warn(objection);
     for (const std::string& doubt : doubted) context.warn(doubt);
@@ -38,13 +50,9 @@ void ReleaseState::run(Context& context) {
   options.most_reworks = static_cast<int>(*most_reworks);
   options.setting_tolerance = *setting_tolerance, options.verified = *verified;
   options.at = *released_at;
-  if (!options.at.empty() && !seconds_of(options.at))
-    throw std::runtime_error("released_at is '" + options.at +
-                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  check_date("released_at", options.at);
   options.measured_at = *measured_at;
-  if (!options.measured_at.empty() && !seconds_of(options.measured_at))
-    throw std::runtime_error("measured_at is '" + options.measured_at +
-                             "'; expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
+  check_date("measured_at", options.measured_at);
   const InstallationPlanT planned = plan.unpack();
   const SettingScatter scatter = setting_scatter(state, planned, options.measured_at);
   for (const std::string& words : scatter_words(scatter, planned)) context.warn(words);

@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 2,
+  static constexpr Info info{"update.state", "", 3,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};
@@ -25,12 +25,15 @@ struct UpdateState : Node {
       "panel "
       "was seen hanging; 'control of floor 3@4': its next measurement is the reference. Of another round than the "
       "state's last one nothing is accepted"};
+  Param<std::string> now{"now", "",
+                         "when this round is, ISO 8601 with zone: reports that are dated later are refused; empty: not "
+                         "said"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state with these reports"};
   void run(Context& context) override;
 };
 
 struct ReleaseState : Node {
-  static constexpr Info info{"release.state", "", 4,
+  static constexpr Info info{"release.state", "", 5,
                              "Verifies by a new plan what was done, and releases what is GO and whose turn it is"};
   In<LoopState> before{"state", frame("frame=?F"), "the state with all reports"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan on the measurement made since, with this state"};

@@ -257,6 +257,13 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
         },
         "in another frame"}},
       {"early", {[](Json& r) { r["at"] = day(1, "15:00"); }, "not after the item was released"}},
+      {"future", {[](Json& r) { r["at"] = day(3, "06:00"); }, "later than this round"}},
+      {"none", {[](Json& r) { r["revision"] = 0; }, "expected that of the job, 1 or more"}},
+      {"sigma",
+       {[](Json& r) {
+          r["sigma"] = {1.0, 1.0, 0.7};
+        },
+        "that would fit if it is in millimetres"}},
       {"revision", {[](Json& r) { r["revision"] = 7; }, "a job that is no longer valid was executed"}},
       {"job", {[](Json& r) { r["job"] = "job-of-another-site"; }, "another job was executed"}},
       {"name", {[](Json& r) { r["item"] = r["item"].get<std::string>() + "x"; }, "no bracket or panel of this name"}}};

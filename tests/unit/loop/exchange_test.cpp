@@ -318,6 +318,29 @@ TEST(Exchange, AJobIsNotSentAfterItsTime) {
   EXPECT_EQ(in_time.status(), ExchangeStatus::unknown);
 }
 
+/// The file of the round before, given once more: the robot would set what it has set by a later plan.
+TEST(Exchange, AJobOfAnOlderRevisionThanOneThatWasSentIsNotSent) {
+  Disk disk;
+  Robot robot;
+  Job old = job_of("job-1-a", 1), next = job_of("job-2-b", 1);
+  next.revision = 2;
+  OrderExchange newer(next, robot_one(), disk);
+  newer.on_state(robot.state(101), 101);
+  ASSERT_EQ(newer.due(102, utc_of(102)).size(), 1u);
+  OrderExchange exchange(old, robot_one(), disk);
+  EXPECT_EQ(exchange.status(), ExchangeStatus::rejected);
+  EXPECT_NE(exchange.reason().find("job job-1-a is revision 1, revision 2 is out: fetch that one"), std::string::npos)
+      << exchange.reason();
+  exchange.on_state(robot.state(200), 200);
+  EXPECT_TRUE(exchange.due(200, utc_of(200)).empty());
+  EXPECT_EQ(disk.sent_lines.size(), 1u);
+  // Another job of the same plan, and the same one again.
+  EXPECT_FALSE(OrderExchange(next, robot_one(), disk).is_over());
+  Job beside = job_of("job-2-c", 1);
+  beside.revision = 2;
+  EXPECT_FALSE(OrderExchange(beside, robot_one(), disk).is_over());
+}
+
 /// A state that refuses two orders refuses ours, whichever stands last.
 TEST(Exchange, EveryRefusalCounts) {
   for (const bool last : {true, false}) {

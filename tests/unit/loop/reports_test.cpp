@@ -40,7 +40,7 @@ TEST(NextWords, SaysHowFarItIsAndWhatComesNext) {
       << next_words(state);
 }
 
-std::string refusal(const std::function<void(LoopStateT&, ActualT&)>& change) {
+std::string refusal(const std::function<void(LoopStateT&, ActualT&)>& change, const std::string& now = {}) {
   LoopStateT state;
   MachineOptions options;
   options.at = "2026-05-02T08:00:00+02:00";
@@ -50,7 +50,7 @@ std::string refusal(const std::function<void(LoopStateT&, ActualT&)>& change) {
   ActualsT actuals = done({"b0"}, 1);
   change(state, *actuals.items[0]);
   const LoopStateT before = state;
-  const auto refused = apply_actuals(state, actuals);
+  const auto refused = apply_actuals(state, actuals, nullptr, now);
   if (!refused.empty()) {
     EXPECT_EQ(state.journal, before.journal);
     EXPECT_EQ(item(state, "b0").status, ItemStatus::released);
@@ -83,6 +83,65 @@ TEST(Machine, AReportFromBeforeTheReleaseIsRefusedWhateverItsZone) {
   EXPECT_NE(dated("2026-05-02T09:30:00+04:00").find("not after the item was released"), std::string::npos);
   EXPECT_NE(dated("02.05.2026 9:00").find("expected ISO 8601 with a zone"), std::string::npos);
   EXPECT_NE(dated("2026-05-02T09:00:00").find("expected ISO 8601 with a zone"), std::string::npos);
+}
+
+/// No campaign would be later than such work, and the report that mends it would come second.
+TEST(Machine, AReportOfTomorrowIsRefusedWhateverItsZone) {
+  const auto dated = [](const std::string& at) {
+    return refusal([&](LoopStateT&, ActualT& actual) { actual.at = at; }, "2026-05-03T16:00:00+02:00");
+  };
+  EXPECT_EQ(dated("2026-05-03T14:00:00Z"), "taken");
+  EXPECT_EQ(dated("2026-05-03T17:30:00+04:00"), "taken");
+  const std::string words = dated("2026-05-03T14:00:01Z");
+  EXPECT_NE(words.find("report on b0 by robot-1: is dated 2026-05-03T14:00:01Z, later than this round"),
+            std::string::npos)
+      << words;
+  EXPECT_NE(dated("2062-05-03T08:00:00Z").find("later than this round"), std::string::npos);
+}
+
+TEST(Machine, ARoundIsNotBeforeWhatItReportsOn) {
+  LoopStateT state;
+  MachineOptions options;
+  options.at = "2026-05-02T08:00:00+02:00";
+  next_plan(state, make_plan("first"), options);
+  EXPECT_EQ(time_doubt(state, ""), "");
+  EXPECT_EQ(time_doubt(state, "2026-05-02T06:00:00Z"), "");
+  EXPECT_NE(time_doubt(state, "2026-05-02T05:59:00Z").find("b0 was released at 2026-05-02T08:00:00+02:00, after it"),
+            std::string::npos)
+      << time_doubt(state, "2026-05-02T05:59:00Z");
+}
+
+/// A panel's place that is stated a thousand times too poor agrees with every bracket.
+TEST(Machine, StandardDeviationsThatAreInAnotherUnitOrNoneAreRefused) {
+  const auto stated = [](const Eigen::Vector3d& sigma) {
+    return refusal([&](LoopStateT&, ActualT& actual) { actual.sigma = sigma; });
+  };
+  EXPECT_EQ(stated({0.001, 0.0005, 0.02}), "taken");
+  const std::string words = stated({1.0, 1.0, 0.5});
+  EXPECT_NE(words.find("report on b0 by robot-1: has a sigma of 1 m"), std::string::npos) << words;
+  EXPECT_NE(words.find("that would fit if it is in millimetres"), std::string::npos) << words;
+  EXPECT_NE(stated({0.0004, 0.3, 0.0004}).find("has a sigma of 0.3 m, by which it could be anywhere; give"),
+            std::string::npos);
+  EXPECT_NE(stated({1e-6, 1e-6, 4e-6}).find("if it is a variance"), std::string::npos);
+  EXPECT_NE(stated({0.001, 0, 0.001}).find("expected three standard deviations in metres, each above 0"),
+            std::string::npos);
+  EXPECT_NE(stated({0.001, nan, 0.001}).find("expected three standard deviations"), std::string::npos);
+}
+
+/// Nor does it show afterwards that a panel hangs.
+TEST(Machine, APlaceWithSuchAStandardDeviationShowsNoPanel) {
+  for (const bool is_late : {false, true}) {
+    LoopStateT state;
+    next_plan(state, make_plan("first"));
+    LoopItemT& panel = item(state, "p0");
+    panel.status = ItemStatus::relocalised, panel.hangs = true, panel.revision = 1, panel.expected.setZero();
+    ActualsT actuals = done({"p0"}, 1);
+    actuals.items[0]->at = is_late ? "2027-05-02T08:00:00Z" : "2026-05-02T08:00:00Z";
+    actuals.items[0]->sigma.setConstant(is_late ? 0.001 : 1.0);
+    EXPECT_EQ(apply_actuals(state, actuals, nullptr, "2026-05-03T08:00:00Z").size(), 1U);
+    EXPECT_FALSE(item(state, "p0").seen);
+    EXPECT_TRUE(item(state, "p0").place.empty());
+  }
 }
 
 TEST(Machine, ASettingInMillimetresIsRefused) {
