@@ -183,6 +183,33 @@ std::string hanging_words(const InstallationPlanT& plan) {
                            panels, outside);
 }
 
+const char* gate_word(GateDecision gate) {
+  return gate == GateDecision::go ? "GO" : gate == GateDecision::no_go ? "NO_GO" : "HOLD";
+}
+
+/// Panels that are GO as planned, after one that may not be hung: they wait with it, also through others.
+std::vector<std::string> waiting_in_turn(const InstallationPlanT& plan) {
+  std::map<std::string, const PlannedPanelT*> stopped_by;  // in the order of the plan: what is before comes first
+  std::vector<std::string> lines;
+  for (const auto& panel : plan.panels) {
+    if (panel->installed) continue;
+    if (panel->gate != GateDecision::go) {
+      stopped_by[panel->id] = panel.get();
+      continue;
+    }
+    for (const std::string& id : panel->depends_on) {
+      const auto before = stopped_by.find(id);
+      if (before == stopped_by.end()) continue;
+      const PlannedPanelT* stop = before->second;
+      stopped_by[panel->id] = stop;
+      lines.push_back(panel->id + ": GO, and waits for " + stop->id + ", which is to hang before it and is " +
+                      gate_word(stop->gate));
+      break;
+    }
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string installation_words(const InstallationPlanT& plan) {
@@ -200,6 +227,7 @@ std::string installation_words(const InstallationPlanT& plan) {
   }
   part("NO_GO", forbidden);
   part("HOLD", waiting);
+  part("In their turn", waiting_in_turn(plan));
   if (const std::string hanging = hanging_words(plan); !hanging.empty()) part("What hangs", {hanging});
   part("Campaigns beside each other", plan.consistency);
   part("Not planned", plan.notes);

@@ -58,6 +58,9 @@ void Round::find_stale() {
 std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) const {
   if (panel.gate != GateDecision::go) return "it is no longer GO: " + panel.reason;
   if (touches_moved_floor(panel)) return "the control of its floor or of one beside it moved";
+  for (const std::string& id : panel.depends_on)
+    if (const LoopItemT* before = this->item("panel", id); before && !hangs(*before))
+      return id + ", which is to hang before it, does not hang";
   for (const std::string& id : panel.brackets)
     if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
       return "its bracket " + id + " is no longer verified";
@@ -72,7 +75,7 @@ void Round::unset_what_does_not_do() {
     if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
     if (another_campaign_may_do(*panel)) {
       // The same campaign once more is none that it waited for.
-      if (turn_of(*panel) && plan_.basis != state_.basis && ++hung.waited > kMostWaits) {
+      if (has_its_turn(*panel) && plan_.basis != state_.basis && ++hung.waited > kMostWaits) {
         reject_item(state_, hung,
                     {"waited for " + std::to_string(kMostWaits) +
                          " campaigns more, and none decided it: measure it more precisely, or have its brackets set "
@@ -84,7 +87,7 @@ void Round::unset_what_does_not_do() {
         continue;
       }
       measured_again_.insert(panel->id);
-      state_.to_measure = state_.to_measure || turn_of(*panel);
+      state_.to_measure = state_.to_measure || has_its_turn(*panel);
       continue;
     }
     if (panel->gate == GateDecision::hold && !panel->measure.empty() && plan_.basis == state_.basis) continue;
@@ -96,32 +99,39 @@ void Round::unset_what_does_not_do() {
   }
 }
 
-bool Round::turn_of(const PlannedPanelT& panel) const {
-  return std::all_of(panel.depends_on.begin(), panel.depends_on.end(), [&](const std::string& id) {
+std::string Round::before_its_turn(const PlannedPanelT& panel) const {
+  for (const std::string& id : panel.depends_on) {
     const LoopItemT* before = item("panel", id);
-    return !before || before->status == ItemStatus::verified ||
-           (before->status == ItemStatus::rejected && !before->hangs);
-  });
+    if (!before) return id + ", which is to hang before it and is not planned";
+    if (before->status == ItemStatus::rejected) return id + ", which is to hang before it and is for a person";
+    if (before->status != ItemStatus::verified) return id + ", which is to hang before it";
+  }
+  return {};
 }
 
 std::string Round::neighbour_that_waits(const PlannedPanelT& panel) const {
   for (const auto& other : plan_.panels) {
-    if (other->id == panel.id || measured_again_.count(other->id) == 0 || !turn_of(*other)) continue;
+    if (other->id == panel.id || measured_again_.count(other->id) == 0 || !has_its_turn(*other)) continue;
     for (const std::string& id : other->brackets)
       if (!carries(id) && std::count(panel.brackets.begin(), panel.brackets.end(), id) > 0) return other->id;
   }
   return {};
 }
 
+std::string Round::why_not_yet(const PlannedPanelT& panel) const {
+  if (measured_again_.count(panel.id) > 0) return "waits for another campaign: " + panel.reason;
+  if (panel.gate != GateDecision::go) return panel.reason.empty() ? "is not GO" : panel.reason;
+  if (touches_moved_floor(panel)) return "waits for control: that of its floor or of one beside it moved";
+  const std::string before = before_its_turn(panel);
+  return before.empty() ? before : "waits for " + before;
+}
+
 void Round::release() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& item = *this->item("panel", panel->id);
-    if (item.status != ItemStatus::planned || panel->gate != GateDecision::go || !turn_of(*panel) ||
-        touches_moved_floor(*panel)) {
-      if (item.status == ItemStatus::planned)
-        item.why = panel->gate == GateDecision::go        ? "waits for panels before it"
-                   : measured_again_.count(panel->id) > 0 ? "waits for another campaign: " + panel->reason
-                                                          : panel->reason;
+    if (item.status != ItemStatus::planned) continue;
+    if (const std::string why = why_not_yet(*panel); !why.empty()) {
+      item.why = why;
       continue;
     }
     bool ready = true;

@@ -153,12 +153,14 @@ bool Round::touches_moved_floor(const PlannedPanelT& panel) const {
          0;
 }
 
+bool Round::hangs(const LoopItemT& panel) {
+  return panel.hangs || panel.status == ItemStatus::executed || panel.status == ItemStatus::relocalised ||
+         panel.status == ItemStatus::verified;
+}
+
 bool Round::carries(const std::string& bracket) const {
   for (const auto& panel : plan_.panels) {
-    const LoopItemT& hung = *item("panel", panel->id);
-    if (!hung.hangs && hung.status != ItemStatus::executed && hung.status != ItemStatus::relocalised &&
-        hung.status != ItemStatus::verified)
-      continue;
+    if (!hangs(*item("panel", panel->id))) continue;
     if (std::find(panel->brackets.begin(), panel->brackets.end(), bracket) != panel->brackets.end()) return true;
   }
   return false;

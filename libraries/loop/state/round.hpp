@@ -39,6 +39,8 @@ class Round {
   void doubt_what_stands_on_moved_control();
   /// Its own floor or that of a neighbour above or below, whose control moved.
   bool touches_moved_floor(const PlannedPanelT& panel) const;
+  /// Whether it was reported as hung, and not taken down since.
+  static bool hangs(const LoopItemT& panel);
   /// Whether a panel hangs on it.
   bool carries(const std::string& bracket) const;
 
@@ -73,7 +75,12 @@ class Round {
   /// Brackets that stand where they were to be, under a panel that is not GO with them: set again, if the plan could
   /// tell how.
   void unset_what_does_not_do();
-  bool turn_of(const PlannedPanelT& panel) const;
+  /// The first panel that is to hang before this one and does not, verified, with what is to be said of it; empty:
+  /// none.
+  std::string before_its_turn(const PlannedPanelT& panel) const;
+  bool has_its_turn(const PlannedPanelT& panel) const { return before_its_turn(panel).empty(); }
+  /// Why a panel that is planned is not released yet, whatever its brackets; empty: nothing stands in the way.
+  std::string why_not_yet(const PlannedPanelT& panel) const;
   /// The panel beside it that waits for another campaign: hung now, it would fix a bracket of both that the other one
   /// may need elsewhere. Empty: none.
   std::string neighbour_that_waits(const PlannedPanelT& panel) const;

@@ -145,6 +145,7 @@ class Builder {
         if (!(said->change->tolerance > 0)) continue;
         in_.facade.joints.push_back(joint_of(a, b, upward, said->design, said->change->tolerance));
       }
+    wait_for_what_is_not_planned();
     for (const auto& [panel, before] : rules_.after) add_dependence(panel, before);
   }
 
@@ -247,6 +248,57 @@ class Builder {
     joint.nominal = width, joint.least = width - tolerance, joint.most = width + tolerance;
     joint.step_most = rules_.step_tolerance > 0 ? rules_.step_tolerance : tolerance;
     return joint;
+  }
+
+  /// A panel of the design of which no anchor was measured is no panel of the facade, and those above it wait
+  /// nevertheless.
+  void wait_for_what_is_not_planned() {
+    std::set<std::string> unknown(rules_.standing.begin(), rules_.standing.end());
+    const bool all_stand = unknown.erase("*") > 0;
+    for (const auto& [guid, element] : elements_) {
+      if (!element->is_panel || wholes_.count(guid) > 0) continue;
+      const bool stands = unknown.erase(element->name) > 0 || all_stand;
+      if (stands || panel_at_.count(guid) > 0 || !element->box_low.allFinite() || !element->box_high.allFinite())
+        continue;
+      const std::string id = id_of_unplanned(*element);
+      std::vector<std::string> above;
+      for (Panel& panel : in_.facade.panels)
+        if (is_below(*element, panel)) panel.depends_on.push_back(id), above.push_back(panel.id);
+      if (!above.empty())
+        in_.notes.push_back("panel " + id + " is not planned and is below " + text::join(above, 8) +
+                            ": wait for it, unless a round before saw it hang or standing=['" + element->name +
+                            "'] says that it does");
+    }
+    if (!unknown.empty())
+      throw std::runtime_error("'standing' names '" + *unknown.begin() + "', which is no panel of the design");
+  }
+
+  /// As a round before has named it.
+  std::string id_of_unplanned(const DesignElementT& element) const {
+    if (state_)
+      for (const auto& item : state_->items)
+        if (item->kind == "panel" && item->guid == element.guid) return item->id;
+    const bool is_taken = std::any_of(in_.facade.panels.begin(), in_.facade.panels.end(),
+                                      [&](const Panel& panel) { return panel.id == element.name; });
+    return element.name.empty() || is_taken ? element.guid : element.name;
+  }
+
+  /// Whether the box of an element ends where the panel begins, over half of the narrower one's width.
+  static bool is_below(const DesignElementT& element, const Panel& panel) {
+    constexpr double kWidestJoint = 0.2, kOverlap = 0.02, kDepth = 0.3;  // [m]
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Eigen::Vector3d at((corner & 1 ? element.box_high : element.box_low).x(),
+                               (corner & 2 ? element.box_high : element.box_low).y(),
+                               (corner & 4 ? element.box_high : element.box_low).z());
+      const Eigen::Vector3d place = panel.axes.transpose() * (element.placement * at);
+      low = low.cwiseMin(place), high = high.cwiseMax(place);
+    }
+    const Eigen::Vector3d begin = panel.axes.transpose() * panel.corners[0],
+                          end = panel.axes.transpose() * panel.corners[3];
+    const double gap = begin.y() - high.y(), common = std::min(high.x(), end.x()) - std::max(low.x(), begin.x());
+    return gap > -kOverlap && gap < kWidestJoint && common >= 0.5 * std::min(high.x() - low.x(), end.x() - begin.x()) &&
+           std::abs(0.5 * (low.z() + high.z()) - begin.z()) < kDepth;
   }
 
   void add_dependence(const std::string& panel, const std::vector<std::string>& before) {

@@ -24,6 +24,7 @@ FacadeRules PlannerNode::rules() {
     auto& known = rules.after[panel];
     known.insert(known.end(), before.begin(), before.end());
   }
+  rules.standing = *standing;
   rules.errors = {*setting_sigma, *station_sigma, *edge_sigma,  *face_sigma,    *guard_factor, *slip_share,
                   *slip_sigma,    *knock_share,   *knock_sigma, *control_share, *control_sigma};
   rules.step_tolerance = *step_tolerance;

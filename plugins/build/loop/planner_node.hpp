@@ -46,6 +46,10 @@ struct PlannerNode : Node {
   Param<std::vector<std::string>> after{
       "after", std::vector<std::string>{},
       "order: 'F02-P01 after F01-P01, F01-P02'; a panel always waits for the one below"};
+  Param<std::vector<std::string>> standing{
+      "standing", std::vector<std::string>{},
+      "panels that hang though neither this campaign nor a round before has them, by name; '*': all such. Without, the "
+      "panels above them wait"};
   Param<std::vector<double>> facade_normal{"facade_normal", std::vector<double>{}, "1", between(-1, 1),
                                            "direction out of the facade, x, y, z, for all anchors; without: each as it "
                                            "was judged, on as many facades as there are"};

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "loop/fit/plan_settings.hpp"
 
 namespace plumbline::loop {
@@ -97,6 +99,40 @@ TEST(FacadeInput, WhatFacesNobodyKnowsWhereIsSaidAndWaits) {
   FacadeRules rules;
   rules.normal = {0, -1, 0};
   EXPECT_EQ(fault_of(input, rules), "");
+}
+
+/// Nobody measured its anchors, so the judgement does not have it; the one above cannot be hung first all the same.
+TEST(FacadeInput, APanelWaitsForTheOneBelowAlsoWhereThatOneIsNotPlanned) {
+  Input input = two_facades();
+  const auto add_element = [&](const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    auto element = std::make_unique<DesignElementT>();
+    element->guid = "guid-" + name, element->name = name, element->is_panel = true;
+    element->position.setZero(), element->box_low = low, element->box_high = high;
+    input.design.elements.push_back(std::move(element));
+  };
+  add_element("Low", {0.1, -0.1, -2.0}, {1.9, 0.1, -0.02});
+  add_element("Beside", {-2.1, -0.1, 0.0}, {-0.02, 0.1, 2.0});
+  add_element("Behind", {0.1, 1.0, -2.0}, {1.9, 1.2, -0.02});
+  FacadeRules rules;
+  const auto before = [&](const std::string& id) -> std::vector<std::string> {
+    const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+    EXPECT_TRUE(faults_of(made.facade).empty());
+    for (const Panel& panel : made.facade.panels)
+      if (panel.id == id) return panel.depends_on;
+    return {"none"};
+  };
+  EXPECT_EQ(before("South"), std::vector<std::string>{"Low"});
+  EXPECT_TRUE(before("East").empty());
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  EXPECT_TRUE(std::any_of(made.notes.begin(), made.notes.end(), [](const std::string& note) {
+    return note.find("panel Low is not planned and is below South") != std::string::npos;
+  }));
+  for (const char* standing : {"Low", "*"}) {
+    rules.standing = {standing};
+    EXPECT_TRUE(before("South").empty()) << standing;
+  }
+  rules.standing = {"Lwo"};
+  EXPECT_NE(fault_of(input, rules).find("'standing' names 'Lwo', which is no panel of the design"), std::string::npos);
 }
 
 TEST(FacadeInput, BracketsOfUnknownTypeAndUnknownPanelsAreNamed) {

@@ -406,6 +406,73 @@ TEST(Rounds, APanelThatHangsElsewhereThanItsBracketsSayGoesToAPerson) {
   EXPECT_EQ(check_journal(knocked.journal).words, "");
 }
 
+/// What is interlocked from below cannot be hung first, whoever is to look at the one below.
+TEST(Rounds, APanelWaitsUntilTheOneBelowHangsAndSaysForWhich) {
+  LoopStateT state = with_hung_panel();
+  next_plan(state, plan_after_setting(0, "third"));
+  ASSERT_EQ(item(state, "p0").status, ItemStatus::verified) << item(state, "p0").why;
+  EXPECT_EQ(item(state, "b2").status, ItemStatus::released);
+  LoopStateT open = with_released_panel();
+  EXPECT_EQ(item(open, "p1").status, ItemStatus::planned);
+  EXPECT_EQ(item(open, "p1").why, "waits for p0, which is to hang before it");
+  EXPECT_EQ(item(open, "b2").status, ItemStatus::planned);
+  // For a person, and it does not hang: neither does the one above.
+  LoopItemT& below = item(open, "p0");
+  below.status = ItemStatus::rejected, below.hangs = false;
+  next_plan(open, plan_after_setting(0, "third"));
+  EXPECT_EQ(item(open, "p1").status, ItemStatus::planned);
+  EXPECT_EQ(item(open, "p1").why, "waits for p0, which is to hang before it and is for a person");
+  EXPECT_EQ(item(open, "b2").status, ItemStatus::planned);
+  close_round(open);
+  EXPECT_TRUE(open.done);
+  EXPECT_NE(open.next.find("somebody looks at what is named below"), std::string::npos) << open.next;
+}
+
+/// It was released while the one below hung.
+TEST(Rounds, AReleasedPanelIsRecalledWhereTheOneBelowIsTakenDown) {
+  LoopStateT state = with_hung_panel();
+  next_plan(state, plan_after_setting(0, "third"));
+  LoopItemT& above = item(state, "p1");
+  above.status = ItemStatus::released, above.revision = state.revision, above.expected.setZero();
+  item(state, "b2").status = item(state, "b3").status = ItemStatus::verified;
+  InstallationPlanT fourth = plan_after_setting(0, "fourth");
+  fourth.panels[0]->gate = GateDecision::no_go, fourth.panels[0]->p_in = 0.01, fourth.panels[0]->reason = "p 0.010";
+  next_plan(state, std::move(fourth));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::planned) << item(state, "p0").why;
+  EXPECT_EQ(item(state, "p1").status, ItemStatus::planned);
+  bool told = false;
+  for (const std::string& line : state.journal)
+    told = told || line.find("stale: p0, which is to hang before it, does not hang") != std::string::npos;
+  EXPECT_TRUE(told);
+}
+
+/// The plan alone counts it GO, because it would hang right.
+TEST(Rounds, APlanSaysWhatWaitsForAPanelThatMayNotBeHung) {
+  InstallationPlanT plan = make_plan("first");
+  EXPECT_EQ(installation_words(plan).find("In their turn"), std::string::npos);
+  auto third = std::make_unique<PlannedPanelT>(*plan.panels[1]);
+  third->id = "p2", third->depends_on = {"p1"};
+  plan.panels.push_back(std::move(third));
+  plan.panels[0]->gate = GateDecision::no_go;
+  const std::string words = installation_words(plan);
+  for (const char* id : {"p1", "p2"})
+    EXPECT_NE(
+        words.find(std::string("\n  ") + id + ": GO, and waits for p0, which is to hang before it and is NO_GO\n"),
+        std::string::npos)
+        << words;
+  plan.panels[0]->installed = true;
+  EXPECT_EQ(installation_words(plan).find("In their turn"), std::string::npos) << "it hangs";
+}
+
+TEST(Rounds, APanelAfterOneThatNobodyKnowsWaits) {
+  LoopStateT state;
+  InstallationPlanT plan = make_plan("first");
+  plan.panels[0]->depends_on = {"p9"};
+  next_plan(state, std::move(plan));
+  EXPECT_EQ(item(state, "b0").status, ItemStatus::planned);
+  EXPECT_EQ(item(state, "p0").why, "waits for p9, which is to hang before it and is not planned");
+}
+
 TEST(Rounds, APanelThatWasReportedDoneAndThenFailedGoesToAPerson) {
   for (const bool judged : {false, true}) {
     LoopStateT state = with_hung_panel();
