@@ -48,22 +48,10 @@ std::string layout_csv(const std::vector<LayoutPoint>& points, LayoutFormat form
   return text;
 }
 
-std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan) {
-  std::map<std::string, GateDecision> worst;
-  const auto rank = [](GateDecision g) { return g == GateDecision::go ? 0 : g == GateDecision::hold ? 1 : 2; };
-  for (const auto& panel : plan.panels)
-    for (const std::string& id : panel->brackets) {
-      const auto [at, first] = worst.try_emplace(id, panel->gate);
-      if (!first && rank(panel->gate) > rank(at->second)) at->second = panel->gate;
-    }
+std::vector<LayoutPoint> layout_points(const Job& job) {
   std::vector<LayoutPoint> points;
-  for (const auto& bracket : plan.brackets) {
-    const auto gate = worst.find(bracket->id);
-    if (gate == worst.end() || !bracket->measured.allFinite()) continue;
-    LayoutPoint point{bracket->id, bracket->measured, bracket->fixed ? "FIXED" : gate_name(gate->second)};
-    for (int k = 0; k < 3; ++k) point.position += bracket->setting[k] * bracket->axes[k];
-    points.push_back(std::move(point));
-  }
+  for (const JobItem& item : job.items)
+    if (item.kind == "bracket") points.push_back({item.id, item.target + job.origin, "GO"});
   return points;
 }
 
@@ -81,8 +69,12 @@ void dxf_point(std::string& text, const LayoutPoint& point, const std::string& l
   text += "40\n0.05\n1\n" + point.name + "\n";
 }
 
+std::string layer_of(const PlannedPanelT& panel) {
+  return std::string("PANEL_") + (panel.installed ? "HUNG" : gate_name(panel.gate));
+}
+
 void dxf_outline(std::string& text, const PlannedPanelT& panel) {
-  const std::string layer = std::string("PANEL_") + (panel.installed ? "HUNG" : gate_name(panel.gate));
+  const std::string layer = layer_of(panel);
   text += "0\nPOLYLINE\n8\n" + layer + "\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n70\n9\n";  // closed, in space
   for (const std::size_t corner : {0u, 1u, 3u, 2u}) {
     const Eigen::Vector3d arm = panel.corners[corner] - panel.centre;
@@ -95,17 +87,21 @@ void dxf_outline(std::string& text, const PlannedPanelT& panel) {
 
 }  // namespace
 
-std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPoint>& control) {
+std::string layout_dxf(const InstallationPlanT& plan, const Job& job, const std::vector<LayoutPoint>& control) {
   std::string entities;
-  std::set<std::string> layers;
-  for (const LayoutPoint& point : layout_points(plan)) {
+  std::set<std::string> layers, of_job;
+  for (const JobItem& item : job.items) of_job.insert(item.id);
+  for (const LayoutPoint& point : layout_points(job)) {
     layers.insert("BRACKET_" + point.code);
     dxf_point(entities, point, "BRACKET_" + point.code);
   }
   for (const LayoutPoint& point : control) layers.insert("CONTROL"), dxf_point(entities, point, "CONTROL");
   for (const auto& panel : plan.panels) {
-    if (panel->corners.size() != 4) continue;
-    layers.insert(std::string("PANEL_") + (panel->installed ? "HUNG" : gate_name(panel->gate)));
+    const bool concerned =
+        of_job.contains(panel->id) || std::any_of(panel->brackets.begin(), panel->brackets.end(),
+                                                  [&](const std::string& id) { return of_job.contains(id); });
+    if (panel->corners.size() != 4 || !concerned) continue;
+    layers.insert(layer_of(*panel));
     dxf_outline(entities, *panel);
   }
   std::string text =
@@ -164,7 +160,8 @@ std::unique_ptr<ActualT> actual_of(const Json& entry, std::map<std::string, int>
   take_text("note", actual->note, false);
   if (entry.contains("revision")) {
     if (!entry["revision"].is_number_integer()) wrong("revision", "a whole number");
-    if (!(std::abs(entry["revision"].get<double>()) <= 1e9)) wrong("revision", "that of the job");
+    if (!(entry["revision"].get<double>() >= 1 && entry["revision"].get<double>() <= 1e9))
+      wrong("revision", "that of the job, 1 or more");
     actual->revision = entry["revision"].get<int>();
   }
   const auto take_three = [&](const char* key, Eigen::Vector3d& place, const char* expected, bool by_direction) {

@@ -7,6 +7,7 @@
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/installation_plan.hpp"
+#include "loop/job/job.hpp"
 
 namespace plumbline::loop {
 
@@ -21,12 +22,14 @@ struct LayoutPoint {
 /// Four digits after the point (0.1 mm). Names with a separator in them are refused with std::runtime_error.
 std::string layout_csv(const std::vector<LayoutPoint>& points, LayoutFormat format);
 
-/// Brackets of the plan where they are to be set; code: GO, HOLD, NO_GO of the worst panel on them, or FIXED.
-std::vector<LayoutPoint> layout_points(const InstallationPlanT& plan);
+/// Brackets of the job where they are to be set, in its order; code: GO. What waits, hangs or is set already is staked
+/// by nobody.
+std::vector<LayoutPoint> layout_points(const Job& job);
 
-/// DXF R12: a POINT for each bracket, a closed 3D POLYLINE for each panel, on layers BRACKET_GO, PANEL_HOLD, ...;
-/// control on CONTROL.
-std::string layout_dxf(const InstallationPlanT& plan, const std::vector<LayoutPoint>& control);
+/// DXF R12: a POINT for each bracket of the job on BRACKET_GO, and so that these are found on the wall a closed 3D
+/// POLYLINE for each panel that the job hangs or that hangs on one of them, on a layer by its gate (PANEL_GO,
+/// PANEL_HOLD, PANEL_NO_GO) or PANEL_HUNG; control on CONTROL.
+std::string layout_dxf(const InstallationPlanT& plan, const Job& job, const std::vector<LayoutPoint>& control);
 
 /// Staked points of such a file as reports "done" with their place. `format`: which tool wrote it, and so in which
 /// order; a head that names E, N and H (in words of English or German) goes before it, as do a name's and a time

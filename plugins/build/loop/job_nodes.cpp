@@ -42,12 +42,12 @@ void WriteJob::run(Context& context) {
   if (control)
     for (const auto& point : control.unpack().points)
       if (point->role == "control") of_control.push_back({point->id, point->position, "control"});
-  const std::vector<LayoutPoint> points = layout_points(planned);
+  const std::vector<LayoutPoint> points = layout_points(made);
   hilti.commit(text_file("layout_hilti.csv", "text/csv", layout_csv(points, LayoutFormat::hilti)));
   trimble.commit(text_file("layout_trimble.csv", "text/csv", layout_csv(points, LayoutFormat::trimble)));
   leica.commit(text_file("layout_leica.csv", "text/csv", layout_csv(points, LayoutFormat::leica)));
   control_points.commit(text_file("control.csv", "text/csv", layout_csv(of_control, LayoutFormat::hilti)));
-  drawing.commit(text_file("layout.dxf", "image/vnd.dxf", layout_dxf(planned, of_control)));
+  drawing.commit(text_file("layout.dxf", "image/vnd.dxf", layout_dxf(planned, made, of_control)));
   context.metric("items", static_cast<double>(made.items.size()), "1");
 }
 

@@ -12,7 +12,7 @@
 namespace plumbline::loop {
 
 struct WriteJob : Node {
-  static constexpr Info info{"write.job", "", 1, "What is released, for robots (JSON, signed) and for layout tools"};
+  static constexpr Info info{"write.job", "", 2, "What is released, for robots (JSON, signed) and for layout tools"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan that released it"};
   In<LoopState> state{"state", frame("frame=?F"), "the state after the release"};
   Optional<Points> control{"control", frame("frame=?F"),
@@ -25,16 +25,17 @@ struct WriteJob : Node {
   Out<File> job{"job", "job.json (schemas/robot_job.schema.json)"};
   Out<File> signature{"signature",
                       "job.json.sig: 64 bytes, 'openssl pkeyutl -verify -rawin' checks it; empty without key"};
-  Out<File> hilti{"hilti", "layout_hilti.csv: PtID;E;N;H"};
+  Out<File> hilti{"hilti", "layout_hilti.csv: PtID;E;N;H of the brackets that the job sets"};
   Out<File> trimble{"trimble", "layout_trimble.csv: name, N, E, elevation, code"};
   Out<File> leica{"leica", "layout_leica.csv: PtID, E, N, H, code"};
   Out<File> control_points{"control_points", "control.csv: PtID;E;N;H of the control"};
-  Out<File> drawing{"drawing", "layout.dxf: R12, brackets and panels on layers by gate, control on its own"};
+  Out<File> drawing{"drawing",
+                    "layout.dxf: R12, the job's brackets, the panels on them on layers by gate, control on its own"};
   void run(Context& context) override;
 };
 
 struct ReadActuals : Node {
-  static constexpr Info info{"read.actuals", "", 1,
+  static constexpr Info info{"read.actuals", "", 2,
                              "What robots and people report: actuals.json, or staked points of a layout tool"};
   In<File> file{"file", "the file"};
   Param<std::string> format{"format", "json", one_of("json", "hilti", "trimble", "leica"), "who wrote it"};

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -257,7 +258,7 @@ TEST(Signature, HoldsForTheseBytesAndThisKeyOnly) {
 
 TEST(LayoutFiles, AreReadBackAsTheyWereWritten) {
   const Released r;
-  const auto points = layout_points(r.plan);
+  const auto points = layout_points(make_job(r.plan, r.state, 0, "", ""));
   ASSERT_FALSE(points.empty());
   for (const LayoutFormat format : {LayoutFormat::hilti, LayoutFormat::trimble, LayoutFormat::leica}) {
     const ActualsT back = read_staked(layout_csv(points, format), format, "staked.csv");
@@ -268,6 +269,44 @@ TEST(LayoutFiles, AreReadBackAsTheyWereWritten) {
       EXPECT_LT((back.items[i]->measured - points[i].position).cwiseAbs().maxCoeff(), 5.1e-5);
     }
   }
+}
+
+/// A tool stakes whatever is in its file: a bracket that waits or stands already would be set once more.
+TEST(LayoutFiles, HoldWhatTheJobSetsAndNothingElse) {
+  Released r;
+  const auto named = [](const std::vector<LayoutPoint>& points) {
+    std::set<std::string> names;
+    for (const LayoutPoint& point : points) names.insert(point.name);
+    return names;
+  };
+  std::string waits, stands;
+  for (auto& item : r.state.items) {
+    if (item->kind != "bracket" || item->status != ItemStatus::released) continue;
+    if (waits.empty())
+      waits = item->id, item->status = ItemStatus::planned;
+    else if (stands.empty())
+      stands = item->id, item->status = ItemStatus::verified;
+  }
+  ASSERT_FALSE(stands.empty());
+  const Job job = make_job(r.plan, r.state, 0, "", "");
+  std::set<std::string> of_job;
+  for (const JobItem& item : job.items) of_job.insert(item.id);
+  const auto points = layout_points(job);
+  ASSERT_FALSE(points.empty());
+  EXPECT_EQ(named(points), of_job);
+  EXPECT_LT(points.size(), r.plan.brackets.size());
+  EXPECT_FALSE(named(points).contains(waits) || named(points).contains(stands));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LT((points[i].position - job.items[i].target - job.origin).norm(), 1e-9) << "the place that the job says";
+  const std::string dxf = layout_dxf(r.plan, job, {});
+  EXPECT_EQ(dxf.find("\n" + waits + "\n"), std::string::npos);
+  EXPECT_EQ(dxf.find("\n" + stands + "\n"), std::string::npos);
+  EXPECT_NE(dxf.find("\n" + points[0].name + "\n"), std::string::npos);
+  // Of two floors the upper one's turn has not come.
+  std::size_t outlines = 0;
+  for (std::size_t at = 0; (at = dxf.find("POLYLINE", at)) != std::string::npos; ++at) ++outlines;
+  EXPECT_EQ(outlines, 2u);
+  EXPECT_TRUE(layout_points(make_job(r.plan, r.state, 2, "", "")).empty());
 }
 
 TEST(LayoutFiles, AHeadSaysWhichColumnIsWhat) {
@@ -368,7 +407,7 @@ TEST(LayoutFiles, ANameWithASeparatorIsRefused) {
 
 TEST(LayoutFiles, TheDrawingHasALayerForEachGate) {
   const Released r;
-  const std::string dxf = layout_dxf(r.plan, {{"CP1", {1, 2, 3}, "control"}});
+  const std::string dxf = layout_dxf(r.plan, make_job(r.plan, r.state, 0, "", ""), {{"CP1", {1, 2, 3}, "control"}});
   for (const char* layer : {"BRACKET_GO", "PANEL_GO", "CONTROL"})
     EXPECT_NE(dxf.find(layer), std::string::npos) << layer;
   EXPECT_NE(dxf.find("AC1009"), std::string::npos);
@@ -389,7 +428,8 @@ TEST(LayoutFiles, AnotherProgramOpensTheDrawing) {
   const Released r;
   const std::string path =
       (std::filesystem::temp_directory_path() / ("plumbline_layout_" + std::to_string(getpid()) + ".dxf")).string();
-  std::ofstream(path) << layout_dxf(r.plan, {{"CP1", {350001.1234, 5800002.5678, 103.9}, "control"}});
+  std::ofstream(path) << layout_dxf(r.plan, make_job(r.plan, r.state, 0, "", ""),
+                                    {{"CP1", {350001.1234, 5800002.5678, 103.9}, "control"}});
   const std::string told = printed("ogrinfo -al '" + path + "' 2>&1");
   std::filesystem::remove(path);
   EXPECT_NE(told.find("Layer (String) = CONTROL"), std::string::npos) << told;
@@ -397,8 +437,8 @@ TEST(LayoutFiles, AnotherProgramOpensTheDrawing) {
   std::size_t panels = 0, brackets = 0;
   for (std::size_t at = 0; (at = told.find("Layer (String) = PANEL_GO", at)) != std::string::npos; ++at) ++panels;
   for (std::size_t at = 0; (at = told.find("Layer (String) = BRACKET_GO", at)) != std::string::npos; ++at) ++brackets;
-  EXPECT_EQ(panels, static_cast<std::size_t>(r.plan.go)) << told;
-  EXPECT_GE(brackets, r.plan.brackets.size()) << told;
+  EXPECT_EQ(panels, 2U) << told;  // of the lower floor
+  EXPECT_GE(brackets, layout_points(make_job(r.plan, r.state, 0, "", "")).size()) << told;
   // Four corners and the first again.
   const auto line = told.find("LINESTRING Z (");
   ASSERT_NE(line, std::string::npos) << told;
@@ -425,6 +465,10 @@ TEST(Actuals, SingleEntriesThatAreWrongAreRefusedByName) {
   EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "measured": [1, 2]})"),
             "a.json: items[0]: 'measured' is [1,2], expected [E, N, H] in metres");
   EXPECT_NE(refused(R"({"item": "A", "outcome": "done", "setting": [1, 2, 3]})").find("\"right\""), std::string::npos);
+  // No job has it, and none said would answer any job.
+  for (const char* none : {"0", "-1"})
+    EXPECT_EQ(refused(R"({"item": "A", "outcome": "done", "revision": )" + std::string(none) + "}"),
+              "a.json: items[0]: 'revision' is " + std::string(none) + ", expected that of the job, 1 or more");
 }
 
 /// A key that nobody reads is named; one that seems to mean another key is not taken, because what it says would be
