@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "loop/fit/limit_dual.hpp"
 
 namespace plumbline::loop {
@@ -128,14 +130,18 @@ std::string panels_on(const Facade& facade, std::size_t bracket) {
   return names;
 }
 
-std::string range_words(const Facade& facade, const Relaxation& relaxed) {
+const char* way_of(std::size_t direction, bool is_plus) {
   static constexpr const char* kPlus[] = {"to the right", "up", "outward"};
   static constexpr const char* kMinus[] = {"to the left", "down", "inward"};
+  return is_plus ? kPlus[direction] : kMinus[direction];
+}
+
+std::string range_words(const Facade& facade, const Relaxation& relaxed) {
   const auto& bracket = facade.brackets[relaxed.bracket];
   const auto k = static_cast<std::size_t>(relaxed.direction);
   const double excess = std::abs(relaxed.needed - relaxed.limit);
   return "bracket " + bracket.id + " would have to move " + millimetres(std::abs(relaxed.needed)) + " mm " +
-         (relaxed.needed > 0 ? kPlus[k] : kMinus[k]) + ", it has " + millimetres(std::abs(relaxed.limit)) +
+         way_of(k, relaxed.needed > 0) + ", it has " + millimetres(std::abs(relaxed.limit)) +
          ": re-drill, or trim panel " + panels_on(facade, static_cast<std::size_t>(relaxed.bracket)) + " by " +
          millimetres(excess) + " mm at this hook";
 }
@@ -154,6 +160,40 @@ std::string value_words(const Facade& facade, const JudgedValue& value, const Re
          by + " mm";
 }
 
+/// Brackets of these panels that are asked for all that they have one way: who mends one of them finds the next. Those
+/// that are asked for more have a relaxation of their own.
+std::string ends_words(const Facade& facade, const SettingsProgram& program, const Eigen::VectorXd& x,
+                       const std::set<std::size_t>& panels) {
+  std::set<std::size_t> brackets;
+  for (const std::size_t j : panels)
+    for (const Hook& hook : facade.panels[j].hooks)
+      if (program.is_set(hook.bracket)) brackets.insert(hook.bracket);
+  std::vector<std::string> ends;
+  for (const std::size_t b : brackets) {
+    const Eigen::Vector3d asked = program.setting(b, x);
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const bool is_plus : {true, false}) {
+        const auto along = static_cast<Eigen::Index>(k);
+        const double sign = is_plus ? 1 : -1,
+                     end = is_plus ? facade.brackets[b].type.high[along] : -facade.brackets[b].type.low[along];
+        // At zero nothing tells that it is asked for more.
+        if (1e3 * std::abs(sign * asked[along] - end) < kTold && end > 0)
+          ends.push_back(facade.brackets[b].id + " " + millimetres(end) + " mm " + way_of(k, is_plus));
+      }
+  }
+  return ends.empty() ? std::string() : "; at the end of their ranges beside it: " + text::join(ends, 8);
+}
+
+std::set<std::size_t> panels_of(const Facade& facade, const Fit& fit, const Relaxation& relaxed) {
+  std::set<std::size_t> panels;
+  if (relaxed.value >= 0)
+    for (const auto& [panel, row] : fit.judged[relaxed.value].rows) panels.insert(panel);
+  for (std::size_t j = 0; relaxed.value < 0 && j < facade.panels.size(); ++j)
+    for (const Hook& hook : facade.panels[j].hooks)
+      if (static_cast<int>(hook.bracket) == relaxed.bracket) panels.insert(j);
+  return panels;
+}
+
 void gather_relaxations(const Facade& facade, const SettingsProgram& program, const std::vector<Limit>& working,
                         const ConvexOptimum& optimum, Fit& fit) {
   const Eigen::Index excess = optimum.x.size() - static_cast<Eigen::Index>(working.size());
@@ -164,6 +204,7 @@ void gather_relaxations(const Facade& facade, const SettingsProgram& program, co
     relaxed.limit = 1e-3 * (std::isfinite(working[i].high) ? working[i].high : working[i].low);
     relaxed.words = working[i].value < 0 ? range_words(facade, relaxed)
                                          : value_words(facade, fit.judged[working[i].value], relaxed);
+    relaxed.words += ends_words(facade, program, optimum.x, panels_of(facade, fit, relaxed));
     fit.relaxations.push_back(std::move(relaxed));
   }
 }

@@ -194,6 +194,15 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
   return gate;
 }
 
+/// Whether a limit that gives way is that of a bracket of the panel, or of a length of its own.
+bool concerns(const Panel& panel, std::size_t j, const Fit& fit, const Relaxation& relaxed) {
+  if (relaxed.value < 0)
+    return std::any_of(panel.hooks.begin(), panel.hooks.end(),
+                       [&](const Hook& hook) { return static_cast<int>(hook.bracket) == relaxed.bracket; });
+  const auto& rows = fit.judged[relaxed.value].rows;
+  return std::any_of(rows.begin(), rows.end(), [&](const auto& row) { return row.first == j; });
+}
+
 /// `values`: that are judged of panel j.
 PanelGate judge_panel(const Facade& facade, const Fit& fit, std::size_t j, std::vector<std::size_t> values,
                       const GateOptions& options) {
@@ -206,11 +215,8 @@ PanelGate judge_panel(const Facade& facade, const Fit& fit, std::size_t j, std::
     gate.p_repeated = kUnknown;
     gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
   }
-  for (const Relaxation& relaxed : fit.relaxations) {
-    if (relaxed.bracket < 0) continue;
-    for (const Hook& hook : facade.panels[j].hooks)
-      if (static_cast<int>(hook.bracket) == relaxed.bracket) gate.reason += "; " + relaxed.words;
-  }
+  for (const Relaxation& relaxed : fit.relaxations)
+    if (concerns(facade.panels[j], j, fit, relaxed)) gate.reason += "; " + relaxed.words;
   return gate;
 }
 

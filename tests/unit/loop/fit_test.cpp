@@ -53,9 +53,9 @@ ConvexOptimum optimum_by_limits(const Facade& facade, const FitWeights& weights 
   return dual.optimum(limits);
 }
 
-/// The same derived anew from docs/loop.md, with the twists of the panels and all settings as unknowns and an equation
-/// for each hook, all in millimetres: hooks * twist - direction * axes * setting = direction * deviation. For facades
-/// of which nothing hangs and all is measured and may be set.
+/// The same derived anew from docs/loop_explained.md, with the twists of the panels and all settings as unknowns and an
+/// equation for each hook, all in millimetres: hooks * twist - direction * axes * setting = direction * deviation. For
+/// facades of which nothing hangs and all is measured and may be set.
 ConvexProgram program_of_twists(const Facade& facade, const FitWeights& weights = {}) {
   const Fit fit =
       fit_of_settings(facade, std::vector<Eigen::Vector3d>(facade.brackets.size(), Eigen::Vector3d::Zero()));
@@ -387,6 +387,24 @@ TEST(Fit, ABracketOutOfRangeIsNamedWithWhatToDo) {
     EXPECT_TRUE((fit.settings[b].array() <= facade.brackets[b].type.high.array() + 1e-12).all());
     EXPECT_TRUE((fit.settings[b].array() >= facade.brackets[b].type.low.array() - 1e-12).all());
   }
+}
+
+/// Who drills one of a panel's brackets again must know which others have nothing left.
+TEST(Fit, AllRangesThatBindAreNamed) {
+  Facade facade = random_facade({1, 1}, 5, 0.0, 0.0002, 0.0002);
+  const std::size_t high = tower_bracket({1, 1}, 0, 1, 0);
+  facade.brackets[high].deviation.z() = -0.026;                             // 15 of range, 5 of tolerance
+  facade.brackets[tower_bracket({1, 1}, 0, 1, 1)].deviation.z() = -0.0192;  // within its range, and all of it is used
+  const Fit fit = plan_settings(facade);
+  ASSERT_FALSE(fit.relaxations.empty());
+  bool named = false;
+  for (const Relaxation& relaxed : fit.relaxations) {
+    if (relaxed.bracket != static_cast<int>(high)) continue;
+    named = relaxed.words.find("; at the end of their ranges beside it: F01-C02-R2 15.0 mm up") != std::string::npos;
+    EXPECT_TRUE(named) << relaxed.words;
+    EXPECT_EQ(relaxed.words.find("beside it: F01-C01-R2"), std::string::npos) << "it has a line of its own";
+  }
+  EXPECT_TRUE(named);
 }
 
 TEST(Fit, ShimsComeInSteps) {
