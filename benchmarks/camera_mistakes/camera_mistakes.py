@@ -124,7 +124,7 @@ MISTAKES = [
     ("stretched by 3 % from the middle on", stretched, r"against fy|" + changed("fx against fy"), {}),
     ("every second turned by 180 degrees", lambda image, c: cv2.rotate(image, cv2.ROTATE_180) if c["k"] % 2 else image,
      "turned by 180 degrees|" + changed("turned"), {}),
-    ("a quarter of another camera", another, FOCUS + "|photographs of another camera|another body or lens|taken with another camera", {}),
+    ("a quarter of another camera", another, FOCUS + "|photographs of another camera|another body or lens|another lens or setting|taken with another camera", {}),
     ("principal point that moves by 8 px of 1280", wandering, "principal point that moves", {}),
     ("rolling shutter, 6 px of 1280", rolling, "rows (that are )?read", {}),
     ("all mirrored", flipped(lambda k: True), "mirror", {}),
@@ -132,7 +132,7 @@ MISTAKES = [
     ("every second at half size", halved, r"pixels where the others have|resized", {}),
     ("motion blur of 15 px in every third", blurred, r"blurred|moved while|motion", {}),
     ("all compressed to quality 20", recompressed, r"compress|JPEG", {}),
-    ("a column too few in the board file, or another family", None, r"columns|family", {"board": "columns"}),
+    ("a column too few in the board file, or another family", None, r"columns|family|inner corners, not", {"board": "columns"}),
     ("every photograph twice", None, r"same file|same photograph|saved twice", {"twice": True}),
 ]
 
@@ -263,7 +263,7 @@ def try_set(arguments, one, temporary, verdicts):
         raise SystemExit(f"{one['name']}: the sound set does not run:\n{text}")
     context["matrix"], context["distortion"] = sound_camera(one, out)
     usual = {without_numbers(line) for line in messages(text)}
-    told = re.search(r"not of one camera|from \S+ on the|another camera", text)
+    told = re.search(r"not of one camera|camera is another|\S+ on the (principal|camera|distortion)|[Ii]n every \w+ photograph", text)
     verdicts[one["name"], "(sound)"] = "blamed" if told else f"fx {sound[0]:.1f} ± {sound[1]:.1f}"
     for name, spoil, words, changes in MISTAKES:
         if arguments.only not in name:

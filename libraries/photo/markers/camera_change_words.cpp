@@ -99,7 +99,9 @@ std::string what_changed(const CameraChange& change, bool sized) {
       return "fx is " + longer(change.by(0), change.sigma(0), sized) + " against fy: pictures that a program stretched";
     case What::principal_point:
       return point + elsewhere(change, 0, sized) +
-             ": pictures that a program cropped or moved, a stabiliser, or a board that was bent otherwise";
+             (change.or_mirrored ? ": pictures that a program mirrored, cropped or moved"
+                                 : ": pictures that a program cropped or moved") +
+             ", a stabiliser, or a board that was bent otherwise";
     case What::distortion:
       return "the distortion is another" + by_k1(change, 0, sized) +
              ": another lens or setting of it, pictures that a program changed, or a board that was bent otherwise";

@@ -257,6 +257,15 @@ bool is_mirrored(const Candidate& one, const BrownCamera& camera) {
   return (off.abs() < 3 * one.fit.sigma.head<2>().array()).all();
 }
 
+/// With left and right exchanged: the same across, and no step along the columns. The mean of both is that of an
+/// adjustment to which they are one, which weighs them as it likes: a fifth of the step is left to it.
+bool is_flipped(double second, const CameraChange& change, const BrownCamera& camera) {
+  const Eigen::Array2d by = change.by.head<2>().array(), sigma = change.sigma.head<2>().array();
+  const double off = 2 * camera.cx + (1 - 2 * second) * by.x() - (camera.width - 1);
+  return std::abs(by.x()) > 3 * sigma.x() && std::abs(off) < 3 * sigma.x() + 0.2 * std::abs(by.x()) &&
+         std::abs(by.y()) < 3 * sigma.y();
+}
+
 /// A program takes all of the distortion away: half of the photographs lack twice their mean.
 bool is_plausible(const Candidate& one, const BrownCamera& camera) {
   if (one.hypothesis->what == What::turned) return is_mirrored(one, camera);
@@ -346,6 +355,8 @@ std::optional<CameraChange> find_change(const CameraEvidence& evidence, const Br
     else
       change.what_is_clear = false;
   }
+  if (change.what == What::principal_point)
+    change.or_mirrored = is_flipped(best.contrast.weights.mean(), change, camera);
   return change;
 }
 

@@ -35,6 +35,9 @@ struct CameraChange {
   /// The photographs were taken place after place in the order of the split, so that what goes with the places (a board
   /// that is not as the model has it) may be what differs.
   bool or_place = false;
+  /// Of a principal point: that of the one part is the other's with left and right exchanged, as a mirrored picture of
+  /// a board without marks that are read has it.
+  bool or_mirrored = false;
   std::vector<std::pair<What, double>> causes;  ///< with their probabilities, the likeliest first
 };
 

@@ -219,6 +219,7 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
                                ", each with the same numbers, and count as one camera's: cameras=by_name calibrates "
                                "each by itself, cameras=one says that it is one");
     drop_odd_groups(groups, observations, input);
+    for (std::string& words : words_of_sizes(groups)) input.warnings.push_back(std::move(words));
     input.block.cameras = cameras_of_groups(groups);
     for (size_t g = 0; g < groups.size(); ++g)
       for (const size_t i : groups[g].images) camera_of_image[i] = static_cast<int>(g);

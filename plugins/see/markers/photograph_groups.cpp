@@ -131,6 +131,25 @@ void drop_odd_groups(std::vector<CameraGroup>& groups, const TagObservationsT& o
   groups = kept;
 }
 
+std::vector<std::string> words_of_sizes(const std::vector<CameraGroup>& groups) {
+  const auto of_size = [](const CameraGroup& group) {
+    return std::to_string(group.images.size()) + " of " + size_text(group.key.width, group.key.height) + " pixels";
+  };
+  std::vector<std::string> words;
+  for (size_t b = 1; b < groups.size(); ++b)
+    for (size_t a = 0; a < b; ++a) {
+      const CameraKey &one = groups[a].key, &other = groups[b].key;
+      if (one.folder != other.folder || one.model != other.model || one.serial != other.serial) continue;
+      const long across = static_cast<long>(one.width) * other.height,
+                 along = static_cast<long>(one.height) * other.width;
+      if (one.width == other.width || std::abs(across - along) > std::max(one.width, other.width)) continue;
+      words.push_back("the photographs are " + of_size(groups[a]) + " and " + of_size(groups[b]) +
+                      ": some were resized by a program, or taken with another setting. Each size is calibrated as a "
+                      "camera of its own, from its photographs alone: use the files as the camera wrote them");
+    }
+  return words;
+}
+
 // Photographs without EXIF are taken for the calibrated camera's.
 void drop_other_bodies(std::vector<CameraGroup> groups, const CameraT& known, const TagObservationsT& observations,
                        std::vector<bool>& use, BlockInput& input) {

@@ -284,6 +284,27 @@ TEST(CameraChange, IsNamedWithItsPhotographs) {
   EXPECT_THAT(words, HasSubstr("(IMG_1.JPG, IMG_2.JPG, IMG_7.JPG, IMG_11.JPG, ...)"));
 }
 
+/// Of a board whose points carry no numbers a mirrored picture is one of a board, too.
+TEST(CameraChange, OfMirroredPhotographsOfAChessboardNamesTheMirror) {
+  auto views = photographs(24, 7);
+  for (std::size_t k = 1; k < views.size(); k += 2)
+    for (auto& point : views[k].points)
+      point.board.x() = 0.225 - point.board.x(), point.pixel.x() = 1599 - point.pixel.x();
+  const Calibration c = calibrate(views, 1600, 1200, {});
+  ASSERT_TRUE(c.truth.change);
+  EXPECT_THAT(in_words(*c.truth.change, c.truth.evidence),
+              testing::AllOf(HasSubstr("in every second photograph"), HasSubstr("pictures that a program mirrored")));
+  // Moved by as much along the columns is not mirrored.
+  const Calibration moved = calibrate(photographs(24, 7,
+                                                  [](int k, const auto&) {
+                                                    return Own{1, {0, k % 2 ? 20.0 : 0.0}};
+                                                  }),
+                                      1600, 1200, {});
+  ASSERT_TRUE(moved.truth.change);
+  EXPECT_THAT(in_words(*moved.truth.change, moved.truth.evidence),
+              HasSubstr("pictures that a program cropped or moved"));
+}
+
 TEST(Scatter, IsNamedByItsCause) {
   const auto scatter_of = [](const OwnOf& own) {
     return calibrate(photographs(24, 9, own), 1600, 1200, {}).truth.scatter;
@@ -415,6 +436,12 @@ TEST(CameraChanges, EveryChangeHasItsWords) {
                 "that was bent otherwise");
   EXPECT_EQ(said(What::principal_point, {12.34, -5.68}, {1.24, 0.96}, false),
             lies + ": pictures that a program cropped or moved, a stabiliser, or a board that was bent otherwise");
+  change.or_mirrored = true;
+  EXPECT_EQ(said(What::principal_point, {12.34, -0.68}, {1.24, 0.96}, true),
+            lies +
+                " by 12.3 ± 1.2, -0.7 ± 1.0 px: pictures that a program mirrored, cropped or moved, a stabiliser, or a "
+                "board that was bent otherwise");
+  change.or_mirrored = false;
   EXPECT_EQ(said(What::distortion, {-0.0214, 0.5}, {0.0032, 0.1}, true),
             from +
                 "the distortion is another (k1 by -0.021 ± 0.003): another lens or setting of it, pictures that a "
