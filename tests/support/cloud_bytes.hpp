@@ -31,6 +31,7 @@ struct LasFile {
   std::string records;  ///< between header and points
   std::uint32_t record_count = 0;
   std::uint16_t extra_bytes = 0;
+  bool with_box = false;  ///< of the points as they are given, whatever becomes of them
 };
 
 /// One record before the points.
@@ -58,6 +59,12 @@ inline std::string las_file(const LasFile& file, const std::vector<Eigen::Vector
   for (size_t axis = 0; axis < 3; ++axis) {
     put(bytes, 131 + 8 * axis, file.scale);
     put(bytes, 155 + 8 * axis, file.offset(static_cast<Eigen::Index>(axis)));
+  }
+  for (size_t axis = 0; axis < 3 && file.with_box; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const auto less = [a](const auto& p, const auto& q) { return p(a) < q(a); };
+    const auto [low, high] = std::minmax_element(points.begin(), points.end(), less);
+    put(bytes, 179 + 16 * axis, (*high)(a)), put(bytes, 187 + 16 * axis, (*low)(a));
   }
   bytes += file.records;
   for (const Eigen::Vector3d& point : points) {

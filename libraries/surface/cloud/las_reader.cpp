@@ -1,6 +1,9 @@
 // LAS 1.0 to 1.4 (ASPRS, "LAS Specification 1.4 - R15"): header, point records of formats 0 to 10.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "surface/cloud/cloud_stream.hpp"
 
@@ -15,7 +18,11 @@ struct LasHeader {
   std::uint16_t header_size = 0, record = 0;
   LasRecords records;  ///< that are no points
   std::uint64_t points_at = 0, points = 0;
-  Eigen::Vector3d scale, offset;
+  Eigen::Vector3d scale, offset, low, high;  ///< low and high: of the points, as it says; some programs leave them at 0
+  bool has_box() const {
+    return low.allFinite() && high.allFinite() && (low.array() <= high.array()).all() &&
+           !(low.isZero(0) && high.isZero(0));
+  }
 };
 
 LasHeader read_header(CloudStream& stream) {
@@ -53,6 +60,8 @@ LasHeader read_header(CloudStream& stream) {
           "the scale of coordinates is " + std::to_string(header.scale(axis)) + ", expected more than 0");
     if (!std::isfinite(header.offset(axis)))
       stream.fail_at_byte(155 + 8 * static_cast<std::uint64_t>(axis), "the offset of coordinates is no number");
+    header.high(axis) = number_at<double>(bytes + 179 + 16 * axis);
+    header.low(axis) = number_at<double>(bytes + 187 + 16 * axis);
   }
   if (header.minor == 4 && header.header_size >= of_1_4) {
     stream.read(bytes + smallest, of_1_4 - smallest, "the header of 375 bytes");
@@ -83,6 +92,69 @@ std::uint16_t source_of(const char* record, int format) {
   return number_at<std::uint16_t>(record + (format <= 5 ? 18 : 20));
 }
 
+/// Coordinates are whole numbers of 32 bits times a scale. One that is finer than the cloud is small makes them wrap,
+/// or stop at the largest: points then lie somewhere else, and look as good as others.
+class WholeNumbers {
+ public:
+  WholeNumbers(const LasHeader& header, const CloudStream& stream)
+      : header_(header), stream_(stream), boxed_(header.has_box()) {
+    // Boxes are rounded, or of the cloud before it was thinned out: a thousandth of it is no contradiction.
+    slack_ = 2 * header.scale + Eigen::Vector3d::Constant(1e-3 * (header.high - header.low).norm()) +
+             1e-9 * (header.low.cwiseAbs() + header.high.cwiseAbs());
+  }
+
+  void take(std::uint64_t number, const Eigen::Matrix<std::int64_t, 3, 1>& whole, const Eigen::Vector3d& point) {
+    ++points_;
+    for (int axis = 0; axis < 3; ++axis) {
+      low_(axis) = std::min(low_(axis), whole(axis)), high_(axis) = std::max(high_(axis), whole(axis));
+      at_limit_(axis) += whole(axis) == kLeast || whole(axis) == kMost;
+    }
+    if (!boxed_ || (((point - header_.low).array() >= -slack_.array()).all() &&
+                    ((header_.high - point).array() >= -slack_.array()).all()))
+      return;
+    stream_.fail_at_byte(
+        header_.points_at + number * header_.record,
+        fmt::format("point {} lies at {}, outside of the box from {} to {} that the header gives (from "
+                    "byte 179 on): the coordinates do not fit their 32 bits at a scale of {:g}, or the "
+                    "header is that of other points; write the file again, at a scale such as 0.0001",
+                    number + 1, place(point), place(header_.low), place(header_.high), header_.scale.minCoeff()));
+  }
+
+  /// When all points are read.
+  void finish() const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const double used = static_cast<double>(high_(axis) - low_(axis)) / 4294967296.0;
+      const bool stopped = at_limit_(axis) >= 3 && at_limit_(axis) * 1000 > points_;
+      if (points_ < 2 || (used < kAll && !stopped)) continue;
+      stream_.fail_at_byte(
+          131 + 8 * static_cast<std::uint64_t>(axis),
+          fmt::format(
+              "at a scale of {:g} the coordinates {} take {:.0f} % of what 32 bits hold, from {} to {}{}: those "
+              "beyond have wrapped or stopped there, and lie elsewhere; write the file again, at a scale such as "
+              "0.0001",
+              header_.scale(axis), "xyz"[axis], 100 * used, low_(axis), high_(axis),
+              stopped ? fmt::format(", and {} of {} points are at the end", at_limit_(axis), points_) : ""));
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min(),
+                                kMost = std::numeric_limits<std::int32_t>::max();
+  static constexpr double kAll = 0.99;  // a program that takes the finest scale leaves half of it
+  static std::string place(const Eigen::Vector3d& p) {
+    return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
+  }
+
+  const LasHeader& header_;
+  const CloudStream& stream_;
+  bool boxed_;
+  Eigen::Vector3d slack_;
+  std::uint64_t points_ = 0;
+  Eigen::Matrix<std::int64_t, 3, 1> low_ = Eigen::Matrix<std::int64_t, 3, 1>::Constant(kMost),
+                                    high_ = Eigen::Matrix<std::int64_t, 3, 1>::Constant(kLeast);
+  Eigen::Matrix<std::uint64_t, 3, 1> at_limit_ = Eigen::Matrix<std::uint64_t, 3, 1>::Zero();
+};
+
 }  // namespace
 
 CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
@@ -100,6 +172,7 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
   summary.resolution = header.scale;
   if (!sink) return summary;
   PointBatch batch(summary, stream, sink);
+  WholeNumbers numbers(header, stream);
   stream.seek(header.points_at);
   const std::uint64_t at_a_time = std::max<std::uint64_t>(1, (1 << 20) / header.record);
   std::vector<char> bytes(at_a_time * header.record);
@@ -116,13 +189,16 @@ CloudSummary read_las(CloudStream& stream, const PointSink& sink) {
       }
       std::int32_t& scan = scan_of[source_of(record, header.format)];
       if (scan < 0) scan = scans++;
-      const Eigen::Vector3d whole(number_at<std::int32_t>(record), number_at<std::int32_t>(record + 4),
-                                  number_at<std::int32_t>(record + 8));
-      batch.add(header.offset + header.scale.cwiseProduct(whole), static_cast<size_t>(scan));
+      const Eigen::Matrix<std::int64_t, 3, 1> whole(
+          number_at<std::int32_t>(record), number_at<std::int32_t>(record + 4), number_at<std::int32_t>(record + 8));
+      const Eigen::Vector3d point = header.offset + header.scale.cwiseProduct(whole.cast<double>());
+      numbers.take(done + i, whole, point);
+      batch.add(point, static_cast<size_t>(scan));
     }
     done += count;
   }
   batch.flush();
+  numbers.finish();
   summary.scans = std::max(1, scans);
   return summary;
 }

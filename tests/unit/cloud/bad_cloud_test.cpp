@@ -57,6 +57,45 @@ TEST(BadCloud, ABillionPointsInAHundredBytes) {
   expect_refused("a.las", las, "has room for 2");
 }
 
+/// A wall of 20 m at a scale of 1e-9: 32 bits hold 4.3 m of it, and the rest lies folded onto these.
+TEST(BadCloud, CoordinatesThatDoNotFitTheirBits) {
+  std::vector<Eigen::Vector3d> wall;
+  for (int i = 0; i < 2000; ++i) wall.push_back({500000 + 0.01 * i, 200000, 100 + 0.001 * (i % 1000)});
+  LasFile file;
+  file.scale = 1e-9;
+  const std::string wrapped = las_file(file, wall);  // lround, and the lower 32 bits of it
+  expect_refused("a.las", wrapped, "byte 131: at a scale of 1e-09 the coordinates x take 100 % of what 32 bits hold");
+  file.with_box = true;
+  expect_refused("a.las", las_file(file, wall), "outside of the box from (500000.000, 200000.000, 100.000) to");
+  std::string stopped = wrapped;
+  for (size_t i = 0; i < wall.size(); ++i)
+    put(stopped, 227 + 20 * i,
+        static_cast<std::int32_t>(std::min<std::int64_t>(std::llround(1e7 * static_cast<double>(i)), 2147483647)));
+  expect_refused("a.las", stopped, "and 1785 of 2000 points are at the end");
+  // The same wall at a fitting scale; a program that takes the finest that holds it; and one point at the limit.
+  file.scale = 1e-4;
+  EXPECT_EQ(refusal("a.las", las_file(file, wall)), "(read)");
+  file.scale = 19.99 / 2147483647;
+  EXPECT_EQ(refusal("a.las", las_file(file, wall)), "(read)");
+}
+
+TEST(BadCloud, PointsOutsideOfTheHeadersOwnBox) {
+  LasFile file;
+  file.with_box = true;
+  std::vector<Eigen::Vector3d> points = {{500000, 200000, 100}, {500010, 200000, 104}, {500004, 200000, 103}};
+  std::string las = las_file(file, points);
+  EXPECT_EQ(refusal("a.las", las), "(read)");
+  put(las, 227 + 2 * 20, std::int32_t{104000});
+  expect_refused("a.las", las,
+                 "byte 267: point 3 lies at (500010.400, 200000.000, 103.000), outside of the box from (500000.000, "
+                 "200000.000, 100.000) to (500010.000, 200000.000, 104.000)");
+  put(las, 227 + 2 * 20, std::int32_t{100005});
+  EXPECT_EQ(refusal("a.las", las), "(read)") << "half a millimetre: the box is rounded";
+  las[227 + 2 * 20 + 15] = static_cast<char>(0x80);
+  put(las, 227 + 2 * 20, std::int32_t{104000});
+  EXPECT_EQ(refusal("a.las", las), "(read)") << "what the file says not to use may lie anywhere";
+}
+
 TEST(BadCloud, NoPoints) {
   expect_refused("a.las", las_file({}, {}), "announces no points");
   expect_refused("a.ply", text_ply("0", ""), "announces no points");
