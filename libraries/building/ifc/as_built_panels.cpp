@@ -20,6 +20,7 @@ const char* property_of(const std::string& part) {
                                                            {"joint", "Joint"},
                                                            {"anchor", "Anchor"},
                                                            {"missing_anchor", "MissingAnchor"},
+                                                           {"one_anchor", "OneAnchor"},
                                                            {"facade", "Facade"},
                                                            {"not_judged", "NotJudged"},
                                                            {"doubt", "Doubt"}};

@@ -117,7 +117,13 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
   if (!out.missing.empty() && out.verdict < ToleranceVerdict::undecided)
     out.verdict = ToleranceVerdict::undecided, out.decided_by = "missing_anchor",
     out.reason = "anchor " + out.missing.front() + " was not measured";
-  if (!out.missing.empty()) out.tau_pass = std::numeric_limits<double>::infinity();
+  // Its tilt, and what its corners do, nobody measured.
+  const bool one_place = !out.fixings.empty() && out.tilt && std::isnan(out.tilt->value);
+  if (one_place && out.verdict < ToleranceVerdict::undecided)
+    out.verdict = ToleranceVerdict::undecided, out.decided_by = "one_anchor",
+    out.reason =
+        "its place is known from anchor " + out.fixings.front()->anchor + " alone: how it is turned is not known";
+  if (!out.missing.empty() || one_place) out.tau_pass = std::numeric_limits<double>::infinity();
 }
 
 }  // namespace

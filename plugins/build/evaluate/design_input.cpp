@@ -12,7 +12,7 @@
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/grid.hpp"
 #include "building/judgement/figures.hpp"
-#include "geometry/panel_fit.hpp"
+#include "building/judgement/own_anchors.hpp"
 
 namespace plumbline::judgement {
 
@@ -24,6 +24,9 @@ using judgement::PanelCase;
 
 /// Plates are true to a few degrees: within 30° they say the same as what is more exact.
 const double kPlateAlike = std::cos(30 * std::numbers::pi / 180);
+
+/// Panels whose middles and extents differ by less are at one place [m].
+constexpr double kOnePlace = 0.01;
 
 /// Facts of an element; `properties` outlives them.
 ifc::ElementFacts facts_of(const DesignElementT& element, std::vector<ifc::Property>& properties) {
@@ -101,7 +104,10 @@ class Builder {
 
   void add_panels(double reach) {
     std::set<std::string> wholes;
-    std::vector<std::string> shapeless, loose;
+    std::vector<std::string> shapeless, loose, beside;
+    std::vector<PanelCase> panels;
+    std::vector<judgement::ToleranceFindings> rules;
+    std::vector<std::set<std::string>> said;  // by panel: GlobalIds of its anchors, where the file has them
     for (const auto& element : design_.elements)
       if (element->is_panel) wholes.insert(element->parent_guid);
     for (const auto& element : design_.elements) {
@@ -118,22 +124,15 @@ class Builder {
       judgement::ToleranceFindings findings;
       panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
       panel.refused = findings.refused;
-      const std::set<std::string> said(element->anchor_guids.begin(), element->anchor_guids.end());
-      const RigidTransform panel_from_project = element->placement.inverse();
-      const Eigen::Vector3d middle = element->placement * Eigen::Vector3d(0.5 * (element->box_low + element->box_high));
-      const double farthest = 0.5 * (element->box_high - element->box_low).norm() + reach;
-      for (std::size_t i = 0; i < inputs_.anchors.size(); ++i) {
-        const AnchorCase& anchor = inputs_.anchors[i];
-        if (!anchor.design.allFinite()) continue;
-        const Eigen::Vector3d reference = anchor.design - anchor.target_offset;
-        if (said.empty() && (reference - middle).norm() > farthest) continue;
-        const bool holds = said.empty() ? distance_from_box(element->box_low, element->box_high,
-                                                            panel_from_project * reference) <= reach
-                                        : said.count(anchor.element.guid) > 0;
-        if (holds) panel.anchors.push_back(i);
-      }
+      said.emplace_back(element->anchor_guids.begin(), element->anchor_guids.end());
+      panels.push_back(std::move(panel)), rules.push_back(std::move(findings));
+    }
+    const std::vector<char> others_alone = find_own_anchors(panels, said, inputs_.anchors, reach);
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+      PanelCase& panel = panels[p];
+      const judgement::ToleranceFindings& findings = rules[p];
       if (panel.anchors.empty()) {
-        loose.push_back(name_of(*element));
+        (others_alone[p] ? beside : loose).push_back(name_of(panel));
         continue;
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
@@ -143,7 +142,11 @@ class Builder {
     const std::string reason =
         fmt::format("no anchor is within {:.3g} m of them (panel_reach), and the file ties none to them", reach);
     add_panels_not_judged(loose, reason);
+    add_panels_not_judged(beside, fmt::format("all anchors within {:.3g} m of them (panel_reach) are nearer to other "
+                                              "panels, and the file ties none to them",
+                                              reach));
     add_panels_not_judged(shapeless, "they have no shape that can be read");
+    add_panels_at_one_place();
   }
 
   DeviationInputs take() {
@@ -188,6 +191,32 @@ class Builder {
       inputs_.requests.push_back(
           {"panels " + judgement::list_of(names, 4), "design", 0, static_cast<int>(names.size()), reason});
   }
+
+  /// Of two panels at one place both would pass, by the same anchors.
+  void add_panels_at_one_place() {
+    std::vector<std::pair<Eigen::Vector3d, const PanelCase*>> by_place;
+    for (const PanelCase& panel : inputs_.panels)
+      by_place.emplace_back(panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high)), &panel);
+    std::sort(by_place.begin(), by_place.end(), [](const auto& a, const auto& b) { return a.first.x() < b.first.x(); });
+    std::vector<std::string> names;
+    for (auto one = by_place.begin(); one != by_place.end(); ++one)
+      for (auto other = one + 1; other != by_place.end() && other->first.x() - one->first.x() < kOnePlace; ++other)
+        if ((other->first - one->first).norm() < kOnePlace && alike(*one->second, *other->second))
+          names.push_back(name_of(*one->second) + " and " + name_of(*other->second));
+    add_panels_not_judged(names,
+                          "two panels of the design are at one place, and nobody knows which of them hangs there; "
+                          "take one of them out of the design, or out of its panels");
+  }
+
+  static bool alike(const PanelCase& a, const PanelCase& b) {
+    const auto extent = [](const PanelCase& panel) {
+      const Eigen::Vector3d half = 0.5 * (panel.high - panel.low);
+      return Eigen::Vector3d(panel.frame_from_panel.rotation.toRotationMatrix().cwiseAbs() * half);
+    };
+    return (extent(a) - extent(b)).norm() < kOnePlace;
+  }
+
+  static std::string name_of(const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; }
 
   void note(const judgement::ToleranceFindings& findings) {
     in_force_.insert(findings.in_force.begin(), findings.in_force.end());

@@ -134,6 +134,10 @@ Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
     task.todo = "Measure " + panel.missing.front() + ".";
     return task;
   }
+  if (panel.decided_by == "one_anchor") {
+    task.todo = "Measure a second place of it, or see with a level how it is turned.";
+    return task;
+  }
   if (!panel.facade || !panel.facade->confirmed) {
     task.todo = "Say which way its facade faces before anything is shimmed.";
     return task;

@@ -191,5 +191,91 @@ TEST(DesignInput, PanelsStandOnTheFloorOfTheirAnchors) {
   for (const auto& panel : site.judge().panels) EXPECT_EQ(panel->floor, 2) << panel->name;
 }
 
+/// Three panels of 1.5 m x 3 m in a row with joints of 20 mm, four brackets 0.1 m within each, 60 mm behind its face;
+/// the design does not tie them.
+struct Row : Site {
+  Row() : Site({0, -1, 0}) {
+    design.elements.clear(), matches.matches.clear(), plates.plates.clear(), model = {};
+    for (int p = 0; p < 3; ++p) {
+      DesignElementT& e = add("P" + std::to_string(p), "IfcPlate", {1.52 * p, 0, 0});
+      e.is_panel = true, e.box_low = {0, -0.02, 0}, e.box_high = {1.5, 0.02, 3};
+      for (int corner = 0; corner < 4; ++corner)
+        anchor("A" + std::to_string(p) + std::to_string(corner),
+               {1.52 * p + (corner % 2 ? 1.4 : 0.1), 0.06, corner < 2 ? 0.1 : 2.9});
+    }
+  }
+  void anchor(const std::string& name, const Eigen::Vector3d& place) {
+    DesignElementT& e = add(name, "IfcMechanicalFastener", place);
+    e.is_anchor = true;
+    auto match = std::make_unique<ElementMatchT>();
+    match->anchor = name, match->guid = e.guid, match->position = place, match->target_offset.setZero();
+    matches.matches.push_back(std::move(match));
+    model.ids.push_back(name), model.positions.push_back(place);
+    model.covariance = test::isotropic(model.ids.size(), 0.3 * mm);
+  }
+  /// By name, of each panel.
+  std::vector<std::string> held() const {
+    const DeviationInputs inputs = deviation_inputs(design, matches, plates, {}, 0.3, {});
+    std::vector<std::string> all;
+    for (const PanelCase& panel : inputs.panels) {
+      all.push_back(panel.name + ":");
+      for (const std::size_t i : panel.anchors) all.back() += " " + inputs.anchors[i].id;
+    }
+    return all;
+  }
+};
+
+/// Brackets of the neighbours are no more than 220 mm away, and hold another panel.
+TEST(DesignInput, APanelHasItsOwnBracketsOnly) {
+  Row row;
+  EXPECT_EQ(row.held(),
+            (std::vector<std::string>{"P0: A00 A01 A02 A03", "P1: A10 A11 A12 A13", "P2: A20 A21 A22 A23"}));
+  // A neighbour whose brackets stand out does not tilt the panel.
+  for (std::size_t i = 0; i < row.model.ids.size(); ++i)
+    if (row.model.ids[i][1] == '2') row.model.positions[i].y() -= 40 * mm;
+  const DeviationT result = row.judge();
+  ASSERT_EQ(result.panels.size(), 3u);
+  EXPECT_NEAR(result.panels[1]->out_of_plane->value, 0, 1e-9);
+  EXPECT_EQ(result.panels[1]->fixings.size(), 4u);
+  // One in the joint between two holds both, one that the design ties to another panel does not.
+  row.anchor("J", {1.51, 0.06, 1.5});
+  EXPECT_EQ(row.held()[0], "P0: A00 A01 A02 A03 J");
+  EXPECT_EQ(row.held()[1], "P1: A10 A11 A12 A13 J");
+  row.design.elements[0]->anchor_guids = {"gA00", "gJ"};
+  EXPECT_EQ(row.held()[0], "P0: A00 J");
+  EXPECT_EQ(row.held()[1], "P1: A10 A11 A12 A13");
+  // What hangs before a panel on the same brackets has them too.
+  Row shaded;
+  DesignElementT& shade = shaded.add("shade", "IfcPlate", {0, -0.2, 0});
+  shade.is_panel = true, shade.box_low = {0, -0.02, 0}, shade.box_high = {1.5, 0.02, 3};
+  EXPECT_EQ(shaded.held().back(), "shade: A00 A01 A02 A03");
+}
+
+TEST(DesignInput, APanelWhoseBracketsAreAllOfOthersIsNotJudged) {
+  Row row;
+  std::erase_if(row.design.elements, [](const auto& e) { return e->is_anchor && e->name[1] == '1'; });
+  std::erase_if(row.matches.matches, [](const auto& m) { return m->anchor[1] == '1'; });
+  const DeviationT result = row.judge();
+  EXPECT_EQ(result.panels.size(), 2u);
+  ASSERT_EQ(result.not_judged, 1);
+  const auto request = std::find_if(result.requests.begin(), result.requests.end(),
+                                    [](const auto& r) { return !r->not_judged.empty(); });
+  EXPECT_EQ((*request)->asked, "panels P1");
+  EXPECT_NE((*request)->not_judged.find("are nearer to other panels"), std::string::npos) << (*request)->not_judged;
+}
+
+TEST(DesignInput, TwoPanelsAtOnePlaceAreNotReady) {
+  Row row;
+  ASSERT_EQ(row.judge().not_judged, 0);
+  DesignElementT& twin = row.add("twin", "IfcPlate", {1.52 * 1, 0, 0});
+  twin.is_panel = true, twin.box_low = {0, -0.02, 0}, twin.box_high = {1.5, 0.02, 3};
+  const DeviationT result = row.judge();
+  EXPECT_EQ(result.not_judged, 1);
+  EXPECT_NE(result.verdict, ToleranceVerdict::pass);
+  const auto request = std::find_if(result.requests.begin(), result.requests.end(),
+                                    [](const auto& r) { return !r->not_judged.empty(); });
+  EXPECT_NE((*request)->asked.find("P1 and twin"), std::string::npos) << (*request)->asked;
+}
+
 }  // namespace
 }  // namespace plumbline::judgement

@@ -105,6 +105,21 @@ TEST(Panels, WhatTheAnchorsCannotTellIsUnknown) {
   EXPECT_EQ(deviation.panels[0]->tilt->verdict, ToleranceVerdict::not_measured);
 }
 
+/// One point says where it hangs and nothing of how it is turned: three of its corners may be anywhere.
+TEST(Panels, OneAnchorAloneShowsNoPanelToBeInPlace) {
+  DeviationInputs inputs = facade(1);
+  DeviationT deviation = judge_deviations(inputs, {});
+  EXPECT_EQ(deviation.anchors[0]->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(deviation.panels[0]->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(deviation.panels[0]->decided_by, "one_anchor");
+  EXPECT_EQ(deviation.panels[0]->reason, "its place is known from anchor a alone: how it is turned is not known");
+  EXPECT_EQ(deviation.verdict, ToleranceVerdict::undecided);
+  EXPECT_TRUE(std::isinf(deviation.panels[0]->tau_pass)) << "at no tolerance";
+  inputs.model.positions[0].y() -= 9 * mm;
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail) << "what is out is out";
+  EXPECT_EQ(judge_deviations(facade(2), {}).panels[0]->verdict, ToleranceVerdict::pass);
+}
+
 TEST(Panels, UnmeasuredAnchorsAreLeftOutAndAPanelWithoutAnyIsNotListed) {
   DeviationInputs inputs = facade(4);
   inputs.model.positions[1].setConstant(std::nan(""));

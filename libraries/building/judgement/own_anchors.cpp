@@ -1,0 +1,81 @@
+#include "building/judgement/own_anchors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace plumbline::judgement {
+namespace {
+
+/// An anchor belongs to both panels if it is not nearer to one than to the other by more than a joint is wide [m].
+constexpr double kAsNear = 0.025;
+constexpr double kAlike = 0.94;  // cosine of the directions that panels of one facade face, which may bend a little
+
+/// How far an anchor is from a panel, and in which direction the panel is thin.
+struct Candidate {
+  std::size_t panel = 0;
+  double distance = 0, beside = 0;  ///< of its box; of that what is along the panel's face [m]
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+};
+
+Candidate distance_of(const PanelCase& panel, const Eigen::Vector3d& anchor) {
+  const Eigen::Vector3d own = panel.frame_from_panel.inverse() * anchor;
+  const Eigen::Vector3d off = (panel.low - own).cwiseMax(own - panel.high).cwiseMax(0);
+  int thin = 0;
+  (panel.high - panel.low).minCoeff(&thin);
+  Candidate candidate;
+  candidate.distance = off.norm();
+  candidate.beside = std::hypot(off[(thin + 1) % 3], off[(thin + 2) % 3]);
+  candidate.across = panel.frame_from_panel.rotation * Eigen::Vector3d::Unit(thin);
+  return candidate;
+}
+
+bool is_nearer(const Candidate& one, const Candidate& other) {
+  if (std::abs(one.across.dot(other.across)) > kAlike) return one.beside + kAsNear < other.beside;
+  return one.distance + kAsNear < other.distance;
+}
+
+}  // namespace
+
+std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::vector<std::set<std::string>>& said,
+                                   const std::vector<AnchorCase>& anchors, double reach) {
+  std::map<std::string, std::vector<std::size_t>> tied;  // panels by the GlobalId of an anchor
+  for (std::size_t p = 0; p < panels.size(); ++p)
+    for (const std::string& guid : said[p]) tied[guid].push_back(p);
+  std::vector<Eigen::Vector3d> middle;
+  std::vector<double> farthest;
+  for (const PanelCase& panel : panels) {
+    middle.push_back(panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high)));
+    farthest.push_back(0.5 * (panel.high - panel.low).norm() + reach);
+  }
+  std::vector<char> others_alone(panels.size());
+  for (std::size_t a = 0; a < anchors.size(); ++a) {
+    const AnchorCase& anchor = anchors[a];
+    if (!anchor.design.allFinite()) continue;
+    const Eigen::Vector3d reference = anchor.design - anchor.target_offset;
+    const auto holds = tied.find(anchor.element.guid);
+    const bool is_tied = holds != tied.end();
+    if (is_tied)
+      for (const std::size_t p : holds->second) panels[p].anchors.push_back(a);
+    std::vector<Candidate> near;
+    for (std::size_t p = 0; p < panels.size(); ++p) {
+      if ((reference - middle[p]).norm() > farthest[p]) continue;
+      Candidate candidate = distance_of(panels[p], reference);
+      candidate.panel = p;
+      if (candidate.distance <= reach) near.push_back(candidate);
+    }
+    for (const Candidate& one : near) {
+      if (!said[one.panel].empty()) continue;
+      const bool own = !is_tied && std::none_of(near.begin(), near.end(),
+                                                [&](const Candidate& other) { return is_nearer(other, one); });
+      if (own)
+        panels[one.panel].anchors.push_back(a);
+      else
+        others_alone[one.panel] = 1;
+    }
+  }
+  for (std::size_t p = 0; p < panels.size(); ++p) others_alone[p] = others_alone[p] && panels[p].anchors.empty();
+  return others_alone;
+}
+
+}  // namespace plumbline::judgement

@@ -1,0 +1,22 @@
+// Which anchors hold which panels, where the design does not say so.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "building/judgement/deviation.hpp"
+
+namespace plumbline::judgement {
+
+/// Fills `anchors` of every panel, in their order. `said`: of each panel the GlobalIds of the anchors that the design
+/// ties to it; empty where it does not say. Those are its own and nobody else's, unless they are tied to others too. Of
+/// the rest a panel has those within `reach` [m] of its box that are not nearer to another panel: a bracket 100 mm
+/// within its own panel is no more than 120 mm from the next one, and holds it not. One in the joint between two is of
+/// both, and so is one behind a panel and what hangs before that. Panels that face alike are compared along the facade,
+/// others by their distance.
+/// Returns which panels have anchors within their reach, though none of their own.
+std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::vector<std::set<std::string>>& said,
+                                   const std::vector<AnchorCase>& anchors, double reach);
+
+}  // namespace plumbline::judgement
