@@ -56,6 +56,12 @@ std::vector<Direction> directions_of(const FacadeFrame& front) {
           {turned(front, 180, front.up), "from behind"}};
 }
 
+/// What stands in the way stands there by its box; its shape may leave the view free.
+BcfView by_boxes(BcfView view) {
+  if (!view.words.empty()) view.words += " Only the boxes around shapes were looked at.";
+  return view;
+}
+
 std::string names_of(const std::vector<const Element*>& elements) {
   constexpr std::size_t most = 3;
   std::string text;
@@ -124,11 +130,11 @@ BcfView free_view(const BcfIssue& issue, const BcfSurroundings& surroundings) {
                              (before.size() == 1 ? "stands " : "stand ") + names_of(before) + ".";
     if (least.empty()) break;
   }
-  if (least.empty()) return best;
+  if (least.empty()) return by_boxes(std::move(best));
   best.hidden.insert(best.hidden.end(), least.begin(), least.end());
   best.words += (best.words.empty() ? "" : " ") + std::string("No view of it is free: this one leaves out ") +
                 names_of(least) + ".";
-  return best;
+  return by_boxes(std::move(best));
 }
 
 }  // namespace plumbline::ifc

@@ -12,6 +12,7 @@
 #include "building/ifc/ifc_model.hpp"
 #include "building/ifc/ifc_placement.hpp"
 #include "building/ifc/ifc_units.hpp"
+#include "building/ifc/outer_sides.hpp"
 #include "building/ifc/what_hangs.hpp"
 #include "plumbline/stop.hpp"
 
@@ -60,6 +61,7 @@ class Reader {
     place_aggregates(tree_, design_);
     refuse_unplaced();
     if (rule_.panels.empty()) find_hanging();
+    read_sides();
     read_properties();
     read_site();
     read_map_conversion(model_, damage_, design_);
@@ -202,6 +204,13 @@ class Reader {
     }
     leave_out_fixing_plates(design_);
     tell_what_hangs(design_, read, [&](std::uint64_t id) { return fillings.contains(id); });
+  }
+
+  /// Whether the sides of panels are planes, of those that have a shape of their own.
+  void read_sides() {
+    OuterSides sides(model_, units_.length, units_.plane_angle);
+    for (Element& element : design_.elements)
+      if (element.is_panel && element.has_box) element.sag = sides.of(model_.entity(element.instance));
   }
 
   /// What has neither placement nor shape is nowhere; a part of something else may get by without, an anchor cannot.

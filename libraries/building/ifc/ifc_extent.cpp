@@ -27,6 +27,16 @@ void append(PointCloud& to, const PointCloud& from) { to.insert(to.end(), from.b
 void transform(ItemExtent& item, const Eigen::Affine3d& motion) {
   for (Eigen::Vector3d& point : item.points) point = motion * point;
   if (item.axis_middle) item.axis_middle = motion * *item.axis_middle;
+  for (PointCloud& face : item.faces)
+    for (Eigen::Vector3d& point : face) point = motion * point;
+}
+
+/// Between two outlines of as many points, one after the other.
+void add_strip(const PointCloud& from, const PointCloud& to, std::vector<PointCloud>& faces) {
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const std::size_t next = (i + 1) % from.size();
+    faces.push_back({from[i], from[next], to[next], to[i]});
+  }
 }
 
 Eigen::Affine3d affine(const RigidTransform& motion) {
@@ -73,9 +83,10 @@ int rank_of(const std::string& identifier) {
 
 }  // namespace
 
-Extents::Extents(const Model& model, double radian)
+Extents::Extents(const Model& model, double radian, bool with_faces)
     : model_(model),
       radian_(radian),
+      with_faces_(with_faces),
       work_left_(kWorkOfElement),
       work_left_of_file_(std::max(kWorkOfSmallFile, 4 * model.file().bytes().size())) {}
 
@@ -156,10 +167,12 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
   if (kind.starts_with("IFCSWEPTDISKSOLID")) return of_rod(item, depth);
   if (kind.starts_with("IFCFACETEDBREP") || kind.starts_with("IFCADVANCEDBREP")) {
     const Entity shell = model_.entity(item.reference("Outer"), id);
-    add_faces(shell.references("CfsFaces"), shell.id(), extent.points);
+    if (!add_faces(shell.references("CfsFaces"), shell.id(), extent)) extent.faces.clear();
   } else if (kind == "IFCFACEBASEDSURFACEMODEL" || kind == "IFCSHELLBASEDSURFACEMODEL") {
+    bool straight = true;
     for (const std::uint64_t shell : item.references(kind[3] == 'F' ? "FbsmFaces" : "SbsmBoundary"))
-      add_faces(model_.entity(shell, id).references("CfsFaces"), shell, extent.points);
+      straight = add_faces(model_.entity(shell, id).references("CfsFaces"), shell, extent) && straight;
+    if (!straight) extent.faces.clear();
   } else if (kind == "IFCTRIANGULATEDFACESET" || kind == "IFCPOLYGONALFACESET" ||
              kind == "IFCTRIANGULATEDIRREGULARNETWORK") {
     const Entity list = model_.entity(item.reference("Coordinates"), id);
@@ -168,8 +181,10 @@ ItemExtent Extents::of_item(std::uint64_t id, std::uint64_t referrer, int depth)
       if (row.items.size() != 3) item.fail("Coordinates", "points of three numbers");
       extent.points.emplace_back(row.items[0].number, row.items[1].number, row.items[2].number);
     }
+    if (with_faces_) add_indexed_faces(item, extent);
   } else if (kind == "IFCBOOLEANRESULT" || kind == "IFCBOOLEANCLIPPINGRESULT") {
     extent = of_item(item.reference("FirstOperand"), id, depth + 1);
+    if (item.value("Operator").text == "UNION") extent.faces.clear();
     if (item.value("Operator").text == "UNION")
       append(extent.points, of_item(item.reference("SecondOperand"), id, depth + 1).points);
     charge(extent.points.size());
@@ -202,6 +217,14 @@ ItemExtent Extents::of_extrusion(const Entity& solid, int depth) const {
   const Eigen::Vector3d base = middle(extent.points);
   for (Eigen::Vector3d& point : top) point += path;
   append(extent.points, top);
+  if (with_faces_ && !solid.keyword().ends_with("TAPERED")) {
+    const PointCloud outline = outline_of(solid.reference("SweptArea"), solid.id());
+    PointCloud end = outline;
+    for (Eigen::Vector3d& point : end) point += path;
+    charge(8 * outline.size());
+    add_strip(outline, end, extent.faces);
+    if (!outline.empty()) extent.faces.push_back(outline), extent.faces.push_back(end);
+  }
   extent.axis_middle = base + path / 2;
   transform(extent, affine(read_axis_placement(model_, solid.optional_reference("Position"), solid.id())));
   return extent;
@@ -219,6 +242,19 @@ ItemExtent Extents::of_revolution(const Entity& solid, int depth) const {
   for (int i = 0; i <= kSamplesOfRevolution; ++i) {
     const Eigen::AngleAxisd turn(angle * i / kSamplesOfRevolution, direction);
     for (const Eigen::Vector3d& point : profile) extent.points.push_back(origin + turn * (point - origin));
+  }
+  if (with_faces_) {
+    const PointCloud outline = outline_of(solid.reference("SweptArea"), solid.id());
+    charge(4 * outline.size() * kSamplesOfRevolution);
+    PointCloud before;
+    for (int i = 0; i <= kSamplesOfRevolution; ++i) {
+      PointCloud turned = outline;
+      const Eigen::AngleAxisd turn(angle * i / kSamplesOfRevolution, direction);
+      for (Eigen::Vector3d& point : turned) point = origin + turn * (point - origin);
+      if (i > 0) add_strip(before, turned, extent.faces);
+      if ((i == 0 || i == kSamplesOfRevolution) && !turned.empty()) extent.faces.push_back(turned);
+      before = std::move(turned);
+    }
   }
   transform(extent, affine(read_axis_placement(model_, solid.optional_reference("Position"), solid.id())));
   return extent;
@@ -276,15 +312,48 @@ ItemExtent Extents::of_primitive(const Entity& solid) const {
   return extent;
 }
 
-void Extents::add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, PointCloud& points) const {
+bool Extents::add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, ItemExtent& extent) const {
   charge(faces.size());
+  bool straight = true;
   for (const std::uint64_t face_id : faces) {
     const Entity face = model_.entity(face_id, referrer);
+    bool first = true;
     for (const std::uint64_t bound_id : face.references("Bounds")) {
       const Entity bound = model_.entity(bound_id, face_id);
-      add_loop(model_.entity(bound.reference("Bound"), bound_id), points);
+      const Entity loop = model_.entity(bound.reference("Bound"), bound_id);
+      const auto before = static_cast<std::ptrdiff_t>(extent.points.size());
+      add_loop(loop, extent.points);
+      straight = straight && loop.keyword() == "IFCPOLYLOOP";
+      const bool outer = bound.keyword() == "IFCFACEOUTERBOUND";
+      if (!with_faces_ || !(first || outer)) continue;
+      if (!first) extent.faces.pop_back();
+      extent.faces.emplace_back(extent.points.begin() + before, extent.points.end());
+      first = false;
     }
   }
+  return straight;
+}
+
+/// Triangles or polygons by the numbers of their points, counted from 1.
+void Extents::add_indexed_faces(const Entity& item, ItemExtent& extent) const {
+  const auto add = [&](const std::vector<step::Value>& numbers) {
+    PointCloud face;
+    charge(1 + numbers.size());
+    for (const step::Value& value : numbers) {
+      if (!(value.number >= 1) || value.number > static_cast<double>(extent.points.size()))
+        item.fail("CoordIndex", "numbers of its points");
+      face.push_back(extent.points[static_cast<std::size_t>(value.number) - 1]);
+    }
+    extent.faces.push_back(std::move(face));
+  };
+  if (item.keyword() != "IFCPOLYGONALFACESET") {
+    if (item.value("PnIndex").items.empty())
+      for (const step::Value& triangle : item.value("CoordIndex").items) add(triangle.items);
+    return;
+  }
+  if (!item.value("PnIndex").items.empty()) return;
+  for (const std::uint64_t face : item.references("Faces"))
+    add(model_.entity(face, item.id()).value("CoordIndex").items);
 }
 
 void Extents::add_loop(const Entity& loop, PointCloud& points) const {

@@ -24,12 +24,14 @@ struct ItemExtent {
   PointCloud points;  ///< in the coordinates of the representation
   std::optional<Eigen::Vector3d>
       axis_middle;  ///< of an extrusion, a cylinder or a straight rod: the middle of its axis
+  /// Polygons of its boundary without their holes, where they were asked for and all of them can be told; else empty.
+  std::vector<PointCloud> faces = {};
 };
 
 class Extents {
  public:
-  /// `radian` is radians in one plane angle unit of the file.
-  Extents(const Model& model, double radian);
+  /// `radian` is radians in one plane angle unit of the file. `with_faces`: ItemExtent::faces are made too.
+  Extents(const Model& model, double radian, bool with_faces = false);
 
   /// The extents of the items of an IfcProductDefinitionShape that show the body of the element; mapped items come as
   /// the items they show. Throws UnsupportedGeometry, or step::Error for damage.
@@ -46,8 +48,12 @@ class Extents {
   ItemExtent of_revolution(const Entity& solid, int depth) const;
   ItemExtent of_rod(const Entity& solid, int depth) const;
   ItemExtent of_primitive(const Entity& solid) const;
-  void add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, PointCloud& points) const;
+  /// Whether all of them are polygons.
+  bool add_faces(const std::vector<std::uint64_t>& faces, std::uint64_t referrer, ItemExtent& extent) const;
   void add_loop(const Entity& loop, PointCloud& points) const;
+  void add_indexed_faces(const Entity& item, ItemExtent& extent) const;
+  /// The outline of a profile, point after point; empty where that is not known.
+  PointCloud outline_of(std::uint64_t profile, std::uint64_t referrer) const;
 
   /// Counts instances visited and points made; throws UnsupportedGeometry when an element, or all of them together,
   /// need more than any building does: a few lines of nested items can describe 10^12 of them.
@@ -55,6 +61,7 @@ class Extents {
 
   const Model& model_;
   double radian_;
+  bool with_faces_;
   mutable std::size_t work_left_, work_left_of_file_;
   std::unordered_map<std::uint64_t, std::vector<ItemExtent>>
       maps_;  // by IfcRepresentationMap: they are shown many times

@@ -1,4 +1,5 @@
 // Extents of curves and of profiles.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -47,6 +48,17 @@ void add_arc_through(PointCloud& points, Eigen::Vector3d a, Eigen::Vector3d b, E
   }
 }
 
+/// The same in the order of the arc.
+PointCloud arc_through(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  PointCloud sampled;
+  add_arc_through(sampled, a, b, c);  // the three points, then those between their ends
+  PointCloud arc = {a};
+  arc.insert(arc.end(), sampled.begin() + 3, sampled.end());
+  if (arc.size() == 1) arc.push_back(b);
+  arc.push_back(c);
+  return arc;
+}
+
 PointCloud read_point_list(const Model& model, std::uint64_t id, std::uint64_t referrer) {
   const Entity list = model.entity(id, referrer);
   PointCloud points;
@@ -71,6 +83,25 @@ PointCloud indexed_curve(const Model& model, const Entity& curve) {
     add_arc_through(points, points[index[0]], points[index[1]], points[index[2]]);
   }
   return points;
+}
+
+/// Its points in their order, arcs sampled.
+PointCloud outline_by_index(const Model& model, const Entity& curve) {
+  const PointCloud points = read_point_list(model, curve.reference("Points"), curve.id());
+  if (curve.value("Segments").items.empty()) return points;
+  PointCloud outline;
+  for (const step::Value& segment : curve.value("Segments").items) {
+    if (segment.items.empty()) curve.fail("Segments", "lists of indices of its points");
+    PointCloud part;
+    for (const step::Value& number : segment.items[0].items) {
+      if (!(number.number >= 1) || number.number > static_cast<double>(points.size()))
+        curve.fail("Segments", "indices of its points");
+      part.push_back(points[static_cast<std::size_t>(number.number) - 1]);
+    }
+    if (segment.text == "IFCARCINDEX" && part.size() == 3) part = arc_through(part[0], part[1], part[2]);
+    outline.insert(outline.end(), part.begin(), part.end());
+  }
+  return outline;
 }
 
 /// Parameter of a trim that is given as a number; nothing if it is given as a point.
@@ -209,6 +240,33 @@ PointCloud Extents::of_profile(std::uint64_t id, std::uint64_t referrer, int dep
   }
   transform(points, read_axis_placement(model_, profile.optional_reference("Position"), id));
   return points;
+}
+
+PointCloud Extents::outline_of(std::uint64_t id, std::uint64_t referrer) const {
+  const Entity profile = model_.entity(id, referrer);
+  if (profile.keyword() == "IFCRECTANGLEPROFILEDEF") {
+    PointCloud corners = of_profile(id, referrer);
+    std::swap(corners[2], corners[3]);
+    return corners;
+  }
+  if (!profile.keyword().starts_with("IFCARBITRARYCLOSEDPROFILEDEF") &&
+      profile.keyword() != "IFCARBITRARYPROFILEDEFWITHVOIDS")
+    return {};
+  const Entity curve = model_.entity(profile.reference("OuterCurve"), id);
+  PointCloud outline;
+  if (curve.keyword() == "IFCPOLYLINE")
+    outline = of_curve(curve.id(), id);
+  else if (curve.keyword() == "IFCINDEXEDPOLYCURVE")
+    outline = outline_by_index(model_, curve);
+  else if (curve.keyword() == "IFCCOMPOSITECURVE")
+    for (const std::uint64_t segment_id : curve.references("Segments")) {
+      const Entity segment = model_.entity(segment_id, curve.id());
+      PointCloud part = of_curve(segment.reference("ParentCurve"), segment_id);
+      if (segment.value("SameSense").text == "F") std::reverse(part.begin(), part.end());
+      outline.insert(outline.end(), part.begin(), part.end());
+    }
+  charge(outline.size());
+  return outline;
 }
 
 }  // namespace plumbline::ifc

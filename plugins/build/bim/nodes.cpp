@@ -36,7 +36,7 @@ std::string undated(bool by_survey, const std::string& so, const std::string& pa
 }
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 4,
+  static constexpr Info info{"bim.read_ifc", "", 5,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file: STEP text, ifcZIP or ifcXML"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};
@@ -185,7 +185,7 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{"bim.write_bcf", "", 6,
+  static constexpr Info info{"bim.write_bcf", "", 7,
                              "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
                              "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};

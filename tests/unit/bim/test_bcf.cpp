@@ -202,7 +202,9 @@ TEST(Bcf, ACameraStandsWhereNothingOfTheDesignIsInTheWay) {
   const Seen beside = seen(deviation, options, elements);
   EXPECT_TRUE(beside.free(anchor, wall)) << beside.direction.transpose();
   EXPECT_NEAR((beside.camera - anchor).normalized().dot(-beside.direction), 1, 1e-4);
-  EXPECT_NE(beside.markup.find("Seen from the right: before it stands IfcWall &#39;parapet&#39;."), std::string::npos)
+  EXPECT_NE(beside.markup.find("Seen from the right: before it stands IfcWall &#39;parapet&#39;. Only the boxes around "
+                               "shapes were looked at."),
+            std::string::npos)
       << beside.markup;
   EXPECT_EQ(beside.view.find(wall.guid), std::string::npos) << "it need not be hidden";
   place(0.0, 0.6, 50);

@@ -176,5 +176,99 @@ TEST(Panels, SmallPlatesEdgeToEdgeAreNoFixings) {
   EXPECT_TRUE(asks(before_a_wall({1450, 2010, 2570, 3430, 3990}))) << "60 mm apart";
 }
 
+/// A plate of that body in the middle of nowhere; `lines` define #510.
+std::vector<double> sag_of_plate(const std::string& lines, const std::string& schema = "IFC4") {
+  const Design design = read(small_building(
+      schema,
+      "#500=IFCCARTESIANPOINT((3000.,-100.,9000.));#501=IFCAXIS2PLACEMENT3D(#500,$,$);#502=IFCLOCALPLACEMENT(#34,"
+      "#501);#505=IFCSHAPEREPRESENTATION(#22,'Body','SweptSolid',(#510));#506=IFCPRODUCTDEFINITIONSHAPE($,$,(#505"
+      "));#507=IFCPLATE('3bvctVUKr0kugbFTf53O9L',#5,'Bent',$,$,#502,#506,$" +
+          std::string(schema == "IFC2X3" ? "" : ",.CURTAIN_PANEL.") + ");" + lines));
+  const Element& plate = named(design, "Bent");
+  EXPECT_TRUE(plate.is_panel && plate.has_box);
+  return plate.sag;
+}
+
+/// An outline in plan, 3 m high.
+std::string upright(const std::string& curve) {
+  return "#510=IFCEXTRUDEDAREASOLID(#511,#21,#24,3000.);#511=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#512);" + curve;
+}
+
+std::string bent(const std::string& points) {
+  return upright(
+      "#512=IFCINDEXEDPOLYCURVE(#513,(IFCARCINDEX((1,2,3)),IFCLINEINDEX((3,4)),IFCARCINDEX((4,5,6)),IFCLINEINDEX((6,1))"
+      "),."
+      "F.);#513=IFCCARTESIANPOINTLIST2D((" +
+      points + "));");
+}
+
+std::string polyline(const std::vector<std::string>& points) {
+  std::string list, lines;
+  int number = 520;
+  for (const std::string& point : points) {
+    list += (list.empty() ? "#" : ",#") + std::to_string(number);
+    lines += "#" + std::to_string(number++) + "=IFCCARTESIANPOINT((" + point + "));";
+  }
+  return upright("#512=IFCPOLYLINE((" + list + ",#520));" + lines);
+}
+
+/// 2 m wide, 20 mm thick, its outer side towards smaller y: what the design itself curves is known.
+TEST(Panels, TheSagOfTheDesignsOwnSidesIsKnown) {
+  const auto expect = [](const std::vector<double>& sag, double outer, double inner, const char* what) {
+    ASSERT_EQ(sag.size(), 6U) << what;
+    EXPECT_NEAR(sag[2], outer, 0.15 * outer + 1e-9) << what;
+    EXPECT_NEAR(sag[3], inner, 0.15 * inner + 1e-9) << what;
+    EXPECT_FALSE(sag[4] > 1e-9 || sag[5] > 1e-9) << what << ": its ends are planes, or less than half of a side";
+  };
+  expect(sag_of_plate(bent("(-1000.,0.),(0.,-30.),(1000.,0.),(1000.,20.),(0.,-10.),(-1000.,20.)")), 0.0257, 0.0257,
+         "curved outward");
+  expect(sag_of_plate(bent("(-1000.,-30.),(0.,0.),(1000.,-30.),(1000.,-10.),(0.,20.),(-1000.,-10.)")), 0.0257, 0.0257,
+         "curved inward");
+  const std::string flat = "(-1000.,0.),(0.,0.),(1000.,0.),(1000.,20.),(0.,20.),(-1000.,20.)";
+  expect(sag_of_plate(bent(flat)), 0, 0, "arcs through points on a line");
+  for (const char* schema : {"IFC2X3", "IFC4"}) {
+    expect(sag_of_plate(polyline({"-1000.,20.", "-1000.,-5.", "-985.,-20.", "985.,-20.", "1000.,-5.", "1000.,20."}),
+                        schema),
+           0, 0, "flat with chamfers");
+    expect(sag_of_plate(polyline({"-1000.,20.", "-1000.,0.", "0.,-30.", "1000.,0.", "1000.,20."}), schema), 0.0273, 0,
+           "folded, and flat inside");
+  }
+  // Ribs behind it leave the outer side a plane.
+  expect(sag_of_plate(polyline(
+             {"-1000.,20.", "-1000.,0.", "1000.,0.", "1000.,20.", "100.,20.", "100.,80.", "-100.,80.", "-100.,20."})),
+         0, 0.06, "a rib behind it");
+}
+
+TEST(Panels, TheSagOfFacesThatAreListed) {
+  // A sheet of two facets, folded by 30 mm in its middle, and one that is flat.
+  const auto facets = [](const std::string& middle) {
+    return sag_of_plate(
+        "#510=IFCTRIANGULATEDFACESET(#511,$,$,((1,2,5),(1,5,4),(2,3,6),(2,6,5)),$);#511=IFCCARTESIANPOINTLIST3D(((-"
+        "1000.,0"
+        ".,0.),(0.," +
+        middle + ",0.),(1000.,0.,0.),(-1000.,0.,3000.),(0.," + middle + ",3000.),(1000.,0.,3000.)));");
+  };
+  EXPECT_NEAR(facets("-30.")[2], 0.027, 0.002);
+  EXPECT_NEAR(facets("30.")[2], 0.027, 0.002);
+  EXPECT_NEAR(facets("0.")[2], 0, 1e-9);
+  const auto brep = [](const std::string& middle) {
+    std::string lines = "#510=IFCFACETEDBREP(#511);#511=IFCCLOSEDSHELL((#531,#541));";
+    const std::string y[2][4] = {{"0.", middle, middle, "0."}, {middle, "0.", "0.", middle}};
+    const char *x[2][4] = {{"-1000.", "0.", "0.", "-1000."}, {"0.", "1000.", "1000.", "0."}},
+               *z[4] = {"0.", "0.", "3000.", "3000."};
+    for (int face = 0; face < 2; ++face) {
+      const int id = 531 + 10 * face;
+      const auto n = [&](int k) { return "#" + std::to_string(id + k); };
+      lines += n(0) + "=IFCFACE((" + n(1) + "));" + n(1) + "=IFCFACEOUTERBOUND(" + n(2) + ",.T.);" + n(2) +
+               "=IFCPOLYLOOP((" + n(3) + "," + n(4) + "," + n(5) + "," + n(6) + "));";
+      for (int k = 0; k < 4; ++k)
+        lines += n(3 + k) + "=IFCCARTESIANPOINT((" + x[face][k] + "," + y[face][k] + "," + z[k] + "));";
+    }
+    return sag_of_plate(lines, "IFC2X3");
+  };
+  EXPECT_NEAR(brep("-30.")[2], 0.027, 0.002);
+  EXPECT_NEAR(brep("0.")[2], 0, 1e-9);
+}
+
 }  // namespace
 }  // namespace plumbline::ifc

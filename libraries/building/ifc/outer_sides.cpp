@@ -1,0 +1,121 @@
+#include "building/ifc/outer_sides.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plumbline::ifc {
+namespace {
+
+constexpr int kPlaces = 24;          // along each direction of a side
+constexpr double kBorder = 0.03;     // [m] of a side, that is left out
+constexpr double kMostBorder = 0.1;  // share of a side that the border takes at most
+constexpr double kAtEnds = 0.02;     // share of the places that may be something else, at either end
+
+/// Newell's normal, twice as long as the polygon's area is large.
+Eigen::Vector3d normal_of(const PointCloud& polygon) {
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    normal += (polygon[i] - polygon[0]).cross(polygon[(i + 1) % polygon.size()] - polygon[0]);
+  return normal;
+}
+
+bool is_inside(const PointCloud& polygon, int i, int j, double u, double v) {
+  bool inside = false;
+  for (std::size_t a = 0, b = polygon.size() - 1; a < polygon.size(); b = a++) {
+    const double va = polygon[a][j], vb = polygon[b][j];
+    if ((va > v) == (vb > v)) continue;
+    inside ^= u < polygon[a][i] + (v - va) / (vb - va) * (polygon[b][i] - polygon[a][i]);
+  }
+  return inside;
+}
+
+/// What is seen of a shape from both ends of an axis: heights at places of a grid, nan where nothing is.
+class Sides {
+ public:
+  Sides(const Eigen::AlignedBox3d& box, int axis, double border) : axis_(axis), i_((axis + 1) % 3), j_((axis + 2) % 3) {
+    const Eigen::Vector3d size = box.sizes();
+    for (int k : {i_, j_}) {
+      const double own = std::min(border, kMostBorder * size[k]);
+      low_[k] = box.min()[k] + own, step_[k] = (size[k] - 2 * own) / kPlaces;
+    }
+    for (auto& side : heights_) side.assign(kPlaces * kPlaces, std::numeric_limits<double>::quiet_NaN());
+  }
+
+  void add(const PointCloud& polygon) {
+    if (polygon.size() < 3) return;
+    const Eigen::Vector3d normal = normal_of(polygon);
+    if (!(std::abs(normal[axis_]) > 0.02 * normal.norm())) return;  // seen edge on
+    Eigen::AlignedBox3d box;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& point : polygon)
+      box.extend(point), middle += point / static_cast<double>(polygon.size());
+    for (int a = first(box.min()[i_], i_); a < kPlaces && place(a, i_) <= box.max()[i_]; ++a)
+      for (int b = first(box.min()[j_], j_); b < kPlaces && place(b, j_) <= box.max()[j_]; ++b) {
+        const double u = place(a, i_), v = place(b, j_);
+        if (!is_inside(polygon, i_, j_, u, v)) continue;
+        const double height =
+            middle[axis_] - (normal[i_] * (u - middle[i_]) + normal[j_] * (v - middle[j_])) / normal[axis_];
+        double &least = heights_[0][a * kPlaces + b], &most = heights_[1][a * kPlaces + b];
+        if (!(height >= least)) least = height;
+        if (!(height <= most)) most = height;
+      }
+  }
+
+  double sag(int end) const {
+    std::vector<double> seen;
+    for (const double height : heights_[end])
+      if (std::isfinite(height)) seen.push_back(height);
+    if (2 * seen.size() < heights_[end].size()) return std::numeric_limits<double>::quiet_NaN();
+    std::sort(seen.begin(), seen.end());
+    const auto at_end = static_cast<std::size_t>(kAtEnds * static_cast<double>(seen.size()));
+    return seen[seen.size() - 1 - at_end] - seen[at_end];
+  }
+
+ private:
+  double place(int number, int k) const { return low_[k] + (number + 0.5) * step_[k]; }
+  int first(double from, int k) const {
+    if (!(step_[k] > 0)) return kPlaces;
+    return static_cast<int>(
+        std::clamp(std::ceil((from - low_[k]) / step_[k] - 0.5), 0.0, static_cast<double>(kPlaces)));
+  }
+
+  int axis_, i_, j_;
+  Eigen::Vector3d low_ = Eigen::Vector3d::Zero(), step_ = Eigen::Vector3d::Zero();
+  std::vector<double> heights_[2];
+};
+
+}  // namespace
+
+std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double metres) {
+  Eigen::AlignedBox3d box;
+  for (const ItemExtent& item : items) {
+    if (item.faces.empty()) return {};
+    for (const PointCloud& face : item.faces)
+      for (const Eigen::Vector3d& point : face) box.extend(point);
+  }
+  if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return {};
+  std::vector<double> sag;
+  for (int axis = 0; axis < 3; ++axis) {
+    Sides sides(box, axis, kBorder / metres);
+    for (const ItemExtent& item : items)
+      for (const PointCloud& face : item.faces) sides.add(face);
+    sag.push_back(sides.sag(0)), sag.push_back(sides.sag(1));
+  }
+  return sag;
+}
+
+std::vector<double> OuterSides::of(const Entity& element) {
+  std::vector<double> sag;
+  try {
+    if (const auto shape = element.optional_reference("Representation"))
+      sag = sag_of_sides(extents_.of_shape(*shape, element.id()), metres_);
+  } catch (const step::Error&) {  // told where its box is read
+    return {};
+  }
+  for (double& side : sag) side *= metres_;
+  return sag;
+}
+
+}  // namespace plumbline::ifc

@@ -1,0 +1,28 @@
+// Whether the sides of a shape are planes: a panel that is meant to be curved is not flat, and is not to be.
+#pragma once
+
+#include <vector>
+
+#include "building/ifc/ifc_extent.hpp"
+
+namespace plumbline::ifc {
+
+/// By how much each side of a shape is no plane square to an axis, seen from there: how far apart its parts lie along
+/// the axis, without 2 % of them at either end and without a border of 30 mm (returns, chamfers). In the order: towards
+/// smaller x, larger x, smaller y, larger y, smaller z, larger z; in the unit of the points, of which `metres` are one;
+/// nan where the shape shows itself on less than half of a side. Empty where an item does not tell its faces.
+std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double metres);
+
+/// The same of elements of a file, in metres; empty also where a shape cannot be read.
+class OuterSides {
+ public:
+  OuterSides(const Model& model, double metres, double plane_angle)
+      : metres_(metres), extents_(model, plane_angle, true) {}
+  std::vector<double> of(const Entity& element);
+
+ private:
+  double metres_;
+  Extents extents_;
+};
+
+}  // namespace plumbline::ifc
