@@ -18,21 +18,40 @@ std::map<std::string, int> floors_of_panels(const DeviationT& deviation) {
   return floors;
 }
 
-/// What lies on no floor that is known (a panel without anchors, a joint between panels that share a name) is told.
-void take_into_floors(const SurfaceJudgementT& surfaces, DeviationT& deviation) {
+/// The row of a panel's storey, if one of its anchors has been judged there; null without.
+FloorDeviationT* row_of_storey(const std::string& panel, const PanelStoreys& storeys, DeviationT& deviation) {
+  const auto storey = storeys.storey_of.find(panel);
+  if (storey == storeys.storey_of.end() || storey->second.empty()) return nullptr;
+  for (auto& row : deviation.floors)
+    if (row->storey_guid == storey->second) return row.get();
+  return nullptr;
+}
+
+/// What lies on no floor that is known (of a storey without anchors, a joint between panels that share a name) is told.
+void take_into_floors(const SurfaceJudgementT& surfaces, const PanelStoreys& storeys, DeviationT& deviation) {
   const std::map<std::string, int> floors = floors_of_panels(deviation);
   int nowhere = 0;
+  std::map<std::string, int> without_anchors;  // by the name of the storey
   for (const auto& verdict : surfaces.verdicts) {
     if (verdict->verdict == ToleranceVerdict::pass) continue;
+    FloorDeviationT* counts_in = nullptr;
     const auto floor = floors.find(verdict->guid.empty() ? verdict->panel : verdict->guid);
-    if (floor == floors.end()) {
-      ++nowhere;
+    if (floor == floors.end()) counts_in = row_of_storey(verdict->guid, storeys, deviation);
+    for (auto& row : deviation.floors)
+      if (floor != floors.end() && row->floor == floor->second) counts_in = row.get();
+    if (counts_in) {
+      ++(verdict->verdict == ToleranceVerdict::fail ? counts_in->surfaces_failed : counts_in->surfaces_open);
       continue;
     }
-    for (auto& row : deviation.floors)
-      if (row->floor == floor->second)
-        ++(verdict->verdict == ToleranceVerdict::fail ? row->surfaces_failed : row->surfaces_open);
+    const auto storey = storeys.storey_of.find(verdict->guid);
+    const auto name = storeys.names.find(storey == storeys.storey_of.end() ? "" : storey->second);
+    ++(name == storeys.names.end() ? nowhere : without_anchors[name->second]);
   }
+  for (const auto& [name, count] : without_anchors)
+    deviation.warnings.push_back(std::to_string(count) +
+                                 " verdicts of surfaces and joints that do not pass are of storey " + name +
+                                 ", of which no anchor is judged: they count in no floor. The verdict of the whole "
+                                 "counts them.");
   if (nowhere > 0)
     deviation.warnings.push_back(std::to_string(nowhere) +
                                  " verdicts of surfaces and joints that do not pass count in no floor: nobody says "
@@ -55,7 +74,15 @@ void leave_open(SurfaceJudgementT& judgement) {
   judgement.passed = judgement.failed = 0;
 }
 
-void take_surfaces(SurfaceJudgementT surfaces, DeviationT& deviation) {
+PanelStoreys panel_storeys(const DesignT& design) {
+  PanelStoreys storeys;
+  for (const auto& element : design.elements)
+    if (element->is_panel) storeys.storey_of[element->guid] = element->storey_guid;
+  for (const auto& storey : design.storeys) storeys.names[storey->guid] = storey->name;
+  return storeys;
+}
+
+void take_surfaces(SurfaceJudgementT surfaces, DeviationT& deviation, const PanelStoreys& storeys) {
   if (!deviation.doubts.empty()) leave_open(surfaces);
   for (const auto& request : surfaces.requests) {
     auto copy = std::make_unique<JudgementRequestT>();
@@ -64,7 +91,7 @@ void take_surfaces(SurfaceJudgementT surfaces, DeviationT& deviation) {
     deviation.not_judged += !request->not_judged.empty();
     deviation.requests.push_back(std::move(copy));
   }
-  take_into_floors(surfaces, deviation);
+  take_into_floors(surfaces, storeys, deviation);
   const bool open = surfaces.undecided + surfaces.not_judged + deviation.not_judged > 0;
   if (surfaces.failed > 0)
     deviation.verdict = ToleranceVerdict::fail;

@@ -38,7 +38,22 @@ bool two_sides(std::string_view text, double& above, double& below) {
   return true;
 }
 
+/// Of two parts of a rule that cannot both hold, whichever were taken, the other would be dropped.
+void refuse_contradictions(const std::string& rule, const SurfaceLimit& limit, const std::string& part,
+                           const SurfaceLimit& before, const std::string& part_before) {
+  if (same_question(limit, before))
+    refuse(rule, part, "and before it '" + part_before + "', which is the same with another limit; give it once");
+  const bool narrow = before.quantity == SurfaceQuantity::narrowest && limit.quantity == SurfaceQuantity::widest,
+             wide = before.quantity == SurfaceQuantity::widest && limit.quantity == SurfaceQuantity::narrowest;
+  if ((narrow && before.lower > limit.upper) || (wide && limit.lower > before.upper))
+    refuse(rule, part, "and before it '" + part_before + "': no joint is at most the one and at least the other");
+}
+
 }  // namespace
+
+bool same_question(const SurfaceLimit& a, const SurfaceLimit& b) {
+  return a.quantity == b.quantity && (std::isnan(a.length) || std::abs(a.length - b.length) < 1e-9);
+}
 
 const char* name_of(SurfaceQuantity quantity) {
   switch (quantity) {
@@ -92,6 +107,8 @@ SurfaceRule parse_surface_rule(const std::string& text) {
     const bool about_zero = limit.quantity == SurfaceQuantity::bow || limit.quantity == SurfaceQuantity::twist ||
                             limit.quantity == SurfaceQuantity::step || limit.quantity == SurfaceQuantity::joint;
     if (about_zero) limit.lower = -below;
+    for (size_t i = 0; i < rule.limits.size(); ++i)
+      refuse_contradictions(text, limit, part, rule.limits[i], lengths[i].text);
     rule.limits.push_back(limit);
   }
   return rule;

@@ -23,6 +23,9 @@ struct SurfaceLimit {
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
 };
 
+/// Whether both limit the same quantity, of flatness under the same straightedge.
+bool same_question(const SurfaceLimit& a, const SurfaceLimit& b);
+
 /// One line: "class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm, narrowest=8mm".
 struct SurfaceRule {
   ifc::Selection selection;
@@ -31,7 +34,8 @@ struct SurfaceRule {
 };
 
 /// Throws std::runtime_error that quotes the rule and the part and says what is expected: an unknown quantity, flatness
-/// without the length of its straightedge, a length without unit (mm or m), below zero or above a metre.
+/// without the length of its straightedge, a length without unit (mm or m), below zero or above a metre, one quantity
+/// twice (flatness(1m) and flatness(1000mm)), a narrowest above the widest.
 SurfaceRule parse_surface_rule(const std::string& text);
 
 }  // namespace plumbline::judgement

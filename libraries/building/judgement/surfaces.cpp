@@ -53,8 +53,13 @@ double probability_of(double value, double sigma, const SurfaceLimit& limit) {
 class Judge {
  public:
   Judge(const SurfacesT& surfaces, const std::map<std::string, ifc::ElementFacts>& facts,
-        const std::vector<SurfaceRule>& rules, double risk)
-      : surfaces_(surfaces), facts_(facts), rules_(rules), risk_(risk), selected_(rules.size()) {}
+        const std::vector<SurfaceRule>& rules, double risk, double within)
+      : surfaces_(surfaces),
+        facts_(facts),
+        rules_(rules),
+        risk_(risk),
+        selected_(rules.size()),
+        doubts_(doubts_of_panels(surfaces, within)) {}
 
   SurfaceJudgementT all() {
     result_.risk = risk_;
@@ -63,13 +68,14 @@ class Judge {
     for (size_t p = 0; p < surfaces_.panels.size(); ++p) {
       selecting_panel.push_back(selecting(*surfaces_.panels[p]));
       for (const Asked& asked : asked_of(selecting_panel[p], false))
-        take(of_panel(*surfaces_.panels[p], asked), asked, static_cast<int>(p));
+        take(of_panel(p, asked), asked, static_cast<int>(p));
     }
     take_panels_without_a_face();
     for (size_t j = 0; j < surfaces_.joints.size(); ++j) {
       const JointFiguresT& joint = *surfaces_.joints[j];
       std::vector<char> either(rules_.size());
-      const auto ends = {panels_of(joint.first, joint.first_panel), panels_of(joint.second, joint.second_panel)};
+      const std::vector<std::vector<size_t>> ends = {panels_of(joint.first, joint.first_panel),
+                                                     panels_of(joint.second, joint.second_panel)};
       bool shared = false;
       for (const std::vector<size_t>& end : ends) {
         shared = shared || end.size() > 1;
@@ -77,9 +83,10 @@ class Judge {
           for (size_t r = 0; r < either.size(); ++r) either[r] = either[r] || selecting_panel[p][r];
       }
       for (const Asked& asked : asked_of(either, true)) {
-        auto verdict = shared ? started(asked, joint) : of_joint(joint, asked);
-        if (shared)
-          verdict->not_judged = "its panels share their names with others, and nobody says which it lies between";
+        const std::string doubt =
+            shared ? "its panels share their names with others, and nobody says which it lies between" : doubt_of(ends);
+        auto verdict = doubt.empty() ? of_joint(joint, asked) : started(asked, joint);
+        if (!doubt.empty()) verdict->not_judged = doubt;
         take(std::move(verdict), asked, static_cast<int>(j));
       }
     }
@@ -100,6 +107,15 @@ class Judge {
     for (size_t p = 0; p < surfaces_.panels.size(); ++p)
       if (surfaces_.panels[p]->face->id == name) panels.push_back(p);
     return panels;
+  }
+
+  /// Why what was measured at a joint may not be its panels'; empty where nothing says so.
+  std::string doubt_of(const std::vector<std::vector<size_t>>& ends) const {
+    if (!surfaces_.place_doubt.empty()) return surfaces_.place_doubt;
+    for (const std::vector<size_t>& end : ends)
+      for (const size_t p : end)
+        if (!doubts_[p].empty()) return "of " + surfaces_.panels[p]->face->id + ": " + doubts_[p];
+    return "";
   }
 
   /// What of a rule is not judged, quantity by quantity; empty if all is.
@@ -174,14 +190,24 @@ class Judge {
         if (is_of_joints(limit.quantity) != of_joints) continue;
         Followed& followed = asked_[r][&limit - rules_[r].limits.data()];
         ++followed.selected;
-        std::erase_if(asked, [&](const Asked& before) {
-          const bool same_edge = std::isnan(limit.length) || std::abs(before.limit.length - limit.length) < 1e-9;
-          return before.limit.quantity == limit.quantity && same_edge;
-        });
+        std::erase_if(asked, [&](const Asked& before) { return same_question(before.limit, limit); });
         asked.push_back({limit, &rules_[r], &followed});
       }
     }
+    refuse_contradictions(asked);
     return asked;
+  }
+
+  /// Two rules together may ask for what no joint is.
+  static void refuse_contradictions(const std::vector<Asked>& asked) {
+    for (const Asked& narrow : asked)
+      for (const Asked& wide : asked)
+        if (narrow.limit.quantity == SurfaceQuantity::narrowest && wide.limit.quantity == SurfaceQuantity::widest &&
+            narrow.limit.lower > wide.limit.upper)
+          throw std::runtime_error(
+              fmt::format("the rules '{}' and '{}' select the same joint: it would have to be at "
+                          "least {:g} mm and at most {:g} mm wide; change one of them",
+                          narrow.rule->text, wide.rule->text, 1e3 * narrow.limit.lower, 1e3 * wide.limit.upper));
   }
 
   static std::unique_ptr<SurfaceVerdictT> started(const Asked& asked) {
@@ -198,24 +224,32 @@ class Judge {
     return verdict;
   }
 
-  std::unique_ptr<SurfaceVerdictT> of_panel(const PanelSurfaceFiguresT& panel, const Asked& asked) const {
+  std::unique_ptr<SurfaceVerdictT> of_panel(size_t p, const Asked& asked) const {
+    const PanelSurfaceFiguresT& panel = *surfaces_.panels[p];
     auto verdict = started(asked);
     verdict->panel = panel.face->id, verdict->guid = panel.face->guid;
-    if (!panel.not_measured.empty()) {
-      verdict->not_judged = panel.not_measured;
-      return verdict;
-    }
+    verdict->not_judged = panel.not_measured.empty() ? doubts_[p] : panel.not_measured;
+    if (!verdict->not_judged.empty()) return verdict;
     if (asked.limit.quantity == SurfaceQuantity::flatness)
       flatness(panel, asked.limit, *verdict);
     else
       bend(panel, asked.limit, *verdict);
     if (verdict->verdict == ToleranceVerdict::pass && panel.coverage < kSeenEnough) {
       verdict->verdict = ToleranceVerdict::not_measured;
-      verdict->not_judged =
-          fmt::format("its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
-                      100 * panel.coverage);
+      verdict->not_judged = half_seen(panel);
     }
     return verdict;
+  }
+
+  static std::string half_seen(const PanelSurfaceFiguresT& panel) {
+    if (std::isfinite(panel.covering_cell))
+      return fmt::format(
+          "its limit is kept where points are, and they cover {:.0f} % of its cells: they are {:.0f} mm apart, and "
+          "with "
+          "'cell' of surface.panels = {:.0f} mm all cells have points",
+          100 * panel.coverage, 1e3 * panel.spacing, 1e3 * panel.covering_cell);
+    return fmt::format("its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
+                       100 * panel.coverage);
   }
 
   void flatness(const PanelSurfaceFiguresT& panel, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
@@ -348,6 +382,7 @@ class Judge {
   const std::vector<SurfaceRule>& rules_;
   double risk_;
   std::vector<int> selected_;
+  std::vector<std::string> doubts_;           ///< by panel: why what was measured may not be its surface
   std::vector<std::vector<Followed>> asked_;  ///< by rule and limit
   SurfaceJudgementT result_;
 };
@@ -355,8 +390,8 @@ class Judge {
 }  // namespace
 
 SurfaceJudgementT judge_surfaces(const SurfacesT& surfaces, const std::map<std::string, ifc::ElementFacts>& facts,
-                                 const std::vector<SurfaceRule>& rules, double risk) {
-  return Judge(surfaces, facts, rules, risk).all();
+                                 const std::vector<SurfaceRule>& rules, double risk, double within) {
+  return Judge(surfaces, facts, rules, risk, within).all();
 }
 
 }  // namespace plumbline::judgement

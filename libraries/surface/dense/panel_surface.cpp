@@ -244,6 +244,47 @@ HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, co
   return grid;
 }
 
+double coverage_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<char>& counts,
+                   const PanelOptions& options) {
+  const Division division(face, options);
+  std::vector<char> filled(static_cast<size_t>(division.columns) * division.rows);
+  for (size_t i = 0; i < samples.size(); ++i)
+    if (counts[i]) filled[division.cell_of(samples[i])] = 1;
+  return static_cast<double>(std::count(filled.begin(), filled.end(), 1)) / static_cast<double>(filled.size());
+}
+
+/// Where cells are empty: whether that is because points are further apart than the cells are wide. Then each cell that
+/// has points has few, and cells of about twice their distance have some everywhere; half a panel that was seen has
+/// neither.
+void tell_spacing(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<char>& counts,
+                  const PanelOptions& options, PanelSurface& panel) {
+  constexpr double few = 2.5, everywhere = 0.98, widest = 3, step = 1.1;  // points in a cell; share; distances; factor
+  const Division division(face, options);
+  const auto points = static_cast<double>(std::count(counts.begin(), counts.end(), 1));
+  panel.spacing = std::sqrt(division.across * division.up / std::max(1.0, points));
+  const double filled = panel.coverage * division.columns * division.rows;
+  if (panel.coverage >= everywhere || points > few * filled) return;
+  PanelOptions wider = options;
+  while ((wider.cell *= step) <= std::max(widest * panel.spacing, step * options.cell)) {
+    if (coverage_of(face, samples, counts, wider) < everywhere) continue;
+    constexpr double round = 0.005;  // [m]
+    panel.covering_cell = round * std::ceil(wider.cell / round);
+    return;
+  }
+}
+
+/// Why points cover too little of the panel.
+std::string too_little(const PanelSurface& panel, const PanelOptions& options) {
+  const std::string text =
+      fmt::format("points cover {} % of it, {} % are needed", static_cast<int>(100 * panel.coverage),
+                  static_cast<int>(100 * options.least_coverage));
+  if (!std::isfinite(panel.covering_cell)) return text;
+  return text + fmt::format(
+                    ": they are {:.0f} mm apart, and coverage counts in cells of {:.0f} mm; with 'cell' of "
+                    "surface.panels = {:.0f} mm all have points",
+                    1e3 * panel.spacing, 1e3 * options.cell, 1e3 * panel.covering_cell);
+}
+
 }  // namespace
 
 Vector6 PanelSurface::base(double u, double v) const { return base_at(u / half_width, v / half_height); }
@@ -295,9 +336,9 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   panel.repeated = times_repeated(samples, tiles);
   const HeightGrid grid = grid_of(face, samples, tiles, counts, widened * std::sqrt(panel.repeated), options);
   panel.coverage = grid.coverage();
+  tell_spacing(face, samples, counts, options, panel);
   if (panel.coverage < options.least_coverage) {
-    panel.not_measured = "points cover " + std::to_string(static_cast<int>(100 * panel.coverage)) + " % of it, " +
-                         std::to_string(static_cast<int>(100 * options.least_coverage)) + " % are needed";
+    panel.not_measured = too_little(panel, options);
     return panel;
   }
   const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());

@@ -58,7 +58,12 @@ struct PanelSurface {
   std::string id;
   std::string not_measured;  ///< why there are no figures; empty if there are
   int points = 0, outliers = 0;
-  double coverage = 0;         ///< share of the face's cells with points
+  double coverage = 0;  ///< share of the face's cells with points
+  /// Distance between neighbouring points, if they were spread evenly over the panel [m].
+  double spacing = std::numeric_limits<double>::quiet_NaN();
+  /// Where so few cells have points because points are that far apart: the edge of cells that would have points
+  /// everywhere [m]; nan: the cells are not why.
+  double covering_cell = std::numeric_limits<double>::quiet_NaN();
   double rms = 0;              ///< of the points about the surface [m]
   double variance_factor = 1;  ///< of the points' own sigmas; they were widened by it where it is above 1
   /// How often each place has a point, on average: 2 of a cloud that was put into its file twice. Such points say

@@ -34,7 +34,8 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model.covariance *= inputs.misfit_factor;
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
-  if (surface_judgement) judgement::take_surfaces(surface_judgement.unpack(), result);
+  if (surface_judgement)
+    judgement::take_surfaces(surface_judgement.unpack(), result, judgement::panel_storeys(design.unpack()));
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));
   for (const auto& request : result.requests)
     if (!request->not_judged.empty()) context.warn("Not judged: " + request->asked + ": " + request->not_judged + ".");

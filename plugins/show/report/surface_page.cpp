@@ -153,6 +153,16 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
   for (const auto& joint : surfaces.joints) write_joint_row(html, *joint, with_reason);
 }
 
+/// What to know before any figure is believed.
+void write_what_is_open(Markup& html, const SurfacesT& surfaces) {
+  if (surfaces.warnings.empty() && surfaces.place_doubt.empty()) return;
+  Scope box(html, "div", {{"class", "warnings"}});
+  html.element("h2", "Before you rely on this");
+  Scope list(html, "ul");
+  if (!surfaces.place_doubt.empty()) html.element("li", surfaces.place_doubt);
+  for (const std::string& warning : surfaces.warnings) html.element("li", warning);
+}
+
 }  // namespace
 
 std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgementT* judgement, const std::string& title,
@@ -165,6 +175,7 @@ std::string render_surface_page(const SurfacesT& surfaces, const SurfaceJudgemen
     html.element(
         "p", std::to_string(measured) + " of " + count(static_cast<long>(surfaces.panels.size()), "panel", "panels") +
                  " measured; where they stand out of the design (red) or behind it (blue). Grey: not measured.");
+    write_what_is_open(html, surfaces);
     const double range = heat_range(surfaces);
     if (measured > 0) draw_heat_bar(html, range);
     for (const ElevationOfSurfaces& at : surface_elevations(surfaces)) {

@@ -1,5 +1,7 @@
 #include "faces.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -56,7 +58,30 @@ SurfaceLeftOutT left_out(const std::string& id, const std::string& guid, const s
   return panel;
 }
 
+/// What the design's own outer side may be off a plane; flatness is judged in more [m].
+constexpr double kFlatDesign = 0.001;
+
+/// By how much the design's outer side is no plane; nan: not known.
+double sag_of(const DesignElementT& element, int through, int side) {
+  if (element.sag.size() != 6) return std::nan("");
+  return element.sag[static_cast<size_t>(2 * through + (side > 0 ? 1 : 0))];
+}
+
+std::string no_plane(double sag) {
+  return fmt::format(
+      "the design's outer side of it is no plane: its parts lie {:.1f} mm apart across it, and flatness, bow and place "
+      "would be those of the design",
+      1e3 * sag);
+}
+
 }  // namespace
+
+std::set<std::string> wholes_of_panels(const DesignT& design) {
+  std::set<std::string> wholes;
+  for (const auto& element : design.elements)
+    if (element->is_panel && !element->parent_guid.empty()) wholes.insert(element->parent_guid);
+  return wholes;
+}
 
 std::vector<std::unique_ptr<SurfaceLeftOutT>> copies_of(const std::vector<SurfaceLeftOutT>& panels) {
   std::vector<std::unique_ptr<SurfaceLeftOutT>> copies;
@@ -85,8 +110,9 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from) {
   Faces result;
+  const std::set<std::string> wholes = wholes_of_panels(design);
   for (const auto& element : design.elements) {
-    if (!element->is_panel) continue;
+    if (!element->is_panel || wholes.contains(element->guid)) continue;
     const std::string name = element->name.empty() ? element->guid : element->name;
     const Eigen::Vector3d size = element->box_high - element->box_low;
     if (!size.allFinite() || !(size.minCoeff() >= 0)) {
@@ -101,6 +127,10 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     const int side = side_of(*element, design, middle, turn.col(through), seen_from, why);
     if (side == 0) {
       result.left_out.push_back(left_out(name, element->guid, why));
+      continue;
+    }
+    if (const double sag = sag_of(*element, through, side); sag > kFlatDesign) {
+      result.left_out.push_back(left_out(name, element->guid, no_plane(sag)));
       continue;
     }
     const Eigen::Vector3d out = side * turn.col(through);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ inline std::string in_words(const SurfaceLeftOutT& panel) { return panel.id + ":
 /// The same for an artifact.
 std::vector<std::unique_ptr<SurfaceLeftOutT>> copies_of(const std::vector<SurfaceLeftOutT>& panels);
 
+/// GlobalIds of what panels are parts of (a curtain wall of its plates): its parts are looked at, not itself.
+std::set<std::string> wholes_of_panels(const DesignT& design);
+
 /// Of x, y, z one after the other [m]. Throws std::runtime_error for another number of values.
 std::vector<Eigen::Vector3d> stations_of(const std::vector<double>& values);
 
@@ -37,7 +41,9 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 /// (DesignElement.facade), where that is confirmed; else the side of the two larger extents that `seen_from`
 /// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block
 /// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
-/// design's one facade; else it is left out, because nobody knows which side is outside.
+/// design's one facade; else it is left out, because nobody knows which side is outside. So is one whose outer side the
+/// design itself makes no plane (a curved or folded panel), with by how much, and of wholes of other panels nothing is
+/// said.
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
 /// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.

@@ -90,6 +90,7 @@ void Fuse::run(Context& context) {
       if (std::find(result.warnings.begin(), result.warnings.end(), text) == result.warnings.end())
         result.warnings.push_back(text);
     take_left_out(source.points, result);
+    if (result.place_doubt.empty()) result.place_doubt = source.points.place_doubt;
     if (std::isfinite(source.points.search))
       result.search =
           std::isfinite(result.search) ? std::min(result.search, source.points.search) : source.points.search;

@@ -8,7 +8,7 @@
 namespace plumbline::surface {
 
 struct Fuse : Node {
-  static constexpr Info info{"surface.fuse", "", 1,
+  static constexpr Info info{"surface.fuse", "", 2,
                              "Brings points of the same faces from several sources together: what they agree on, with "
                              "random and systematic errors apart; what they contradict each other on is a hole"};
   List<SurfacePoints> surfaces{"surfaces", frame("frame=?F"),

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -12,6 +13,7 @@
 #include "plumbline/stop.hpp"
 #include "scan_unit.hpp"
 #include "surface/cloud/cloud_file.hpp"
+#include "surface/dense/scan_shift.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
@@ -103,6 +105,38 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                            " m, the middles of the faces from " + box_text(face_low, face_high) +
                            " m; is it in another frame? Connect the 'registration' that leads to the design's, or look "
                            "further with 'search'");
+}
+
+/// Box about the faces with as much beside them as the largest is wide or high: where a scan would be that lies one
+/// panel beside its own.
+Eigen::AlignedBox3d around(const std::vector<PanelFace>& faces, double search) {
+  Eigen::AlignedBox3d box;
+  for (const PanelFace& face : faces) {
+    const double reach = 1.5 * std::max(face.width, face.height) + search;
+    box.extend(Eigen::Vector3d(face.plane.origin - Eigen::Vector3d::Constant(reach)));
+    box.extend(Eigen::Vector3d(face.plane.origin + Eigen::Vector3d::Constant(reach)));
+  }
+  return box;
+}
+
+/// Panels that are all alike do not say which is which.
+WhichPanels which_panels(const std::vector<PanelFace>& faces, const ScanTiles& tiles, const Sample& near) {
+  constexpr const char* settled =
+      "the 'registration' by surveyed points settles it, or 'place_confirmed' of dense.import, when somebody has seen "
+      "it";
+  const ScanPlaces places = places_of_scan(faces, tiles, near.points());
+  if (!places.better.empty())
+    return {
+        fmt::format("the scan has points on {} of {} panels, and on {} if it is moved by {}: what it shows may be the "
+                    "panels beside those that they are taken for; {}",
+                    places.panels, faces.size(), places.better[0].panels, places.better[0].words, settled),
+        ""};
+  if (!places.equal.empty())
+    return {"",
+            fmt::format("Nothing in the scan confirms which panel is which: moved by {} it has points on as many ({} "
+                        "of {}); {}.",
+                        places.equal[0].words, places.panels, faces.size(), settled)};
+  return {};
 }
 
 /// Refuses coordinates that are written in coarser steps than the scanner's noise: all points of a wall then lie on a
@@ -226,14 +260,17 @@ void ImportCloud::run(Context& context) {
       *beside);
   width = tiles.tiles().size();
   context.reserve_memory(tiles.tiles().size() * 1024 * sizeof(MeasuredPoint) + (8u << 20));
-  Sample sample;
+  Sample sample, near;  // of the whole, in the file's coordinates; around the faces, in theirs
+  const Eigen::AlignedBox3d beside_faces = around(faces.faces, *search);
   const cloud::CloudSummary read =
       cloud::read_cloud(path, [&](const std::vector<Eigen::Vector3d>& some, double done, int scan) {
         if (context.cancelled()) throw Stopped();
         context.progress(done, "points");
         for (const auto& point : some) {
           sample.add(point);
-          tiles.add(to_faces(point), *noise, apart ? static_cast<size_t>(scan) : 0);
+          const Eigen::Vector3d placed = to_faces(point);
+          if (beside_faces.contains(placed)) near.add(placed);
+          tiles.add(placed, *noise, apart ? static_cast<size_t>(scan) : 0);
         }
       });
   tiles.flush();
@@ -254,20 +291,26 @@ void ImportCloud::run(Context& context) {
         in_millimetres(feet_apart(read.low, read.high)) + " from there; 'unit' says which, ft or us_ft");
   check_place(faces.faces, tiles, sample, to_faces, chosen.stated, read);
   check_steps(faces.faces, tiles, to_faces, read.resolution, *noise);
+  WhichPanels which;
+  if (!registration && !*place_confirmed) which = which_panels(faces.faces, tiles, near);
+  if (!which.doubt.empty()) context.warn("nothing will be judged: " + which.doubt);
+  if (!which.unconfirmed.empty()) context.warn(which.unconfirmed);
   const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
   const Eigen::Vector3d steps = to_faces.unit * to_faces.scale * read.resolution;
   const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
   const Eigen::Vector3d middle = middle_of(faces.faces);
   std::optional<ScanPlace> own;
   if (apart) own = stated_place(*scan_sigma, *scan_turn_sigma, middle);
-  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, apart, middle, of_steps), own, folder.path,
-         folder.uri);
+  commit(context, faces, tiles, places_of(fit, *place_sigma, *turn_sigma, apart, middle, of_steps), own, which,
+         folder.path, folder.uri);
 }
 
 void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& tiles,
                          const std::vector<ScanPlace>& common, const std::optional<ScanPlace>& own,
-                         const std::string& folder, const std::string& uri) const {
+                         const WhichPanels& which, const std::string& folder, const std::string& uri) const {
   SurfacePointsT artifact;
+  artifact.place_doubt = which.doubt;
+  if (!which.unconfirmed.empty()) artifact.warnings.push_back(which.unconfirmed);
   artifact.source = "scan", artifact.left_out = copies_of(faces.left_out), artifact.search = *search;
   artifact.beside = *beside;
   for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());

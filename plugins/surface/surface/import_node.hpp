@@ -15,9 +15,14 @@
 
 namespace plumbline::surface {
 
+/// What is open about which panels a scan shows; empty: nothing is.
+struct WhichPanels {
+  std::string doubt, unconfirmed;
+};
+
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "depth", 5,
+      "dense.import", "depth", 6,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
   Param<FilePath> file{"file", FilePath{}, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<File> by_reference{"scan", "the cloud by reference, in the place of 'file'"};
@@ -52,6 +57,10 @@ struct ImportCloud : Node {
       "seen_from", std::vector<double>{}, "m", between(-1e9, 1e9),
       "x, y, z of the scanner's stations in the frame of the design, one after the other: on which side of a panel the "
       "outside is, where the design does not say; a panel that all of them see from behind is left out"};
+  Param<bool> place_confirmed{"place_confirmed", false,
+                              "somebody has seen that the scan lies on the panels that it shows, and not one panel "
+                              "beside them: nothing is asked "
+                              "of its place; a connected 'registration' says so too"};
   Out<SurfacePoints> surface{"surface", frame("frame=?F"), "the points"};
   Out<Folder> files{"files", "where they lie"};
 
@@ -59,9 +68,11 @@ struct ImportCloud : Node {
 
  private:
   std::string cloud_path(Context& context) const;
-  /// `common`: places that all scans share; `own`: of each by itself.
+  /// `common`: places that all scans share; `own`: of each by itself; `which`: what is open about which panels it
+  /// shows.
   void commit(Context& context, const Faces& faces, const ScanTiles& tiles, const std::vector<ScanPlace>& common,
-              const std::optional<ScanPlace>& own, const std::string& folder, const std::string& uri) const;
+              const std::optional<ScanPlace>& own, const WhichPanels& which, const std::string& folder,
+              const std::string& uri) const;
 };
 
 }  // namespace plumbline::surface

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/text/text.hpp"
 #include "building/ifc/doubt_words.hpp"
@@ -12,6 +13,7 @@
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/surfaces.hpp"
 #include "building/judgement/trust.hpp"
+#include "faces.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
@@ -21,8 +23,9 @@ std::map<std::string, ifc::ElementFacts> facts_of(const DesignT& design,
                                                   std::vector<std::vector<ifc::Property>>& properties) {
   std::map<std::string, ifc::ElementFacts> facts;
   properties.reserve(design.elements.size());  // facts point into it
+  const std::set<std::string> wholes = wholes_of_panels(design);
   for (const auto& element : design.elements) {
-    if (!element->is_panel) continue;
+    if (!element->is_panel || wholes.contains(element->guid)) continue;
     properties.emplace_back();
     for (const auto& property : element->properties)
       properties.back().push_back({property->set, property->name, property->text, property->number, property->measure,
@@ -75,7 +78,7 @@ void JudgeSurfaces::run(Context& context) {
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   SurfacesT measured = surfaces.unpack();
   ifc::enlarge(measured, trust.factor);
-  SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk);
+  SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk, *within);
   result.covariance_factor = trust.factor;
   if (!trust.doubts.empty()) judgement::leave_open(result);
   for (const MeasurementDoubtT& doubt : trust.doubts)

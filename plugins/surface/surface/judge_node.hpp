@@ -7,13 +7,14 @@
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "artifacts/survey_network.hpp"
+#include "building/judgement/whose_surface.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::surface {
 
 struct JudgeSurfaces : Node {
   static constexpr Info info{
-      "surface.judge", "", 2,
+      "surface.judge", "", 3,
       "Flatness, bow, twist, steps and joint widths against rules: pass, fail or undecided by conformance probability"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};
   Optional<Design> design{"design", frame("frame=?F"),
@@ -33,6 +34,10 @@ struct JudgeSurfaces : Node {
   Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),
                      "a quantity passes if it keeps its limit with a probability of 1 - risk, and fails if that "
                      "probability is at most the risk"};
+  Param<double> within{"within", judgement::kPlausiblePlace, "m", between(0, 10),
+                       "a surface that is further from the design's face is not taken for the panel's, and not judged: "
+                       "a net, a board or "
+                       "the wall behind is as flat; 15 mm: three times what panels are set to"};
   Out<SurfaceJudgement> judgement{"judgement", "the verdicts"};
   Out<File> table{"table", "one line a verdict, CSV"};
 

@@ -42,7 +42,7 @@ void in_parallel(Context& context, size_t count, const Work& work) {
 }
 
 struct Panels : Node {
-  static constexpr Info info{"surface.panels", "", 1,
+  static constexpr Info info{"surface.panels", "", 2,
                              "Planes, bow, twist and flatness of panels from points, with their covariance"};
   In<SurfacePoints> points{"surface", frame("frame=?F"), "the points and the faces that they lie on"};
   Param<double> border{"border", 0.02, "m", between(0, 1),
@@ -81,7 +81,7 @@ struct Panels : Node {
     options.straightedges = *straightedges;
     if (std::isfinite(given.search)) options.search = given.search;
     SurfacesT result;
-    result.rank = given.rank, result.warnings = given.warnings;
+    result.rank = given.rank, result.warnings = given.warnings, result.place_doubt = given.place_doubt;
     result.left_out = std::move(given.left_out);
     if (given.rank == 0)
       context.warn(

@@ -91,6 +91,7 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
   result->not_measured = panel.not_measured;
   result->points = panel.points, result->outliers = panel.outliers;
   result->coverage = panel.coverage;
+  result->spacing = panel.spacing, result->covering_cell = panel.covering_cell;
   result->tilt = Eigen::Vector2d::Constant(kNan);
   result->form = result->form_sigma = Eigen::Vector3d::Constant(kNan);
   if (!panel.not_measured.empty()) return result;

@@ -106,6 +106,30 @@ TEST(SurfaceAgreement, OneThatFailsWithholdsItEverywhere) {
   EXPECT_EQ((*floor)->verdict, ToleranceVerdict::fail);
 }
 
+/// A curtain wall's panel without anchors hangs in a storey all the same.
+TEST(SurfaceAgreement, APanelWithoutAnchorsCountsOnTheFloorOfItsStorey) {
+  const auto floors = [](const std::string& storey) {
+    SurfaceCase facade;
+    facade.add(ToleranceVerdict::fail);
+    facade.surfaces.verdicts[0]->guid = "of no anchor";
+    PanelStoreys storeys;
+    const auto row = std::find_if(facade.deviation.floors.begin(), facade.deviation.floors.end(),
+                                  [](const auto& floor) { return !floor->storey_guid.empty(); });
+    storeys.storey_of["of no anchor"] = storey.empty() ? (*row)->storey_guid : storey;
+    storeys.names[(*row)->storey_guid] = "Level 2", storeys.names["roof"] = "Roof";
+    take_surfaces(std::move(facade.surfaces), facade.deviation, storeys);
+    int failed = 0;
+    for (const auto& floor : facade.deviation.floors) failed += floor->surfaces_failed;
+    return std::to_string(failed) + " " + (facade.deviation.warnings.empty() ? "" : facade.deviation.warnings.back());
+  };
+  EXPECT_EQ(floors("").substr(0, 2), "1 ");
+  EXPECT_EQ(floors("").find("count in no floor"), std::string::npos) << floors("");
+  EXPECT_NE(floors("roof").find("0 1 verdicts of surfaces and joints that do not pass are of storey Roof"),
+            std::string::npos)
+      << floors("roof");
+  EXPECT_NE(floors("unknown").find("nobody says which floor"), std::string::npos) << floors("unknown");
+}
+
 TEST(SurfaceAgreement, OneThatIsNotJudgedOrTooCloseWithholdsItToo) {
   SurfaceCase facade;
   facade.add(ToleranceVerdict::not_measured, "no point was measured on it");

@@ -104,6 +104,29 @@ TEST(Faces, ASoffitHasTheUpOfItsFrame) {
   EXPECT_NEAR(faces.faces[0].height, 1.5, 1e-12);
 }
 
+TEST(Faces, APanelThatTheDesignMakesCurvedIsNotFlat) {
+  DesignT design = two_facades(true);
+  design.elements[0]->sag = {0, 0, 0.03, 0.0002, 0, 0};  // its outer side is towards smaller y
+  design.elements[1]->sag = {0, 0, 0.03, 0.0002, kNan, kNan};
+  const Faces faces = faces_of(design, kAround);
+  ASSERT_EQ(faces.faces.size(), 1U);
+  EXPECT_EQ(faces.faces[0].id, "N") << "its inner side alone is curved";
+  ASSERT_EQ(faces.left_out.size(), 1U);
+  EXPECT_EQ(faces.left_out[0].guid, "S-guid");
+  EXPECT_NE(faces.left_out[0].reason.find("is no plane: its parts lie 30.0 mm apart"), std::string::npos)
+      << faces.left_out[0].reason;
+}
+
+TEST(Faces, WhatConsistsOfPanelsIsNoneItself) {
+  DesignT design = two_facades(true);
+  design.elements.push_back(panel("wall", {5, 0, 3}, {3, 0.04, 3}));
+  face_to(*design.elements[2], kSouth, true);
+  design.elements[0]->parent_guid = "wall-guid";
+  const Faces faces = faces_of(design, kAround);
+  EXPECT_EQ(faces.faces.size(), 2U);
+  EXPECT_TRUE(faces.left_out.empty());
+}
+
 TEST(Faces, ThePlaneOfPointsNeedsSomeoneWhoLooksAtIt) {
   PointsT points;
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {2, 0, 0}, {2, 0, 3}, {0, 0.001, 3}}) {

@@ -18,6 +18,9 @@ std::unique_ptr<PanelSurfaceFiguresT> panel(const std::string& name, double gap,
   auto result = std::make_unique<PanelSurfaceFiguresT>();
   result->face = std::make_unique<SurfaceFaceT>();
   result->face->id = name, result->face->guid = name + "-guid";
+  result->face->origin = {2.0 * (name[0] - 'A'), 0, 0}, result->face->width = 1.5, result->face->height = 1.2;
+  result->face->right = {1, 0, 0}, result->face->up = {0, 0, 1}, result->face->out = {0, -1, 0};
+  result->offset = 0, result->tilt = {0, 0};
   auto entry = std::make_unique<SurfaceGapT>();
   entry->length = 1, entry->gap = gap, entry->sigma = sigma, entry->positions = 10;
   result->flatness.push_back(std::move(entry));
@@ -253,7 +256,8 @@ TEST(JudgeSurfaces, AJointPassesOnlyIfItWasSeenAlongEnoughOfIt) {
 TEST(JudgeSurfaces, JointsOfPanelsThatShareAName) {
   SurfacesT what = surfaces();
   what.panels.push_back(panel("A", 0.002, 2e-4));  // another A, with another GlobalId
-  what.panels[3]->face->guid = "B-guid";           // that the rule for level 2 selects
+  what.panels[3]->face->origin.x() = 20;
+  what.panels[3]->face->guid = "B-guid";  // that the rule for level 2 selects
   what.joints.push_back(joint({0.012, 0.012}, 1e-4));
   what.joints[0]->first = "A", what.joints[0]->second = "C";
   what.joints[0]->first_panel = 0, what.joints[0]->second_panel = 0;
