@@ -93,6 +93,27 @@ class Run:
         return value
 
 
+def has_modules(interpreter, modules):
+    return subprocess.run([interpreter, "-c", "import " + ", ".join(modules)], capture_output=True).returncode == 0
+
+
+class Environments:
+    """Virtual environments for scripts that take `python3` from PATH, where another one may stand before the one with the modules."""
+
+    def __init__(self, scratch):
+        self.scratch, self.made = pathlib.Path(scratch), {}
+
+    def folder(self, modules):
+        """An environment whose python3 has the modules; None if no interpreter here has them all."""
+        key = tuple(sorted(modules))
+        if key not in self.made:
+            found = [p for p in (shutil.which("python3"), "/usr/bin/python3") if p and shutil.which(p) and has_modules(p, key)]
+            self.made[key] = self.scratch / ("python-" + "-".join(key)) if found else None
+            if found:
+                subprocess.run([found[0], "-m", "venv", "--without-pip", "--system-site-packages", self.made[key]], check=True)
+        return self.made[key]
+
+
 class Line:
     """A line of the table."""
     WIDTHS = (46, 24, 11, 11, 10)
@@ -117,6 +138,7 @@ class Line:
 class Checker:
     def __init__(self, program, scratch):
         self.program, self.scratch, self.runs = pathlib.Path(program), scratch, {}
+        self.environments = Environments(scratch)
         self.folders = {"$DATA": pathlib.Path(os.environ.get("PLUMBLINE_TEST_DATA", data.ROOT / "../shared/data")).resolve(),
                         "$OTHERS": pathlib.Path(os.environ.get("PLUMBLINE_OTHERS", "/nonexistent"))}
         self.count = {"as told": 0, "NOT AS TOLD": 0, "not here": 0}
@@ -151,7 +173,17 @@ class Checker:
         for program in [first, *check.get("wants", [])]:
             if not shutil.which(program) and not (data.ROOT / program).exists():
                 return pathlib.Path(program).name
+        modules = check.get("modules", [])
+        if modules and not self.environments.folder(modules):
+            return f"a python3 with {' and '.join(modules)}: apt-get install {' '.join('python3-' + module for module in modules)}"
         return None
+
+    def environment(self, check):
+        """What the command finds first in PATH."""
+        if "modules" not in check:
+            return None
+        folder = self.environments.folder(check["modules"])
+        return {"PATH": f"{folder}/bin:{os.environ['PATH']}", "VIRTUAL_ENV": str(folder)}
 
     def run(self, check, seed):
         """The run that a check looks at, or what went wrong."""
@@ -170,7 +202,7 @@ class Checker:
                 if before.code not in (0, 3):
                     return f"`{check['before']}` ended with {before.code}: {before.text[-500:]}"
                 command = command.replace("$BEFORE", str(before.out))
-            run = self.once(command)
+            run = self.once(command, self.environment(check))
         right = check.get("exit", [0, 3] if command.startswith("plumbline") else [0])
         return run if run.code in right else f"`{command}` ended with {run.code}: {run.text[-500:]}"
 

@@ -12,15 +12,31 @@ SOURCES = ("metric", "file", "text", "property", "asserts", "time")
 KEYS = {
     "part": {"heading", "text", "row"},
     "row": {"claim", "on", "note", "check"},
-    "check": {"command", "test", "here", "long", "exit", "before", "write", "seeds", "wants", "values"},
+    "check": {"command", "test", "here", "long", "exit", "before", "write", "seeds", "wants", "modules", "values"},
     "value": {"of", "value", "tolerance", "unit", "factor", "most", "pointer", "over", *SOURCES},
 }
 LONGEST = 200  # characters of a cell: more is no table
 
 
+class NoRows(Exception):
+    """The file has no rows to look at; the text says what was found and what to give."""
+
+
 def load(file=FILE):
-    with open(file, "rb") as stream:
-        return tomllib.load(stream)["part"]
+    """The parts of the file. Throws NoRows where it cannot be read or holds none."""
+    if pathlib.Path(file).is_dir():
+        raise NoRows(f"{file} is a folder; rows are in a file such as {FILE.relative_to(ROOT)}, and the folder of the test data is said by "
+                     f"PLUMBLINE_TEST_DATA={file}")
+    try:
+        with open(file, "rb") as stream:
+            parts = tomllib.load(stream).get("part")
+    except (OSError, UnicodeDecodeError) as fault:
+        raise NoRows(f"{file} cannot be read: {getattr(fault, 'strerror', None) or 'it is not UTF-8'}; --data takes a file such as {FILE.relative_to(ROOT)}") from fault
+    except tomllib.TOMLDecodeError as fault:
+        raise NoRows(f"{file} is no TOML: {fault}") from fault
+    if not isinstance(parts, list) or not all(isinstance(part, dict) for part in parts):
+        raise NoRows(f"{file} has no [[part]] with rows; the head of {FILE.relative_to(ROOT)} says how one is written")
+    return parts
 
 
 def rows(parts):

@@ -74,6 +74,35 @@ expect(code == 0 and "not here: somebody/something" in said, f"files that are no
 code, said = measured(changed("check = {command =", "check = {long = true, command ="), "--check")
 expect(code == 0 and "0 commands" in said, f"a long one without --long: {code}: {said}")
 expect(all(len(line) <= 130 for line in said.splitlines()), f"lines of the table: {said}")
+
+def refused(words, *arguments):
+    done = subprocess.run([sys.executable, ROOT / "scripts/measured", *arguments], capture_output=True, text=True)
+    said = done.stdout + done.stderr
+    expect(done.returncode == 1 and words in said and "Traceback" not in said, f"'{words}' is not said of {arguments} but {done.returncode}: {said}")
+
+
+(WORK / "none.toml").write_text("rows = 3\n", encoding="utf-8")
+(WORK / "broken.toml").write_text("rows =\n", encoding="utf-8")
+refused("is a folder", "--check", "--data", WORK)
+refused("cannot be read: No such file", "--check", "--data", WORK / "nothing.toml")
+refused("has no [[part]]", "--current", "--data", WORK / "none.toml")
+refused("is no TOML", "--data", WORK / "broken.toml")
+refused("takes a regular expression", "--check", "--only", "(6")
+refused("no row's claim or command holds it", "--check", "--only", "nobody claims this")
+refused("add --long", "--check", "--only", "^42 kinds of mistakes")
+
+# A script takes the python3 that PATH has first; the one with the modules may be another.
+bare = WORK / "bare"
+bare.mkdir()
+(bare / "python3").write_text("#!/bin/sh\nexit 9\n", encoding="utf-8")
+(bare / "python3").chmod(0o755)
+path = {"PATH": f"{bare}:{os.environ['PATH']}"}
+takes_python = changed("check = {command = \"printf 'rms 1.25 px\\nrms 2.5 px\\n'\"",
+                       "check = {modules = ['json'], command = \"env python3 -c \\\"print('rms 1.25 px')\\\"\"")
+code, said = measured(takes_python, "--check", **path)
+expect(code == 0 and "as told" in said, f"another python3 stands before the one with the modules: {code}: {said}")
+code, said = measured(takes_python.replace("'json'", "'nobody_has_this'"), "--check", **path)
+expect(code == 0 and "not here: a python3 with nobody_has_this" in said, f"modules that are not there: {code}: {said}")
 for fault in faults:
     print(fault)
 sys.exit(1 if faults else 0)
