@@ -170,7 +170,7 @@ Json content_of(Store& store, const plumbline_type& type, const std::string& has
 struct Comparison {
   double largest = 0;  // relative
   std::string where, other;
-  size_t numbers = 0;
+  size_t numbers = 0, others = 0;
 
   void compare(const Json& a, const Json& b, const std::string& path) {
     if (a.is_number() && b.is_number()) {
@@ -206,7 +206,7 @@ struct Comparison {
     }
   }
   void differ(const std::string& text) {
-    if (other.empty()) other = text;
+    if (++others == 1) other = text;
   }
 };
 
@@ -232,9 +232,10 @@ class Comparer {
       const auto other = b.outputs.find(port);
       if (other == b.outputs.end()) {
         differ("output " + port + " is only in the first");
+      } else if (const std::string type = type_of(a, port), now = type_of(b, port); type != now) {
+        differ("output " + port + " is another artifact: " + type + " -> " + now);
       } else if (other->second != hashes) {
-        const auto type = a.types.find(port);
-        compare_output(port, hashes, other->second, type == a.types.end() ? "" : type->second, difference);
+        compare_output(port, {&hashes, type_at_hand(a, port)}, {&other->second, type_at_hand(b, port)}, difference);
       }
     }
     for (const auto& [port, hashes] : b.outputs)
@@ -243,41 +244,69 @@ class Comparer {
   }
 
  private:
+  /// What a run has of an output: its artifacts, and the type that they are read by (nullptr: nobody brings it).
+  struct Given {
+    const Hashes* hashes;
+    const plumbline_type* type;
+  };
+
+  static std::string type_of(const RecordedNode& node, const std::string& port) {
+    const auto type = node.types.find(port);
+    return type == node.types.end() ? "no type that is told" : type->second;
+  }
+  const plumbline_type* type_at_hand(const RecordedNode& node, const std::string& port) const {
+    return registry_.type_of_output(node.kind, port, type_of(node, port));
+  }
+
+  /// "; x is only in the first" of the metrics that `b` has none of.
+  static std::string only_in(const char* words, const RecordedNode& a, const RecordedNode& b) {
+    std::string text;
+    for (const Metric& metric : a.metrics)
+      if (std::ranges::none_of(b.metrics, [&](const Metric& other) { return other.name == metric.name; }))
+        text += "; " + metric.name + words;
+    return text;
+  }
+
   void compare_metrics(const RecordedNode& a, const RecordedNode& b, NodeDifference& difference) {
     const size_t common = std::min(a.metrics.size(), b.metrics.size());
     if (a.metrics.size() != b.metrics.size()) {
       difference.lines.push_back(std::to_string(a.metrics.size()) + " -> " + std::to_string(b.metrics.size()) +
-                                 " metrics");
+                                 " metrics" + only_in(" is only in the first", a, b) +
+                                 only_in(" is only in the second", b, a));
       difference.within_tolerance = false;
     }
     for (size_t i = 0; i < common; ++i) {
       const double x = a.metrics[i].value, y = b.metrics[i].value;
+      if (a.metrics[i].name != b.metrics[i].name) {
+        difference.lines.push_back("metric " + a.metrics[i].name + " in the place of " + b.metrics[i].name);
+        difference.within_tolerance = false;
+        continue;
+      }
       if (x == y || (std::isnan(x) && std::isnan(y))) continue;
       const double relative = std::abs(x - y) / std::max(std::abs(x), std::abs(y));
       const std::string unit = a.metrics[i].unit == "1" ? "" : " " + a.metrics[i].unit;
       difference.lines.push_back("metric " + a.metrics[i].name + ": " + number_text(x) + " -> " + number_text(y) +
                                  unit + (std::isnan(relative) ? "" : ", by " + size_text(relative) + " of its size"));
-      if (a.metrics[i].name != b.metrics[i].name || !(relative <= tolerance_)) difference.within_tolerance = false;
+      if (!(relative <= tolerance_)) difference.within_tolerance = false;
     }
   }
 
-  void compare_output(const std::string& port, const Hashes& a, const Hashes& b, const std::string& type_name,
-                      NodeDifference& difference) {
+  void compare_output(const std::string& port, const Given& one, const Given& other, NodeDifference& difference) {
+    const Hashes &a = *one.hashes, &b = *other.hashes;
     const std::string name = "output " + port;
     if (a.size() != b.size()) {
       difference.lines.push_back(name + ": " + std::to_string(a.size()) + " -> " + std::to_string(b.size()) + " items");
       difference.within_tolerance = false;
       return;
     }
-    const plumbline_type* type = registry_.type(type_name);
     Comparison all;
     size_t differing = 0;
     for (size_t i = 0; i < a.size(); ++i) {
       if (a[i] == b[i]) continue;
       ++differing;
       try {
-        if (!store_ || !type) throw std::runtime_error("its content is not at hand");
-        all.compare(content_of(*store_, *type, a[i]), content_of(*store_, *type, b[i]),
+        if (!store_ || !one.type || !other.type) throw std::runtime_error("its content is not at hand");
+        all.compare(content_of(*store_, *one.type, a[i]), content_of(*store_, *other.type, b[i]),
                     a.size() > 1 ? "[" + std::to_string(i) + "]" : "");
       } catch (const std::exception& error) {
         all.differ(a[i].substr(0, 12) + " -> " + b[i].substr(0, 12) + " (" + error.what() + ")");
@@ -289,6 +318,7 @@ class Comparer {
       line += ": " + std::to_string(all.numbers) + " numbers differ, at most by " + size_text(all.largest) +
               " of their size, " + all.where;
     if (!all.other.empty()) line += (all.numbers ? "; and " : ": ") + all.other;
+    if (all.others > 1) line += " (and " + std::to_string(all.others - 1) + " more that are no numbers)";
     if (!all.numbers && all.other.empty()) line += ": other bytes, the same content";
     difference.lines.push_back(line);
     if (!all.other.empty() || !(all.largest <= tolerance_)) difference.within_tolerance = false;

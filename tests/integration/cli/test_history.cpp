@@ -156,6 +156,22 @@ TEST(History, DiffKnowsRotationsOfArtifactsAndNumbersInText) {
   EXPECT_TRUE(contains(answer.out, "F01;") && contains(answer.out, "F02;")) << answer.out;
 }
 
+/// Where a node gives another kind of artifact, that is what differs.
+TEST(History, DiffNamesArtifactsOfAnotherKind) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: story.constant}}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "a", "-q"}).code, 0);
+  std::string record = read_file(plumbline.work() / "a/run.jsonl");
+  const size_t at = record.rfind("plumbline.Number/1");
+  ASSERT_NE(at, std::string::npos);
+  fs::create_directory(plumbline.work() / "b");
+  plumbline.write("b/run.jsonl", record.replace(at, 18, "plumbline.Points/3"));
+  const Answer answer = plumbline({"diff", "a", "b"});
+  EXPECT_EQ(answer.code, 1) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "output number is another artifact: plumbline.Number/1 -> plumbline.Points/3"))
+      << answer.out;
+}
+
 /// Every node alone in a fresh process: what is in the store must be what it gives there.
 TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
   const Program plumbline;
