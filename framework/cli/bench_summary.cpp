@@ -100,7 +100,7 @@ bool SummaryWriter::write() {
   open_ = 1;
   for (const runtime::Metric& metric : result.nodes[0].metrics)
     if (metric.name == "open") open_ = metric.value;
-  const auto deliveries = deliver(graph_, registry_, store_, result, folder_);
+  const auto deliveries = deliver(graph_, store_, result, folder_);
   record.end(result, deliveries);
   if (!result.ok()) std::fprintf(stderr, "%s\n", result.nodes[0].error.c_str());
   bool good = result.ok();

@@ -7,6 +7,7 @@
 
 #include "commands.hpp"
 #include "linked_licences.hpp"
+#include "runtime/base/printable.hpp"
 #include "terminal.hpp"
 
 namespace plumbline::cli {
@@ -108,6 +109,26 @@ std::string range_text(const plumbline_param& param) {
 
 }  // namespace
 
+namespace {
+
+/// What is there and cannot be used. Of what another plugin hides both files are named: either may be the one that is
+/// meant.
+void tell_refused(const runtime::Registry& registry) {
+  size_t refused = 0;
+  for (const auto& one : registry.refused()) {
+    refused += one.hidden_by.empty();
+    if (!one.hidden_by.empty())
+      std::fprintf(stderr, "warning: %s %s\n", one.path.c_str(), runtime::printable(one.problem).c_str());
+  }
+  if (refused > 0)
+    std::fprintf(stderr,
+                 refused == 1 ? "%zu plugin was refused; `plumbline doctor` says why\n"
+                              : "%zu plugins were refused; `plumbline doctor` says why\n",
+                 refused);
+}
+
+}  // namespace
+
 int list(const Options& options) {
   if (options.name == "pipelines") return list_pipelines(options);
   if (options.name == "artifacts") return list_artifacts(options);
@@ -123,8 +144,7 @@ int list(const Options& options) {
     std::printf("%s\n", json.dump(1).c_str());
   else
     std::printf("%s", columns(rows).c_str());
-  if (!registry.refused().empty())
-    std::fprintf(stderr, "%zu plugins were refused; `plumbline doctor` says why\n", registry.refused().size());
+  tell_refused(registry);
   return 0;
 }
 
@@ -142,6 +162,10 @@ int describe(const Options& options) {
         "there is no node, pipeline or artifact '" + options.name + "'" +
         (hint.empty() ? "; `plumbline list`, `list pipelines` and `list artifacts` show what there is" : hint));
   }
+  const std::string others = offered_too_by(registry, kind->node->kind);
+  if (!others.empty())
+    std::fprintf(stderr, "warning: %s is that of %s; %s\n", kind->node->kind, kind->plugin->identity.path.c_str(),
+                 others.c_str());
   if (options.json) {
     std::printf("%s\n", kind_json(*kind).dump(1).c_str());
     return 0;

@@ -2,6 +2,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -30,20 +31,41 @@ struct Finding {
 void check_search_path(std::vector<Finding>& findings) {
   const auto folders = runtime::Registry::search_path();
   for (const fs::path& folder : folders) {
-    std::error_code failed;
+    std::error_code failed, unreadable;
     const bool there = fs::is_directory(folder, failed);
-    findings.push_back(
-        {there ? Finding::good : Finding::note, "search path",
-         folder.string() +
-             (there ? "" : " is not there; plugins go into it, or into a folder of PLUMBLINE_PLUGIN_PATH")});
+    fs::directory_iterator(folder, unreadable);
+    if (there && unreadable)
+      findings.push_back(
+          {Finding::bad, "search path",
+           folder.string() + " cannot be read (" + unreadable.message() +
+               "), so no plugin of it is found; give it the rights, or take it off PLUMBLINE_PLUGIN_PATH"});
+    else
+      findings.push_back(
+          {there ? Finding::good : Finding::note, "search path",
+           folder.string() +
+               (there ? "" : " is not there; plugins go into it, or into a folder of PLUMBLINE_PLUGIN_PATH")});
   }
 }
 
+/// "story 0.1.0, 22 of 23 nodes": those that are not hidden by another plugin.
+std::string nodes_text(const runtime::Registry& registry, const runtime::Plugin& plugin) {
+  const size_t all = plugin.table->node_count;
+  const auto taken = static_cast<size_t>(
+      std::ranges::count_if(registry.kinds(), [&](const auto& kind) { return kind.second.plugin == &plugin; }));
+  return plugin.identity.name + " " + plugin.identity.version + ", " +
+         (taken < all ? std::to_string(taken) + " of " : "") + std::to_string(all) + " nodes";
+}
+
 void check_plugins(const runtime::Registry& registry, std::vector<Finding>& findings) {
-  for (const auto& plugin : registry.plugins())
-    findings.push_back({Finding::good, "plugin",
-                        plugin->identity.path.filename().string() + ": " + plugin->identity.name + " " +
-                            plugin->identity.version + ", " + std::to_string(plugin->table->node_count) + " nodes"});
+  std::map<fs::path, size_t> of_one_name;  // files in several folders are told apart by the whole path
+  for (const auto& plugin : registry.plugins()) ++of_one_name[plugin->identity.path.filename()];
+  for (const auto& refused : registry.refused()) ++of_one_name[refused.path.filename()];
+  for (const auto& plugin : registry.plugins()) {
+    const fs::path& path = plugin->identity.path;
+    findings.push_back(
+        {Finding::good, "plugin",
+         (of_one_name[path.filename()] > 1 ? path : path.filename()).string() + ": " + nodes_text(registry, *plugin)});
+  }
   std::map<std::string, std::string> loaded_by;  // "libjbig.so.0 (GPL-2.0-or-later)" -> plugins
   for (const auto& plugin : registry.plugins())
     for (const LinkedLicence& linked : copyleft_libraries(*plugin)) {
@@ -55,7 +77,9 @@ void check_plugins(const runtime::Registry& registry, std::vector<Finding>& find
                         library + " is loaded by " + plugins +
                             ": who passes them on with it does so under that licence; see NOTICE.md"});
   for (const auto& refused : registry.refused())
-    findings.push_back({Finding::bad, "plugin", refused.path.string() + " is refused: it " + refused.problem});
+    findings.push_back(
+        {Finding::bad, "plugin",
+         refused.path.string() + (refused.hidden_by.empty() ? " is refused: it " : " ") + refused.problem});
   if (registry.plugins().empty())
     findings.push_back({Finding::bad, "plugin", "no plugin was found; build the project or set PLUMBLINE_PLUGIN_PATH"});
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "commands.hpp"
+#include "runtime/base/printable.hpp"
 #include "runtime/base/quantities.hpp"
 
 namespace plumbline::cli {
@@ -28,6 +29,14 @@ runtime::Graph load(const Options& options, const runtime::Registry& registry) {
   return graph;
 }
 
+std::string offered_too_by(const runtime::Registry& registry, const std::string& kind) {
+  std::string files;
+  const auto others = registry.offered_twice_by(kind);
+  for (const fs::path& other : others) files += (files.empty() ? "" : " and ") + other.string();
+  if (others.empty()) return "";
+  return files + (others.size() > 1 ? " have" : " has") + " one of that name, too, which is not used";
+}
+
 void warn_of_kinds_offered_twice(const runtime::Graph& graph, const runtime::Registry& registry) {
   warn_of_kinds_offered_twice(std::vector{&graph}, registry);
 }
@@ -36,10 +45,10 @@ void warn_of_kinds_offered_twice(const std::vector<const runtime::Graph*>& graph
   std::set<std::string> told;
   for (const runtime::Graph* graph : graphs)
     for (const auto& node : graph->nodes) {
-      const fs::path other = registry.offered_twice_by(node.kind.node->kind);
-      if (other.empty() || !told.insert(node.kind.node->kind).second) continue;
-      std::fprintf(stderr, "warning: node '%s' is the %s of %s; %s has one of that name, too, which is not used\n",
-                   node.name.c_str(), node.kind.node->kind, node.kind.plugin->identity.path.c_str(), other.c_str());
+      const std::string others = offered_too_by(registry, node.kind.node->kind);
+      if (others.empty() || !told.insert(node.kind.node->kind).second) continue;
+      std::fprintf(stderr, "warning: node '%s' is the %s of %s; %s\n", runtime::printable_line(node.name).c_str(),
+                   node.kind.node->kind, node.kind.plugin->identity.path.c_str(), others.c_str());
     }
 }
 

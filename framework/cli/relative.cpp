@@ -42,7 +42,7 @@ std::vector<Source> outputs_with_covariance(const runtime::RecordedRun& run, con
       if (hashes.size() != 1 || !type_name.starts_with("plumbline.Points/")) continue;
       names.push_back(name);
       if (!wanted.empty() && name != wanted) continue;
-      const plumbline_type* type = registry.type(type_name);
+      const plumbline_type* type = registry.type_of_output(node.kind, port, type_name);
       if (!type) throw UsageError("no plugin brings the type " + type_name);
       Json points = Json::parse(blob_to_json(store, *type, hashes[0]));
       if (points.value("covariance", Json::array()).empty())
@@ -143,7 +143,7 @@ std::string reservation(const runtime::RecordedRun& run, const std::string& outp
   const auto* node = run.find(output.substr(0, output.rfind('.')));
   if (!node) return "";
   for (const auto& [port, type_name] : node->types) {
-    const plumbline_type* type = registry.type(type_name);
+    const plumbline_type* type = registry.type_of_output(node->kind, port, type_name);
     if (!type || !type_name.starts_with("plumbline.SurveyNetwork/") || node->outputs.at(port).size() != 1) continue;
     const Json network = Json::parse(blob_to_json(store, *type, node->outputs.at(port)[0]));
     if (network.value("validity", "sound") != "sound") return network.value("verdict", "");

@@ -292,7 +292,7 @@ int run(const Options& options) {
   }
   std::vector<runtime::Delivery> deliveries;
   if (!result.cancelled && !stop_is_asked_for())
-    deliveries = deliver(graph, registry, store, result, folder, &stop_is_asked_for());
+    deliveries = deliver(graph, store, result, folder, &stop_is_asked_for());
   // Who stopped the run at its very end gets the same answer as who did it earlier.
   result.cancelled = result.cancelled || stop_is_asked_for();
   record.end(result, deliveries);

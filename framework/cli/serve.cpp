@@ -203,7 +203,8 @@ class Site {
       if (one.value("name", "") != node || !outputs.contains(port)) continue;
       if (!outputs[port].is_array()) break;
       const auto hashes = outputs[port].get<std::vector<std::string>>();
-      const plumbline_type* type = registry_.type(one.value("types", Json::object()).value(port, ""));
+      const plumbline_type* type =
+          registry_.type_of_output(one.value("kind", ""), port, one.value("types", Json::object()).value(port, ""));
       if (item >= hashes.size() || !type) break;
       const std::string text = blob_to_json(*open_store_to_read(options_), *type, hashes[item]);
       if (text.size() > largest_artifact)

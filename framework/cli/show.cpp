@@ -19,12 +19,17 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Blobs and type of an output in a run record.
-std::pair<std::vector<std::string>, std::string> find_in_record(const std::string& file, const std::string& wanted) {
+/// An output in a run record.
+struct RecordedOutput {
+  std::vector<std::string> hashes;
+  std::string kind, port, type;
+};
+
+RecordedOutput find_in_record(const std::string& file, const std::string& wanted) {
   std::ifstream stream(file);
   if (!stream) throw UsageError("cannot read the run record " + file);
   std::vector<std::string> names;
-  std::pair<std::vector<std::string>, std::string> found;
+  RecordedOutput found;
   for (std::string line; std::getline(stream, line);) {
     const Json json = Json::parse(line, nullptr, false);
     if (!json.is_object() || json.value("event", "") != "node") continue;
@@ -33,10 +38,10 @@ std::pair<std::vector<std::string>, std::string> find_in_record(const std::strin
       names.push_back(name + "." + port);
       // Of a node that ran in several rounds the last, or the one that is asked for: update@3.points.
       if (names.back() == wanted || name + "@" + std::to_string(json.value("round", 0)) + "." + port == wanted)
-        found = {hashes.get<std::vector<std::string>>(), json.at("types").at(port)};
+        found = {hashes.get<std::vector<std::string>>(), json.value("kind", ""), port, json.at("types").at(port)};
     }
   }
-  if (!found.second.empty()) return found;
+  if (!found.type.empty()) return found;
   const std::string hint = did_you_mean(wanted, names);
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "; it has " : ", ") + name;
@@ -73,8 +78,9 @@ int show(const Options& options) {
   const size_t colon = options.name.rfind(':');
   if (colon != std::string::npos && fs::is_regular_file(options.name.substr(0, colon))) {
     const auto store = open_store_to_read(options);
-    const auto [hashes, type_name] = find_in_record(options.name.substr(0, colon), options.name.substr(colon + 1));
-    const plumbline_type* type = registry.type(type_name);
+    const auto [hashes, kind, port, type_name] =
+        find_in_record(options.name.substr(0, colon), options.name.substr(colon + 1));
+    const plumbline_type* type = registry.type_of_output(kind, port, type_name);
     if (!type) throw UsageError("no plugin brings the type " + type_name);
     if (hashes.size() != 1) std::printf("[\n");
     for (size_t i = 0; i < hashes.size(); ++i)

@@ -65,10 +65,48 @@ TEST_F(BrokenPlugin, AKindOfferedTwiceCostsNoOther) {
   EXPECT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
   EXPECT_TRUE(registry.find("story.add")) << "all others of the second library are taken";
   EXPECT_EQ(registry.find("story.constant")->plugin->identity.path.filename(), "duplicate_kind.so");
-  EXPECT_EQ(registry.offered_twice_by("story.constant"), std::filesystem::path(PLUMBLINE_STORY_PLUGIN));
-  EXPECT_EQ(registry.offered_twice_by("story.add"), "");
+  EXPECT_EQ(registry.offered_twice_by("story.constant"), std::vector<std::filesystem::path>{PLUMBLINE_STORY_PLUGIN});
+  EXPECT_TRUE(registry.offered_twice_by("story.add").empty());
   ASSERT_EQ(registry.refused().size(), 1u);
   EXPECT_NE(registry.refused()[0].problem.find("its other nodes are taken"), std::string::npos);
+  EXPECT_EQ(registry.refused()[0].path, PLUMBLINE_STORY_PLUGIN);
+  EXPECT_EQ(registry.refused()[0].hidden_by.filename(), "duplicate_kind.so");
+}
+
+/// A copy of a library hides all of it: one sentence, and nothing that says that some of it is taken.
+TEST_F(BrokenPlugin, ACopyIsHiddenAsAWhole) {
+  const TemporaryFolder folder;
+  const std::filesystem::path copies[] = {folder.path() / "a.so", folder.path() / "b.so"};
+  std::filesystem::copy(std::filesystem::path(PLUMBLINE_STORY_PLUGIN).parent_path() / "roles", folder.path() / "roles");
+  Registry registry;
+  ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+  for (const auto& copy : copies) {
+    std::filesystem::copy_file(PLUMBLINE_STORY_PLUGIN, copy);
+    EXPECT_FALSE(registry.load(copy));
+  }
+  ASSERT_EQ(registry.refused().size(), 2u);
+  for (const auto& refused : registry.refused()) {
+    EXPECT_EQ(refused.hidden_by, PLUMBLINE_STORY_PLUGIN);
+    EXPECT_NE(refused.problem.find("offers the nodes 'story.add', "), std::string::npos) << refused.problem;
+    EXPECT_EQ(refused.problem.find("its other nodes are taken"), std::string::npos) << refused.problem;
+  }
+  EXPECT_EQ(registry.offered_twice_by("story.add"), std::vector<std::filesystem::path>(copies, copies + 2));
+}
+
+/// What a node gave is read by the type of its own plugin: another one may call something else by that name.
+TEST_F(BrokenPlugin, TypesOfOneNameArePartedByTheirPlugins) {
+  Registry registry;
+  ASSERT_TRUE(registry.load(PLUMBLINE_STORY_PLUGIN));
+  ASSERT_TRUE(registry.load(std::string(PLUMBLINE_BROKEN_PLUGINS) + "/other_unit.so"));
+  const std::string name = "plumbline.Number/1";
+  const auto* mine = registry.type_of_output("fault.millimetres", "number", name);
+  ASSERT_TRUE(mine && registry.type(name));
+  EXPECT_STRNE(mine->fingerprint, registry.type(name)->fingerprint);
+  EXPECT_EQ(registry.type_of_output("story.add", "sum", name), registry.type(name));
+  EXPECT_EQ(registry.type_of_output("gone.since", "sum", name), registry.type(name));
+  ASSERT_EQ(registry.refused().size(), 1u) << "that they are two is said";
+  EXPECT_EQ(registry.refused()[0].path.filename(), "other_unit.so");
+  EXPECT_EQ(registry.refused()[0].hidden_by, PLUMBLINE_STORY_PLUGIN);
 }
 
 /// Every fixture made from good.cpp: what is broken, and words of the refusal.

@@ -115,8 +115,9 @@ class Linker {
     std::string text;
     if (std::exchange(refused_are_told_, true)) return text;
     for (const PluginIdentity& plugin : registry_.refused())
-      text += (text.empty() ? "; it may be in what was refused: " : "; ") + plugin.path.string() + ", which " +
-              plugin.problem;
+      if (plugin.hidden_by.empty())
+        text += (text.empty() ? "; it may be in what was refused: " : "; ") + plugin.path.string() + ", which " +
+                plugin.problem;
     return text;
   }
 

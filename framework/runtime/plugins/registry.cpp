@@ -263,7 +263,6 @@ bool Registry::load_manifest(const fs::path& manifest) {
   return add(std::move(plugin));
 }
 
-/// Whether the library came with the program: nothing on a path that somebody sets stands in its place.
 static bool is_shipped(const Plugin& plugin) {
   std::error_code failed;
   const fs::path self = fs::read_symlink("/proc/self/exe", failed);
@@ -276,38 +275,74 @@ bool Registry::add(std::unique_ptr<Plugin> plugin) {
     refused_.push_back(plugin->identity);
     return false;
   }
+  plugin->shipped = is_shipped(*plugin);
   size_t taken = 0;
-  const bool shipped = is_shipped(*plugin);
+  std::map<const Plugin*, std::vector<std::string>> not_taken, replaced;  // by the plugin on the other side
   for (uint32_t i = 0; i < plugin->table->node_count; ++i) {
     const plumbline_node* node = plugin->table->nodes[i];
     const auto [found, fresh] = kinds_.try_emplace(node->kind, Kind{node, plugin.get()});
-    ++taken;
-    if (fresh) continue;
-    const bool in_its_place = shipped && !is_shipped(*found->second.plugin);
-    const Plugin& other = in_its_place ? *found->second.plugin : *plugin;
-    PluginIdentity refused = other.identity;
-    const bool has_more = other.table->node_count > 1;
-    if (in_its_place)
-      found->second = {node, plugin.get()};
-    else
-      --taken;
-    offered_twice_[node->kind] = refused.path;
-    refused.problem = "offers the node '" + std::string(node->kind) + "', which " +
-                      found->second.plugin->identity.path.string() +
-                      " offers already; rename one of them or take one library off the search path" +
-                      (has_more ? "; its other nodes are taken" : "");
-    refused_.push_back(refused);
+    const Plugin* other = found->second.plugin;
+    const bool in_its_place = !fresh && plugin->shipped && !other->shipped;
+    if (in_its_place) found->second = {node, plugin.get()};
+    if (fresh || in_its_place) ++taken;
+    if (!fresh) (in_its_place ? replaced : not_taken)[other].emplace_back(node->kind);
   }
+  for (const auto& [by, kinds] : not_taken) tell_hidden(*plugin, *by, kinds);
+  for (const auto& [hidden, kinds] : replaced) tell_hidden(*hidden, *plugin, kinds);
   if (taken == 0 && plugin->table->node_count > 0) return false;
-  for (uint32_t i = 0; i < plugin->table->type_count; ++i)
-    types_.emplace(plugin->table->types[i]->name, plugin->table->types[i]);
+  add_types(*plugin);
   plugins_.push_back(std::move(plugin));
   return true;
 }
 
-fs::path Registry::offered_twice_by(const std::string& kind) const {
+/// "'a', 'b' and 5 more": `plumbline describe` tells of each by itself.
+static std::string quoted_names(const std::vector<std::string>& names) {
+  constexpr size_t most = 6;
+  std::string text;
+  for (size_t i = 0; i < std::min(names.size(), most); ++i)
+    text += (i == 0 ? "'" : i + 1 == names.size() ? " and '" : ", '") + names[i] + "'";
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+void Registry::tell_hidden(const Plugin& hidden, const Plugin& by, const std::vector<std::string>& kinds) {
+  for (const std::string& kind : kinds) offered_twice_[kind].push_back(hidden.identity.path);
+  const bool has_more =
+      std::any_of(hidden.table->nodes, hidden.table->nodes + hidden.table->node_count, [&](const plumbline_node* node) {
+        const Kind* kind = find(node->kind);
+        return kind && kind->plugin == &hidden;
+      });
+  PluginIdentity refused = hidden.identity;
+  refused.hidden_by = by.identity.path;
+  refused.problem = std::string("offers the node") + (kinds.size() > 1 ? "s " : " ") + quoted_names(kinds) +
+                    ", which " + by.identity.path.string() + " offers already and which " +
+                    (kinds.size() > 1 ? "are" : "is") + " taken from there; rename one of them or take one " +
+                    "library off the search path" + (has_more ? "; its other nodes are taken" : "");
+  refused_.push_back(refused);
+}
+
+/// Of two types of one name each plugin keeps its own, and nodes of the two cannot be connected. By name it is the one
+/// that came with the program, else the first.
+void Registry::add_types(const Plugin& plugin) {
+  for (uint32_t i = 0; i < plugin.table->type_count; ++i) {
+    const plumbline_type* type = plugin.table->types[i];
+    const auto [found, fresh] = types_.try_emplace(type->name, type);
+    const Plugin*& by = brought_by_.try_emplace(type->name, &plugin).first->second;
+    const plumbline_type* other = type;
+    const Plugin* hidden = &plugin;
+    if (plugin.shipped && !by->shipped) std::swap(found->second, other), std::swap(by, hidden);
+    if (fresh || std::strcmp(found->second->fingerprint, other->fingerprint) == 0) continue;
+    PluginIdentity refused = hidden->identity;
+    refused.hidden_by = by->identity.path;
+    refused.problem = "brings the type " + std::string(type->name) + " (" + other->fingerprint + "), and " +
+                      refused.hidden_by.string() + " another one of that name (" + found->second->fingerprint +
+                      "): nodes of the two cannot be connected; build both with one schema, or rename a type";
+    refused_.push_back(refused);
+  }
+}
+
+std::vector<fs::path> Registry::offered_twice_by(const std::string& kind) const {
   const auto found = offered_twice_.find(kind);
-  return found == offered_twice_.end() ? fs::path() : found->second;
+  return found == offered_twice_.end() ? std::vector<fs::path>() : found->second;
 }
 
 const Kind* Registry::find(const std::string& kind) const {
@@ -318,6 +353,14 @@ const Kind* Registry::find(const std::string& kind) const {
 const plumbline_type* Registry::type(const std::string& name) const {
   const auto found = types_.find(name);
   return found == types_.end() ? nullptr : found->second;
+}
+
+const plumbline_type* Registry::type_of_output(const std::string& kind, const std::string& port,
+                                               const std::string& name) const {
+  if (const Kind* made_by = find(kind))
+    if (const plumbline_port* output = made_by->output(port); output && name == output->type)
+      return &made_by->type_of(*output);
+  return type(name);
 }
 
 }  // namespace plumbline::runtime

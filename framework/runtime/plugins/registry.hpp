@@ -29,6 +29,8 @@ struct PluginIdentity {
   std::string name, version, licence, build_id;
   uint32_t abi_major = 0, abi_minor = 0;
   std::string problem;  ///< what was found, what was expected, what to do
+  /// Of a library that is sound: another one that offers nodes or types of the same names, which are taken instead.
+  std::filesystem::path hidden_by;
 };
 
 /// Reads the note of a shared library from the file, without running any code of it.
@@ -46,6 +48,7 @@ struct Plugin {
   ~Plugin();
   struct Library;
   std::unique_ptr<Library> library;
+  bool shipped = false;  ///< it came with the program: nothing on a path that somebody sets stands in its place
   std::unique_ptr<ExecutableNode> executable;  ///< in place of a library: a node in another language
 };
 
@@ -79,17 +82,23 @@ class Registry {
   const Kind* find(const std::string& kind) const;
   const std::map<std::string, Kind>& kinds() const { return kinds_; }
   const plumbline_type* type(const std::string& name) const;
+  /// The type of what a node gave, as its own plugin has it: another one may call something else by that name. nullptr
+  /// if no plugin brings it.
+  const plumbline_type* type_of_output(const std::string& kind, const std::string& port, const std::string& type) const;
   const std::map<std::string, const plumbline_type*>& types() const { return types_; }
   const std::vector<std::unique_ptr<Plugin>>& plugins() const { return plugins_; }
+  /// What cannot be used: a plugin as a whole, or, where `hidden_by` is set, the nodes and types that another one has.
   const std::vector<PluginIdentity>& refused() const { return refused_; }
   const Roles& roles() const { return roles_; }
-  /// The library that offers this kind too, and whose node of that name is not taken; empty if none does.
-  std::filesystem::path offered_twice_by(const std::string& kind) const;
+  /// The libraries that offer this kind too, and whose nodes of that name are not taken.
+  std::vector<std::filesystem::path> offered_twice_by(const std::string& kind) const;
 
  private:
   static void describe(Plugin& plugin);
   void describe_manifest(Plugin& plugin);
   bool add(std::unique_ptr<Plugin> plugin);
+  void tell_hidden(const Plugin& hidden, const Plugin& by, const std::vector<std::string>& kinds);
+  void add_types(const Plugin& plugin);
   void add_roles_of(const std::filesystem::path& folder);
 
   Roles roles_ = Roles::builtin();
@@ -98,7 +107,8 @@ class Registry {
   std::vector<PluginIdentity> refused_;
   std::map<std::string, Kind> kinds_;
   std::map<std::string, const plumbline_type*> types_;
-  std::map<std::string, std::filesystem::path> offered_twice_;
+  std::map<std::string, const Plugin*> brought_by_;  // types by name
+  std::map<std::string, std::vector<std::filesystem::path>> offered_twice_;
 };
 
 }  // namespace plumbline::runtime

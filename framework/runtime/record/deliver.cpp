@@ -112,11 +112,12 @@ std::string identity_of(const plumbline_type& type, const Delivered& what, const
   return hash.hex();
 }
 
-std::string deliver_one(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                        const GraphOutput& output, OutputFolder& out) {
+std::string deliver_one(const Graph& graph, Store& store, const RunResult& result, const GraphOutput& output,
+                        OutputFolder& out) {
   const Delivered what = what_is(graph, output);
-  const plumbline_type* type = registry.type(what.type);
-  if (!type) throw std::runtime_error("no plugin brings the type " + what.type);
+  // As its own plugin has it: another one may call something else by that name.
+  const Kind& kind = graph.nodes[output.from.node].kind;
+  const plumbline_type* type = &kind.type_of(*kind.output(output.from.port));
   const Hashes& hashes = result.nodes[output.from.node].outputs.at(output.from.port);
   const std::string made_from = identity_of(*type, what, hashes);
   if (out.holds(output.file, made_from)) return "";
@@ -154,8 +155,8 @@ std::vector<std::string> obstacles_to(const Graph& graph, const OutputFolder& ou
   return all;
 }
 
-std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                              OutputFolder& out, const std::atomic<bool>* stop) {
+std::vector<Delivery> deliver(const Graph& graph, Store& store, const RunResult& result, OutputFolder& out,
+                              const std::atomic<bool>* stop) {
   std::vector<Delivery> deliveries;
   for (const GraphOutput& output : graph.outputs) {
     const NodeResult& source = result.nodes[output.from.node];
@@ -168,7 +169,7 @@ std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Stor
     }
     try {
       if (status == NodeStatus::executed || status == NodeStatus::reused)
-        delivery.note = deliver_one(graph, registry, store, result, output, out), out.confirm(output.file);
+        delivery.note = deliver_one(graph, store, result, output, out), out.confirm(output.file);
       else
         delivery.problem = "'" + name + "' " +
                            (status == NodeStatus::failed    ? "failed"

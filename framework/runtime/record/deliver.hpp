@@ -26,8 +26,8 @@ std::vector<std::string> obstacles_to(const Graph& graph, const OutputFolder& ou
 /// array. Each is put in place whole or not at all, and not written again if it is there already. Of an output whose
 /// node did not succeed, what an earlier run left there is removed: it would be taken for this run's. The record must
 /// have been begun in `out`. When `stop` is set, outputs that are not begun yet are left as they are, with a problem.
-std::vector<Delivery> deliver(const Graph& graph, const Registry& registry, Store& store, const RunResult& result,
-                              OutputFolder& out, const std::atomic<bool>* stop = nullptr);
+std::vector<Delivery> deliver(const Graph& graph, Store& store, const RunResult& result, OutputFolder& out,
+                              const std::atomic<bool>* stop = nullptr);
 
 /// An artifact of the store as JSON. Throws StoreError if it is missing, std::runtime_error if it is no valid `type`.
 std::string blob_to_json(Store& store, const plumbline_type& type, const std::string& hash);

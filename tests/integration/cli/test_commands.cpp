@@ -205,6 +205,63 @@ TEST(Commands, EveryCommandThatLinksAPipelineSaysWhichOfTwoPluginsItUses) {
   EXPECT_TRUE(contains(answer.err, warning(shipped, mine))) << answer.err;
 }
 
+/// Who looks for a node, or at what is installed, sees that there are two of it, and where.
+TEST(Commands, TheCatalogueNamesBothFilesOfWhatIsHidden) {
+  namespace fs = std::filesystem;
+  Program plumbline;
+  const fs::path other = plumbline.folder.path() / "other", hidden = other / "my_story.so";
+  fs::create_directories(other);
+  fs::copy_file(PLUMBLINE_STORY_PLUGIN, hidden);
+  fs::copy(plumbline.plugins() / "roles", other / "roles");
+  EXPECT_EQ(plumbline({"list"}).err, "");
+  EXPECT_EQ(plumbline({"describe", "story.constant"}).err, "");
+  plumbline.use_plugins(fs::path(PLUMBLINE_STORY_PLUGIN).parent_path().string() + ":" + other.string());
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"list"},
+                                                {"list", "--json"},
+                                                {"describe", "story.constant"},
+                                                {"describe", "story.constant", "--json"}}) {
+    const Answer answer = plumbline(words);
+    EXPECT_EQ(answer.code, 0);
+    EXPECT_TRUE(contains(answer.err, PLUMBLINE_STORY_PLUGIN) && contains(answer.err, hidden.string()))
+        << words[0] << ": " << answer.err;
+  }
+  const Answer doctor = plumbline({"doctor"});
+  EXPECT_EQ(doctor.code, 1);
+  bool told = false;
+  for (const Json& finding : Json::parse(plumbline({"doctor", "--json"}).out)) {
+    const auto text = finding["text"].get<std::string>();
+    told |= finding["level"] == "wrong" && text.starts_with(hidden.string()) && contains(text, PLUMBLINE_STORY_PLUGIN);
+  }
+  EXPECT_TRUE(told) << doctor.out;
+}
+
+/// Nobody's plugin decides how what another one gave is read.
+TEST(Commands, OutputsAreReadByTheTypeOfTheirOwnPlugin) {
+  namespace fs = std::filesystem;
+  Program plumbline;
+  const fs::path other = plumbline.folder.path() / "other";
+  fs::create_directories(other);
+  fs::copy_file(PLUMBLINE_OTHER_UNIT_PLUGIN, other / "other.so");
+  plumbline.use_plugins(fs::path(PLUMBLINE_STORY_PLUGIN).parent_path().string() + ":" + other.string());
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {m: {use: fault.millimetres}}\noutputs: {m.json: m.number}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml"}).code, 0);
+  const Json wanted = {{"value", 3.0}, {"range", 4.0}};
+  EXPECT_EQ(Json::parse(read_file(plumbline.work() / "out/p/m.json")), wanted);
+  EXPECT_EQ(Json::parse(plumbline({"show", "out/p/run.jsonl:m.number"}).out), wanted);
+}
+
+TEST(Commands, DoctorTellsAFolderOfPluginsThatCannotBeRead) {
+  if (geteuid() == 0) GTEST_SKIP() << "root reads everything";
+  namespace fs = std::filesystem;
+  Program plumbline;
+  fs::create_directory(plumbline.folder.path() / "locked");
+  fs::permissions(plumbline.folder.path() / "locked", fs::perms::none);
+  plumbline.use_plugins(plumbline.folder.path() / "locked");
+  const Answer answer = plumbline({"doctor"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "locked cannot be read")) << answer.out;
+}
+
 TEST(Commands, ShowFindsArtifacts) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

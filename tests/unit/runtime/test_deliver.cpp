@@ -25,7 +25,7 @@ std::vector<runtime::Delivery> deliver(Story& story, bool overwrite = false) {
     return {{"refused", all, ""}};
   }
   runtime::Record record(out, story.graph, {});
-  auto deliveries = runtime::deliver(story.graph, story_registry(), *story.store, story.result, out);
+  auto deliveries = runtime::deliver(story.graph, *story.store, story.result, out);
   record.end(story.result, deliveries);
   return deliveries;
 }
@@ -292,7 +292,7 @@ TEST(Deliver, StoppedItBeginsNoOtherOutput) {
   const std::atomic<bool> stop = true;
   runtime::OutputFolder out(story.folder.path() / "out", story.store->file_hashes(), false);
   runtime::Record record(out, story.graph, {"0.0", {"b.with.value=8"}, {}, 1, 0});
-  for (const auto& delivery : runtime::deliver(story.graph, story_registry(), *story.store, story.result, out, &stop))
+  for (const auto& delivery : runtime::deliver(story.graph, *story.store, story.result, out, &stop))
     EXPECT_EQ(delivery.problem, "the run was stopped before it was written") << delivery.file;
   EXPECT_EQ(read_file(story.folder.path() / "out/b.json"), before);
   EXPECT_TRUE(out.owned().origins.at("b.json").arguments.empty()) << "it is still of the run before";

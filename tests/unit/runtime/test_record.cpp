@@ -15,7 +15,7 @@ TEST(Record, TellsWhatRan) {
   runtime::OutputFolder folder(out, story.store->file_hashes());
   runtime::Record record(folder, story.graph, {"0.0", {"a.with.value=4"}, story.store->folder(), 2, 1000});
   for (size_t i = 0; i < story.graph.nodes.size(); ++i) record.node(story.graph.nodes[i], story.result.nodes[i]);
-  record.end(story.result, deliver(story.graph, story_registry(), *story.store, story.result, folder));
+  record.end(story.result, deliver(story.graph, *story.store, story.result, folder));
 
   std::istringstream lines(read_file(out / "run.jsonl"));
   std::vector<nlohmann::json> events;
