@@ -213,6 +213,49 @@ std::optional<SurveyFormat> suffix_format(const std::string& file_name) {
   return std::nullopt;
 }
 
+// ".trk" of a name under which nobody keeps tables; empty for names of tables and names without a suffix.
+std::string foreign_suffix(const std::string& file) {
+  const std::string name = text::to_lower(file);
+  const std::size_t dot = name.rfind('.'), slash = name.rfind('/');
+  if (dot == std::string::npos || dot + 1 == name.size() || (slash != std::string::npos && dot < slash)) return "";
+  const std::string suffix = name.substr(dot);
+  for (const char* of_tables : {".csv", ".txt", ".tsv", ".dat", ".asc", ".pts", ".xyz", ".pnt", ".prn", ".pkt", ".koo",
+                                ".kor", ".coo", ".neu", ".enz", ".tab", ".lst"})
+    if (suffix == of_tables) return "";
+  return suffix;
+}
+
+// Rows with a name and numbers look like points, whatever they are. Under a name that is of no table it is said that
+// they were taken for some, and what is no point in them is no fault of a column.
+SurveyObservations read_table(std::string_view bytes, const std::string& file, const std::string& angle_unit) {
+  const SurveyCsvOptions options{"", angle_unit, "m"};
+  const std::string suffix = foreign_suffix(file);
+  if (suffix.empty() || !text::read_csv(bytes, survey_column_names()).header.empty())
+    return read_survey_csv(bytes, file, options);
+  const std::string reader = "a plugin that reads *" + suffix +
+                             ": one whose parameter `files` names it (docs/howto/sensor.md), on PLUMBLINE_PLUGIN_PATH";
+  const auto refuse = [&](const std::string& why) {
+    throw SurveyReadError({file, 1, 1},
+                          "a file that is neither called like a format that is known nor looks like one; it is no "
+                          "table of points either (" +
+                              why + ")",
+                          reader + "; or " + understood_formats());
+  };
+  SurveyObservations survey;
+  try {
+    survey = read_survey_csv(bytes, file, options);
+  } catch (const SurveyReadError& error) {
+    refuse("line " + std::to_string(error.source.line) + ": " + error.found);
+  }
+  if (!survey.skipped.empty())
+    refuse("line " + std::to_string(survey.skipped.front().source.line) + ": " + survey.skipped.front().found);
+  survey.warnings.push_back(
+      "nothing but its rows says what this file is: they are taken as points with E, N and H in metres. "
+      "If it is of an instrument, it takes " +
+      reader);
+  return survey;
+}
+
 }  // namespace
 
 const char* short_name(SurveyFormat format) {
@@ -271,7 +314,7 @@ SurveyObservations read_survey(std::string_view bytes, const std::string& file, 
       case SurveyFormat::setup_coordinates:
         return read_setup_coordinates(bytes, file);
       case SurveyFormat::csv:
-        return read_survey_csv(bytes, file, {"", angle_unit, "m"});
+        return read_table(bytes, file, angle_unit);
       case SurveyFormat::gama_xml:
         return read_gama_xml(bytes, file);
       case SurveyFormat::zeiss:

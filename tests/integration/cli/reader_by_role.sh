@@ -98,6 +98,7 @@ fails run survey_network file=made/site/survey/total_station.gsi survey.use=read
 says "survey.in.readings=[] leaves it out"
 run run survey_network file=made/site/survey/total_station.gsi survey.use=read.gsi 'survey.in.readings=[]' survey.with.angle_unit=~ --out forced
 fails run survey_network file=a.trk 'survey.in.readings=[]' --out forced
+says "a plugin that reads *.trk: one whose parameter \`files\` names it"
 mkdir epochs && cp a.trk b.trk epochs && cp tracker.txt epochs/c.trk
 printf 'plumbline_campaign: 1\nsurvey: "*.trk"\n' > epochs/campaign.yaml
 plumbline plan epoch_series folder=epochs > said

@@ -98,6 +98,30 @@ TEST(SurveyFormat, AFileOfNoFormatSaysWhatWasFoundAndWhatIsUnderstood) {
   EXPECT_NE(error_of([] { read_survey("", "e"); }).find("an empty file (0 bytes)"), std::string::npos);
 }
 
+/// Rows of an instrument that nobody knows look like points; columns of a table are not what is wrong with them.
+TEST(SurveyFormat, AFileThatNoReaderNamesIsNotBlamedOnColumns) {
+  const std::string tracker = "AT T1 1.500\nP1 12.30512 98.20411 14.503\nP2 311.0 101.2 9.1\nP3 200.0 99.2 9.1\n";
+  ASSERT_EQ(detect_survey_format(tracker, "a.TRK"), SurveyFormat::csv) << "this test must be able to fail";
+  const std::string text = error_of([&] { read_survey(tracker, "a.TRK"); });
+  EXPECT_NE(text.find("a.TRK:1:1: found a file that is neither called like a format that is known nor looks like one"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("a plugin that reads *.trk"), std::string::npos) << text;
+  EXPECT_NE(text.find("line 1: 'T1'"), std::string::npos) << text;
+  EXPECT_EQ(text.find("column e"), std::string::npos) << text;
+  // The same rows under a table's name are a table with a wrong row.
+  EXPECT_EQ(read_survey(tracker, "a.txt").skipped.size(), 1u);
+  // Taken for points it is said.
+  const std::string points = "P1 12.30512 98.20411 14.503\nP2 311.0 101.2 9.1\nP3 200.0 99.2 9.1\n";
+  const SurveyObservations taken = read_survey(points, "day.1/a.trk");
+  EXPECT_EQ(taken.points.size(), 3u);
+  ASSERT_EQ(taken.warnings.size(), 1u);
+  EXPECT_NE(taken.warnings[0].find("they are taken as points"), std::string::npos) << taken.warnings[0];
+  for (const char* name : {"a.csv", "a.txt", "a.DAT", "day.1/a", "a"})
+    EXPECT_TRUE(read_survey(points, name).warnings.empty()) << name;
+  EXPECT_TRUE(read_survey("id,E,N,H\nP1,12.3,98.2,14.5\n", "a.trk").warnings.empty()) << "its header says what it is";
+}
+
 TEST(SurveyFormat, RealFiles) {
   const std::pair<const char*, SurveyFormat> files[] = {
       {"survey/gsi/network_22_setups.GSI", SurveyFormat::gsi},
