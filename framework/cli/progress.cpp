@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "runtime/base/printable.hpp"
 #include "runtime/base/told_once.hpp"
@@ -45,6 +46,9 @@ std::string times_and_items(const runtime::GraphNode& node, const runtime::NodeR
   return note;
 }
 
+/// How long a run may go on after a failure before it is told.
+constexpr std::chrono::seconds patience{2};
+
 size_t terminal_width() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
@@ -64,7 +68,21 @@ Progress::Progress(const runtime::Graph& graph, runtime::Record& record, Style s
 
 Progress::~Progress() { clear_status(); }
 
+// All of it stands at the end, where people look, and is told once where that comes at once; but other branches may
+// take an hour more.
+void Progress::tell_failures_of_before() {
+  if (Clock::now() - failed_ > patience) tell_failures();
+}
+
+void Progress::tell_failures() {
+  for (const std::string& text : std::exchange(untold_, {})) {
+    clear_status();
+    std::fprintf(stderr, "%s\n", runtime::printable(text).c_str());
+  }
+}
+
 void Progress::node_started(const runtime::GraphNode& node, size_t items) {
+  tell_failures_of_before();
   live_.started(node.name, items);
   running_[node.name].start = Clock::now();
   show_status();
@@ -72,6 +90,7 @@ void Progress::node_started(const runtime::GraphNode& node, size_t items) {
 
 void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, size_t items, double fraction,
                              const std::string& text) {
+  tell_failures_of_before();
   live_.at(node.name, items_done, items, fraction, text);
   Running& running = running_[node.name];
   running.fraction = items > 1 ? static_cast<double>(items_done) / static_cast<double>(items) : fraction;
@@ -80,6 +99,7 @@ void Progress::node_progress(const runtime::GraphNode& node, size_t items_done, 
 }
 
 void Progress::node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) {
+  tell_failures_of_before();
   running_.erase(node.name);
   live_.finished(node.name);
   ++done_;
@@ -104,9 +124,12 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
     for (const std::string& warning : runtime::told_once(result.warnings))
       std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(),
                    runtime::printable(warning).c_str());
-  // All of it stands at the end, where people look; other branches may take an hour more, or the program may be ended.
-  if (result.status == NodeStatus::failed && style_ != Style::json)
-    std::fprintf(stderr, "%s\n", runtime::printable(result.error.substr(0, result.error.find('\n'))).c_str());
+  if (result.status == NodeStatus::failed && style_ != Style::json) {
+    untold_.push_back(result.error.substr(0, result.error.find('\n')));
+    failed_ = Clock::now();
+    for (const auto& [other, running] : running_)
+      if (failed_ - running.start > patience) tell_failures();
+  }
   show_status();
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "live_progress.hpp"
 #include "runtime/record/record.hpp"
@@ -23,6 +24,8 @@ class Progress : public runtime::Observer {
                      const std::string& text) override;
   void node_finished(const runtime::GraphNode& node, const runtime::NodeResult& result) override;
   void round_finished(const runtime::RoundsEnd& end) override;
+  /// What has failed and was not told yet; the end of a run tells all of it anyway.
+  void tell_failures();
 
  private:
   struct Running {
@@ -30,6 +33,7 @@ class Progress : public runtime::Observer {
     double fraction = 0;
     std::string text;
   };
+  void tell_failures_of_before();
   void show_status();
   void clear_status();
 
@@ -39,6 +43,8 @@ class Progress : public runtime::Observer {
   const size_t total_;
   size_t name_width_ = 0, done_ = 0;
   std::map<std::string, Running> running_;
+  std::vector<std::string> untold_;
+  std::chrono::steady_clock::time_point failed_;
   std::chrono::steady_clock::time_point shown_;
   bool status_is_shown_ = false;
 };

@@ -59,13 +59,14 @@ void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::p
   }
 }
 
-std::string metrics_text(const runtime::NodeResult& node) {
+/// `record` has all of them.
+std::string metrics_text(const runtime::NodeResult& node, const fs::path& record) {
   constexpr size_t most = 8;
   std::string text;
   size_t shown = 0;
   for (const auto& metric : node.metrics) {
     if (metric.name == "invalid" && !(metric.value > 0)) continue;
-    if (shown++ == most) return text + ", more in run.jsonl";
+    if (shown++ == most) return text + ", more in " + record.string();
     // Lengths below a decimetre are of the kind that people read in millimetres; counts are shown whole.
     const bool small = metric.unit == "m" && std::abs(metric.value) < 0.1;
     const double value = small ? 1e3 * metric.value : metric.value;
@@ -81,7 +82,7 @@ std::string metrics_text(const runtime::NodeResult& node) {
 
 /// A pipeline without such an output ends with what its nodes say of themselves, in at most a screen.
 void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
-                  const std::vector<runtime::Delivery>& deliveries) {
+                  const std::vector<runtime::Delivery>& deliveries, const fs::path& record) {
   constexpr size_t most_lines = 16;
   for (const auto& delivery : deliveries)
     if (delivery.file == "verdict.txt" || delivery.file == "summary.txt") return;
@@ -94,7 +95,7 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
     const runtime::NodeResult& node = result.nodes[i];
     if (node.status != NodeStatus::executed && node.status != NodeStatus::reused) continue;
-    if (const std::string text = metrics_text(node); ends[i] && !text.empty())
+    if (const std::string text = metrics_text(node, record); ends[i] && !text.empty())
       rows.push_back({"  " + graph.nodes[i].name, text});
     if (!graph.nodes[i].maps)
       for (const std::string& message : node.messages) rows.push_back({"  " + graph.nodes[i].name, message});
@@ -102,7 +103,7 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
   if (rows.size() > most_lines) {
     const size_t more = rows.size() - most_lines;
     rows.resize(most_lines);
-    rows.push_back({"", std::to_string(more) + " more in run.jsonl"});
+    rows.push_back({"", std::to_string(more) + " more in " + record.string()});
   }
   if (!rows.empty()) std::printf("Result\n%s", columns(rows).c_str());
 }
@@ -238,12 +239,15 @@ class Seen : public Progress {
 };
 
 /// Files of the user's that the outputs would replace: told before anything runs.
-void refuse_obstacles(const std::vector<std::string>& obstacles, const Options& options) {
+void refuse_obstacles(const std::vector<std::string>& obstacles, const runtime::OutputFolder& folder,
+                      const Options& options) {
   if (obstacles.empty()) return;
   constexpr size_t most = 10;
   std::string text = "nothing was run, because outputs would replace what this program did not write:";
   for (size_t i = 0; i < std::min(obstacles.size(), most); ++i) text += "\n  " + obstacles[i];
-  if (obstacles.size() > most) text += "\n  and " + std::to_string(obstacles.size() - most) + " more";
+  // No file has them, as nothing was written.
+  if (obstacles.size() > most)
+    text += "\n  and " + std::to_string(obstacles.size() - most) + " more in " + folder.path().string();
   text += options.overwrite ? "\nMove it away or choose another folder with --out DIR."
                             : "\nChoose another folder with --out DIR, or replace them with --overwrite.";
   throw UsageError(text);
@@ -268,7 +272,7 @@ int run(const Options& options) {
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};
   warn_of_kinds_offered_twice(graph, registry);
   runtime::OutputFolder folder(out, store.file_hashes(), options.overwrite);
-  refuse_obstacles(obstacles_to(graph, folder), options);
+  refuse_obstacles(obstacles_to(graph, folder), folder, options);
   tell_of_other_variant(options, graph, folder);
   runtime::Record record(folder, graph, info);
 
@@ -281,6 +285,7 @@ int run(const Options& options) {
                                   : Progress::Style::lines,
                   out);
     const EndsInTime in_time([&] {
+      progress.tell_failures();
       std::fprintf(stderr, "cancelled; nodes that did not stop in time were left, and what was finished is kept\n");
       tell_whose_outputs_lie_there(graph, folder);
       record.end(progress.freeze(), {});
@@ -315,7 +320,7 @@ int run(const Options& options) {
     print_json_end(out);
   else if (!options.quiet)
     print_summary(graph, result, deliveries, out), print_verdict(deliveries, out, invalid.empty() ? 0 : 2),
-        print_result(graph, result, deliveries);
+        print_result(graph, result, deliveries, out / "run.jsonl");
   std::fflush(stdout);
   print_failure(graph, result, deliveries);
   if (result.cancelled) {

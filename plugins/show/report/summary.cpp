@@ -126,7 +126,7 @@ std::string surfaces_text(const SurfaceJudgementT& surfaces) {
                 spoken(ifc::quantity_of(*verdict)), with_u(verdict->value, verdict->sigma),
                 length(ifc::limit_of(*verdict), 0));
   }
-  if (listed > 5) text += "  … and " + std::to_string(listed - 5) + " more of surfaces; the report lists them all\n";
+  if (listed > 5) text += "  … and " + std::to_string(listed - 5) + " more of surfaces; report.html lists them all\n";
   return text;
 }
 
@@ -159,7 +159,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     text += row("  {:<20.40} {} {} {} mm (limit {})", anchor->id, verdict_cell_of(anchor->verdict),
                 spoken(words_of(axis->axis)), with_u(axis->value, axis->u), length(axis->tolerance, 0));
   }
-  if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; the report lists them all\n";
+  if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; report.html lists them all\n";
   int shown = 0;
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
     if (panel->verdict < ToleranceVerdict::undecided) break;
@@ -167,7 +167,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     text += row("  {} {:<14.40} {} {:.120}", spoken("panel"), (panel->name.empty() ? panel->guid : panel->name),
                 verdict_cell_of(panel->verdict), spoken(reason_of(*panel, deviation)));
   }
-  if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; the report lists them all\n";
+  if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; report.html lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
   for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
   text += row("Anchors and panels pass from a probability of {:.4g} % on that all judged of them is within tolerance.",

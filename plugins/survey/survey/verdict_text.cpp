@@ -85,7 +85,7 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
   }
   text << "Measure again before the instrument is packed:\n";
   for (size_t i = 0; i < again.size() && i < kAgain; ++i) text << "  - " << again[i] << "\n";
-  if (again.size() > kAgain) text << "  and " << again.size() - kAgain << " more, see the page\n";
+  if (again.size() > kAgain) text << "  and " << again.size() - kAgain << " more, see network.html\n";
 }
 
 void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
@@ -144,7 +144,7 @@ std::string verdict_text(const SurveyNetworkT& n) {
   }
   if (said > kFindings)
     text << "  and " << said - kFindings << (said - kFindings == 1 ? " finding" : " findings")
-         << " more, see the page\n";
+         << " more, see network.html\n";
   std::vector<const NetworkObservationT*> worst;
   for (const auto& o : n.observations)
     if (std::isfinite(o->w) && o->w != 0) worst.push_back(o.get());

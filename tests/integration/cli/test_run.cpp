@@ -149,17 +149,51 @@ TEST(Run, AFailureIsExitCode1AndTheOtherBranchIsDelivered) {
                   "  c: {use: story.constant}\noutputs: {y.json: y.sum, c.json: c.number}\n");
   const Answer answer = plumbline({"run", "f.yaml", "--out", "out"});
   EXPECT_EQ(answer.code, 1);
-  EXPECT_TRUE(contains(answer.err, "f.yaml:3:3: node 'x' (story.throws) failed: the bridge is out\n")) << answer.err;
   // What failed stands last, and what follows from it is one line.
   EXPECT_TRUE(contains(answer.err,
                        "\nFAILED\nf.yaml:3:3: node 'x' (story.throws) failed: the bridge is out\n1 node that needs it "
                        "did not run; not written: y.json.\nMend it and give the same command again: what was done is "
                        "kept.\n"))
       << answer.err;
+  EXPECT_EQ(answer.err.find("the bridge is out"), answer.err.rfind("the bridge is out")) << "told once\n" << answer.err;
   EXPECT_FALSE(contains(answer.out, "y (story.add)")) << answer.out;
   EXPECT_TRUE(contains(answer.out, "f.yaml: 1 executed, 0 reused, 1 failed, 1 skipped")) << answer.out;
   EXPECT_TRUE(fs::exists(plumbline.work() / "out/c.json"));
   EXPECT_FALSE(fs::exists(plumbline.work() / "out/y.json"));
+}
+
+/// Whoever waits for another branch learns at once that there is something to mend.
+TEST(Run, AFailureIsToldWhileOthersGoOn) {
+  const Program plumbline;
+  plumbline.write("f.yaml",
+                  "plumbline: 1\nnodes:\n  w: {use: story.waits, with: {started: waits}}\n"
+                  "  l: {use: story.deaf, with: {started: works, milliseconds: 2300}}\n"
+                  "  x: {use: story.throws, in: {number: l.number}}\n");
+  const pid_t process = plumbline.start({"run", "f.yaml", "--threads", "2"});
+  for (int i = 0; i < 12'000 && !contains(read_file(plumbline.folder.path() / "err"), "the bridge is out"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(contains(read_file(plumbline.folder.path() / "err"), "the bridge is out"));
+  kill(process, SIGINT);
+  EXPECT_EQ(plumbline.finish(process).code, 130);
+}
+
+TEST(Run, ListsThatAreCutNameTheFileThatHasAll) {
+  const Program plumbline;
+  std::string nodes = "plumbline: 1\nnodes:\n", outputs = "outputs:\n";
+  fs::create_directory(plumbline.work() / "mine");
+  for (int i = 10; i < 30; ++i) {
+    const std::string n = std::to_string(i);
+    nodes += "  a" + n + ": {use: story.constant, with: {value: " + n + "}}\n  b" + n + ": {use: story.add, in: {a: a" +
+             n + ".number}}\n";
+    outputs += "  b" + n + ".json: b" + n + ".sum\n";
+    plumbline.write("mine/b" + n + ".json", "somebody's");
+  }
+  plumbline.write("p.yaml", nodes + outputs);
+  Answer answer = plumbline({"run", "p.yaml", "--out", "there"});
+  EXPECT_TRUE(contains(answer.out, "4 more in there/run.jsonl")) << answer.out;
+  answer = plumbline({"run", "p.yaml", "--out", "mine"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "and 10 more in mine")) << answer.err;
 }
 
 TEST(Run, PlacesThatCannotBeWritten) {
