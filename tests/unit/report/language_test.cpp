@@ -50,6 +50,33 @@ TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
   EXPECT_EQ(catalogue.find("too low. something else."), std::nullopt) << "nothing half and half";
 }
 
+/// Each point of a list has its own numbers; they kept the decimal point. Levels have heights alone.
+TEST(Catalogue, ListsOfKnownPointsHaveTheLanguagesDecimalSign) {
+  EXPECT_EQ(
+      german().find("3 known points, as measured minus as known: P1.1 E +1.2, N -0.3, H +2.1 mm; P2 E -1.0, N +0.4 mm; "
+                    "P3 H -2.5 mm"),
+      "3 bekannte Punkte, gemessen minus bekannt: P1.1 E +1,2, N -0,3, H +2,1 mm; P2 E -1,0, N +0,4 mm; P3 H -2,5 mm");
+  const std::string doubtful = german()
+                                   .find(
+                                       "6 known points, as measured minus as known: A E +1.2, N -0.3, H +2.1 mm; B E "
+                                       "-1.0, N +0.4, H +0.1 mm; 4 less. They do not "
+                                       "fit each other and the readings: one of them is wrong or has moved, or a "
+                                       "reading between them; if they are only less good than that, give known_sigma")
+                                   .value_or("");
+  EXPECT_TRUE(
+      doubtful.starts_with("6 bekannte Punkte, gemessen minus bekannt: A E +1,2, N -0,3, H +2,1 mm; B E -1,0, N +0,4, "
+                           "H +0,1 mm; 4 weniger. "))
+      << doubtful;
+  EXPECT_EQ(german().find("1 known point, as measured minus as known: HP4 H +0.7 mm"),
+            "1 bekannter Punkt, gemessen minus bekannt: HP4 H +0,7 mm");
+}
+
+/// What a control point of targets is used as.
+TEST(Catalogue, UsesOfControlPoints) {
+  EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
+  EXPECT_EQ(german().find("control, fixed"), "Passpunkt, festgehalten");
+}
+
 /// Two quantities of one rule of surfaces: the second stayed English, as the first's place reached to the last bracket.
 TEST(Catalogue, NoPlaceReachesOutOfItsBrackets) {
   EXPECT_EQ(german().find("flatness(2m): 2 of 3 are not judged: P1, P2 (the first: no face of it was looked at); "
