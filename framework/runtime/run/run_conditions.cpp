@@ -34,6 +34,10 @@ std::string mode_changes() {
   fegetenv(&now);
 #if defined(__x86_64__)
   constexpr unsigned flush = 0x8000, subnormals_are_zero = 0x40, traps = 0x1f80, precision = 0x300;
+  // fegetround() asks the old unit alone, and doubles are computed by the other.
+  constexpr unsigned vector_rounding = 0x6000;
+  if ((now.__mxcsr & vector_rounding) >> 3 != static_cast<unsigned>(fegetround()))
+    add(list, "rounding of vector registers");
   if (now.__mxcsr & flush) add(list, "subnormal results (set to zero)");
   if (now.__mxcsr & subnormals_are_zero) add(list, "subnormal operands (taken as zero)");
   if ((now.__mxcsr & traps) != traps) add(list, "traps of floating-point exceptions");

@@ -130,19 +130,21 @@ void wait_for(const std::filesystem::path& file) {
 /// Ends well, but leaves something of its thread or its process other than it was.
 struct LeavesChanged : Node {
   static constexpr Info info{"accident.leaves_changed", "", 1, "Changes what a node must leave as it is"};
-  Param<std::string> what{
-      "what", required,
-      one_of("rounding", "subnormals", "traps", "blocked", "umask", "folder", "locale", "environment", "signals"),
-      "what it changes"};
+  Param<std::string> what{"what", required,
+                          one_of("rounding", "vector_rounding", "subnormals", "traps", "blocked", "umask", "folder",
+                                 "locale", "environment", "signals"),
+                          "what it changes"};
   Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there that he has seen it"};
   Out<Number> out{"number", "the number"};
 
   void run(Context&) override {
     if (*what == "rounding") fesetround(FE_UPWARD);
-    if (*what == "subnormals" || *what == "traps") {
+    if (*what == "vector_rounding" || *what == "subnormals" || *what == "traps") {
 #if defined(__x86_64__)
       const unsigned mode = __builtin_ia32_stmxcsr();
-      __builtin_ia32_ldmxcsr(*what == "traps" ? mode & ~0x1000u : mode | 0x8040u);
+      __builtin_ia32_ldmxcsr(*what == "traps"             ? mode & ~0x1000u
+                             : *what == "vector_rounding" ? mode | 0x4000u
+                                                          : mode | 0x8040u);
 #endif
     }
     if (*what == "blocked") {

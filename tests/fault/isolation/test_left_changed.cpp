@@ -18,6 +18,7 @@ const std::pair<const char*, const char*> changes[] = {
     // These last: after them all nodes of this process run apart.
     {"rounding", "the floating-point mode of its thread: rounding (upwards)"},
 #if defined(__x86_64__)
+    {"vector_rounding", "rounding of vector registers"},
     {"subnormals", "subnormal results (set to zero), subnormal operands (taken as zero)"},
     {"traps", "traps of floating-point exceptions"},
 #endif
