@@ -31,7 +31,8 @@ const plumbline_port* find_port(const plumbline_port* const* ports, uint32_t cou
 /// The library behind a plugin, loaded when it is first needed.
 struct Plugin::Library {
   fs::path path;
-  std::string identity, sha256;  // of the file when it was scanned
+  std::string identity, sha256;     // of the file when it was scanned
+  std::vector<std::string> linked;  // build ids of its libraries then, each in a process of its own
   std::unique_ptr<PluginTable> description;
   struct Node {
     Library* library;
@@ -52,6 +53,7 @@ struct Plugin::Library {
         table = open_table(path);
         if (!table || table->magic != PLUMBLINE_MAGIC || serialise(*table) != serialise(description->table()))
           throw std::runtime_error(path.string() + " offers something else than when it was looked at; rebuild it");
+        refuse_other_libraries();
       } catch (const std::exception& error) {
         // Of a file that is just being written the loader says all kinds of things.
         problem = runtime::file_identity(path) != identity ? changed() : error.what();
@@ -59,6 +61,23 @@ struct Plugin::Library {
     });
     if (!problem.empty()) throw std::runtime_error(problem);
     return *table;
+  }
+
+  /// Of two libraries of one name a process has the one that was loaded first, whoever asked for it. What a node
+  /// computed with another one's would stand under a key that names its own.
+  void refuse_other_libraries() const {
+    for (const std::string& now : runtime::linked_build_ids(table)) {
+      if (now.ends_with(kNoPartOfKeys) || std::find(linked.begin(), linked.end(), now) != linked.end()) continue;
+      const std::string name = now.substr(0, now.rfind(':'));
+      const auto own = std::find_if(linked.begin(), linked.end(),
+                                    [&](const std::string& id) { return id.substr(0, id.rfind(':')) == name; });
+      throw std::runtime_error(
+          path.string() + " needs " + (own == linked.end() ? name : *own) +
+          ", and what this process has by that name is " + now +
+          ", which another plugin brought; give its nodes processes of their own (isolate: process, "
+          "or run --isolate), or build both plugins with one " +
+          name);
+    }
   }
 
   std::string changed() const { return path.string() + " is not the file any more that was looked at; run again"; }
@@ -217,7 +236,7 @@ bool Registry::load(const fs::path& library, bool look_again) {
       PluginScan scan = scan_plugin(behind->path, plugin->sha256, roles_, look_again);
       problem = scan.problem;
       behind->description = std::move(scan.table);
-      plugin->linked_build_ids = std::move(scan.linked_build_ids);
+      plugin->linked_build_ids = behind->linked = std::move(scan.linked_build_ids);
       plugin->library = std::move(behind);
     }
     if (problem.empty()) describe(*plugin);

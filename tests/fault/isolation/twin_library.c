@@ -1,0 +1,1 @@
+double twin_value(void) { return PLUMBLINE_TWIN_VALUE; }
