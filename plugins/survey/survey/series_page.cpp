@@ -193,7 +193,7 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
     for (const SeriesPoint* p : quiet) section(*p);
   else
     out += "<p>" + std::to_string(quiet.size()) +
-           " points do neither: their movements are in the table beside this page.</p>";
+           " points do neither: their movements are in series.csv.</p>";
   return out + "</body></html>\n";
 }
 
