@@ -192,8 +192,7 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
   if (quiet.size() <= kAllShown)
     for (const SeriesPoint* p : quiet) section(*p);
   else
-    out += "<p>" + std::to_string(quiet.size()) +
-           " points do neither: their movements are in series.csv.</p>";
+    out += "<p>" + std::to_string(quiet.size()) + " points do neither: their movements are in series.csv.</p>";
   return out + "</body></html>\n";
 }
 
