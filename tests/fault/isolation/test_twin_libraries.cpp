@@ -1,4 +1,5 @@
 // Two plugins with libraries of one name: a process has one of them only, and nobody computes with the other's unseen.
+// Before the tests after which all nodes of their process run apart.
 #include "isolated_run.hpp"
 
 namespace plumbline::test {
