@@ -15,6 +15,7 @@
 #include "bench.hpp"
 #include "build_info.hpp"
 #include "commands.hpp"
+#include "plumbline/folder_files.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/record/run_record.hpp"
 #include "terminal.hpp"
@@ -311,6 +312,7 @@ int main(int argc, char** argv) {
   FLAGS_minloglevel = google::GLOG_FATAL;
   google::InitGoogleLogging("plumbline");
 
+  plumbline::announce_printed_files();
   Options options;
   plumbline::cli::BenchOptions bench_options;
   CLI::App app("Plumbline: survey-controlled photogrammetry as a dataflow of plugins");

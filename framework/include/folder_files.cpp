@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -55,9 +56,16 @@ Written read_record(const fs::path& record) {
   return written;
 }
 
+constexpr const char* printed_files = "PLUMBLINE_PRINTS_TO";  // "device:inode " of each
+
+std::string identity_of(const struct stat& info) {
+  return std::to_string(info.st_dev) + ":" + std::to_string(info.st_ino) + " ";
+}
+
 class Walk {
  public:
   explicit Walk(const fs::path& top) : top_(top) {
+    if (const char* set = std::getenv(printed_files)) printed_ = set;
     enter(top, "");
     std::sort(found_.files.begin(), found_.files.end());
     std::sort(found_.outputs.begin(), found_.outputs.end());
@@ -97,7 +105,7 @@ class Walk {
       if (entry->is_directory(ignored))
         enter(entry->path(), path + "/");
       else if (entry->is_regular_file(ignored))
-        (is_output(path) ? found_.outputs : found_.files).push_back(path);
+        (is_output(path) || is_printed_to(entry->path()) ? found_.outputs : found_.files).push_back(path);
       else if (entry->is_symlink(ignored) && !entry->exists(ignored))
         found_.dangling.push_back(path);
       if (found_.files.size() + found_.outputs.size() > most_files)
@@ -117,13 +125,32 @@ class Walk {
     return false;
   }
 
+  bool is_printed_to(const fs::path& file) const {
+    struct stat info {};
+    return !printed_.empty() && stat(file.c_str(), &info) == 0 &&
+           printed_.find(" " + identity_of(info)) != std::string::npos;
+  }
+
   fs::path top_;
+  std::string printed_;
   FolderFiles found_;
   std::vector<std::pair<dev_t, ino_t>> above_;
   std::vector<Record> records_;  // of the folders above
 };
 
 }  // namespace
+
+void announce_printed_files() {
+  std::string files = " ";
+  for (const int stream : {1, 2}) {
+    struct stat info {};
+    if (fstat(stream, &info) == 0 && S_ISREG(info.st_mode)) files += identity_of(info);
+  }
+  if (files.size() > 1)
+    setenv(printed_files, files.c_str(), 1);
+  else
+    unsetenv(printed_files);
+}
 
 FolderFiles list_files(const fs::path& folder) { return Walk(folder).take(); }
 

@@ -144,6 +144,19 @@ void FileHashes::remember(const std::string& identity, const std::string& hash, 
 
 std::string FileHashes::of(const fs::path& path) { return fs::is_directory(path) ? of_tree(path) : of_file(path); }
 
+/// " (last written: log.txt)" of a folder: what may go on while it is read.
+static std::string last_written_in(const fs::path& folder) {
+  std::error_code failed;
+  if (!fs::is_directory(folder, failed)) return "";
+  std::string newest;
+  fs::file_time_type time;
+  for (const std::string& file : list_files(folder).files) {
+    const auto written = fs::last_write_time(folder / file, failed);
+    if (!failed && (newest.empty() || written > time)) newest = file, time = written;
+  }
+  return newest.empty() ? "" : " (last written: " + newest + ")";
+}
+
 fs::path FileHashes::locate(const std::string& hash) {
   std::vector<std::string> places;
   {
@@ -159,13 +172,15 @@ fs::path FileHashes::locate(const std::string& hash) {
     }
     try {
       if (of(*place) == hash) return *place;
-      reasons += (reasons.empty() ? "" : "; ") + *place + " has changed since it was read";
+      reasons += (reasons.empty() ? "" : "; ") + *place + " has changed since it was read" + last_written_in(*place);
     } catch (const std::exception& unreadable) {
       reasons += (reasons.empty() ? "" : "; ") + std::string(unreadable.what());
     }
   }
   throw std::runtime_error("cannot find the content " + hash.substr(0, 12) + "…" +
-                           (reasons.empty() ? "" : ": " + reasons) + "; put it back, or run again");
+                           (reasons.empty() ? "" : ": " + reasons) +
+                           "; put it back, or run again; what is written while a run goes on, such as a log, belongs "
+                           "elsewhere");
 }
 
 bool FileHashes::names_content(const std::string& uri) { return uri.compare(0, scheme.size(), scheme) == 0; }

@@ -1,5 +1,7 @@
 // What of a folder is content: the files of people, and not what runs left there.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "plumbline/folder_files.hpp"
 #include "runtime/store/file_hashes.hpp"
@@ -59,6 +61,37 @@ TEST_F(Folder, TheHashOfATreeIsThatOfItsContent) {
   EXPECT_NE(hashes.of_tree(folder_.path()), before);
   write("out/run.jsonl", record);
   EXPECT_EQ(hashes.of_tree(folder_.path()), before);
+  fs::remove(folder_.path().string() + ".hashes");
+}
+
+/// `plumbline run ... > log.txt` in the folder itself.
+TEST_F(Folder, WhatTheProgramPrintsToIsNoContent) {
+  write("plates.csv"), write("log.txt"), write("log2.txt");
+  const int saved = dup(1), log = open((folder_.path() / "log.txt").c_str(), O_WRONLY | O_APPEND);
+  dup2(log, 1);
+  announce_printed_files();
+  dup2(saved, 1);
+  EXPECT_EQ(list().files, (Names{"log2.txt", "plates.csv"}));
+  EXPECT_EQ(list().outputs, Names{"log.txt"});
+  announce_printed_files();
+  close(saved), close(log);
+  EXPECT_EQ(list().files.size(), 3u);
+}
+
+TEST_F(Folder, AFolderThatChangesNamesWhatWasWrittenLast) {
+  write("plates.csv"), write("log.txt");
+  runtime::FileHashes hashes(folder_.path().string() + ".hashes");
+  const std::string tree = hashes.of_tree(folder_.path());
+  fs::last_write_time(folder_.path() / "plates.csv", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  write("log.txt", "more");
+  try {
+    hashes.locate(tree);
+    ADD_FAILURE() << "it has changed";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("has changed since it was read (last written: log.txt)"),
+              std::string::npos)
+        << error.what();
+  }
   fs::remove(folder_.path().string() + ".hashes");
 }
 
