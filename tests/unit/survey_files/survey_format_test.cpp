@@ -113,13 +113,16 @@ TEST(SurveyFormat, AFileThatNoReaderNamesIsNotBlamedOnColumns) {
   EXPECT_EQ(read_survey(tracker, "a.txt").skipped.size(), 1u);
   // Taken for points it is said.
   const std::string points = "P1 12.30512 98.20411 14.503\nP2 311.0 101.2 9.1\nP3 200.0 99.2 9.1\n";
-  const SurveyObservations taken = read_survey(points, "day.1/a.trk");
-  EXPECT_EQ(taken.points.size(), 3u);
-  ASSERT_EQ(taken.warnings.size(), 1u);
-  EXPECT_NE(taken.warnings[0].find("they are taken as points"), std::string::npos) << taken.warnings[0];
+  const auto is_told = [](const SurveyObservations& survey) {
+    return std::ranges::any_of(survey.warnings, [](const std::string& text) {
+      return text.find("they are taken as points") != std::string::npos && text.find("*.trk") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(read_survey(points, "day.1/a.trk").points.size(), 3u);
+  EXPECT_TRUE(is_told(read_survey(points, "day.1/a.trk")));
   for (const char* name : {"a.csv", "a.txt", "a.DAT", "day.1/a", "a"})
-    EXPECT_TRUE(read_survey(points, name).warnings.empty()) << name;
-  EXPECT_TRUE(read_survey("id,E,N,H\nP1,12.3,98.2,14.5\n", "a.trk").warnings.empty()) << "its header says what it is";
+    EXPECT_FALSE(is_told(read_survey(points, name))) << name;
+  EXPECT_FALSE(is_told(read_survey("id,E,N,H\nP1,12.3,98.2,14.5\n", "a.trk"))) << "its header says what it is";
 }
 
 TEST(SurveyFormat, RealFiles) {
