@@ -38,10 +38,13 @@ class FileReader {
   PipelineSpec read(const fs::path& file) {
     PipelineSpec spec;
     collect(file, spec);
+    const size_t told = problems_.size();
     expand_roles(spec, registry_, problems_);
     variables_.tell_unused(overrides_);
     variables_.apply(overrides_);
     apply_node_overrides(overrides_, spec, problems_);
+    // What a part that was not read declares or uses nobody knows: these would be told of what is not wrong.
+    if (lacks_a_part_) problems_.erase(problems_.begin() + static_cast<std::ptrdiff_t>(told), problems_.end());
     variables_.resolve();
     std::vector<Scalar*> descriptions;
     for (NodeSpec& node : spec.nodes) {
@@ -112,8 +115,11 @@ class FileReader {
       std::string message = error.msg;
       if (text.find("${") != std::string::npos && message.find("map flow") != std::string::npos)
         message += " (a variable inside { } must be quoted: \"${name}\")";
+      else if (message.starts_with("end of map not found"))
+        message += " (is this line indented as those beside it?)";
       if (has_tab(text, error.mark.line)) message += " (this line has a tab; YAML is indented by blanks)";
       problem({file.string(), error.mark.line + 1, error.mark.column + 1}, message);
+      lacks_a_part_ = true;
       return;
     }
     if (!root.IsMap()) {
@@ -121,7 +127,9 @@ class FileReader {
               "a pipeline is a map with the keys plumbline, vars, nodes, outputs; found something else");
       return;
     }
+    const size_t told = problems_.size();
     check_keys(file, root, {"plumbline", "include", "vars", "rounds", "nodes", "outputs"}, "a pipeline");
+    lacks_a_part_ = lacks_a_part_ || problems_.size() > told;
     if (!root["plumbline"])
       problem({file.string(), 1, 1}, "the first line of a pipeline is 'plumbline: 1' (the version of the format)");
     else if (!root["plumbline"].IsScalar() || root["plumbline"].Scalar() != "1")
@@ -342,6 +350,7 @@ class FileReader {
   const std::vector<std::string>& overrides_;
   const std::vector<fs::path>& include_folders_;
   std::vector<Problem>& problems_;
+  bool lacks_a_part_ = false;  // a file that is no YAML, a key that is none
   const Registry* registry_;
   PipelineVariables variables_;
   std::map<std::string, size_t> node_index_;  // in PipelineSpec::nodes

@@ -164,8 +164,10 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   for (const PanelDeviationT* panel : worst_panels_first(deviation)) {
     if (panel->verdict < ToleranceVerdict::undecided) break;
     if (++shown > 5) continue;
-    text += row("  {} {:<14.40} {} {:.120}", spoken("panel"), (panel->name.empty() ? panel->guid : panel->name),
-                verdict_cell_of(panel->verdict), spoken(reason_of(*panel, deviation)));
+    const std::string noun = spoken("panel");
+    text += row("  {} {:<{}.40} {} {:.120}", noun, (panel->name.empty() ? panel->guid : panel->name),
+                std::max<std::size_t>(1, 19 - std::min<std::size_t>(18, noun.size())), verdict_cell_of(panel->verdict),
+                spoken(reason_of(*panel, deviation)));  // below the anchors' column of 20
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; report.html lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);

@@ -285,6 +285,20 @@ TEST_F(GraphTest, IncludesAreReadOnceAndFoundAmongTheShippedOnes) {
   EXPECT_THAT(problems("plumbline: 1\ninclude: parts/base\n"), HasSubstr("included file not found: parts/base"));
 }
 
+/// The cause is told, and not what follows from it: that nothing uses the variables of a file without nodes.
+TEST_F(GraphTest, WhatIsNotReadHasNoConsequences) {
+  const std::string vars = "plumbline: 1\nvars: {name: p.yaml}\n",
+                    node = "{use: read.file, with: {file: \"${name}\"}}\n";
+  std::string text = problems(vars + "node:\n  i: " + node);
+  EXPECT_THAT(text, HasSubstr("p.yaml:3:1: a pipeline has no key 'node' — did you mean 'nodes'?"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("nothing uses the variable")));
+  text = problems(vars + "nodes:\n  i: " + node + "   j: " + node, {"name=q.yaml"});
+  EXPECT_THAT(text, HasSubstr("end of map not found (is this line indented as those beside it?)"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("no variable 'name'")));
+  EXPECT_THAT(problems(vars + "nodes:\n  i: {use: read.file, with: {file: p.yaml}}\n"),
+              HasSubstr("nothing uses the variable 'name'"));
+}
+
 TEST_F(GraphTest, AReportMayBeToldWhatRuns) {
   const auto value_of = [&](const std::string& override_text) {
     const auto file = write("p.yaml",

@@ -114,8 +114,9 @@ TEST(SurveyFormat, AFileThatNoReaderNamesIsNotBlamedOnColumns) {
   // Taken for points it is said.
   const std::string points = "P1 12.30512 98.20411 14.503\nP2 311.0 101.2 9.1\nP3 200.0 99.2 9.1\n";
   const auto is_told = [](const SurveyObservations& survey) {
-    return std::ranges::any_of(survey.warnings, [](const std::string& text) {
-      return text.find("they are taken as points") != std::string::npos && text.find("*.trk") != std::string::npos;
+    return std::ranges::any_of(survey.warnings, [](const std::string& warning) {
+      return warning.find("they are taken as points") != std::string::npos &&
+             warning.find("*.trk") != std::string::npos;
     });
   };
   EXPECT_EQ(read_survey(points, "day.1/a.trk").points.size(), 3u);
