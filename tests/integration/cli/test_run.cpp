@@ -170,6 +170,7 @@ TEST(Run, AFailureIsToldWhileOthersGoOn) {
                   "  l: {use: story.deaf, with: {started: works, milliseconds: 2300}}\n"
                   "  x: {use: story.throws, in: {number: l.number}}\n");
   const pid_t process = plumbline.start({"run", "f.yaml", "--threads", "2"});
+  ASSERT_TRUE(wait_for(plumbline.work() / "works"));
   for (int i = 0; i < 12'000 && !contains(read_file(plumbline.folder.path() / "err"), "the bridge is out"); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_TRUE(contains(read_file(plumbline.folder.path() / "err"), "the bridge is out"));
