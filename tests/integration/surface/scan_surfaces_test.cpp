@@ -125,7 +125,8 @@ TEST_F(ScanOfAPanel, TheBorderOfTheSearchMovesWithIt) {
   const Answer found = run({"search=0.2", "rule=*: bow=4mm"});
   EXPECT_NEAR(std::stod(row("panels.csv").at("offset_mm")), 55 + 2 * 2.0 / 3, 0.1);
   EXPECT_EQ(found.code, 3) << "so far before its place it may be a net";
-  EXPECT_NE(read_file(plumbline.work() / "out/surface_verdicts.csv").find("before the design's face"), std::string::npos);
+  EXPECT_NE(read_file(plumbline.work() / "out/surface_verdicts.csv").find("before the design's face"),
+            std::string::npos);
   EXPECT_NE(read_file(plumbline.work() / "out/surfaces.html").find("a net, a board or a scaffold"), std::string::npos);
   EXPECT_EQ(run({"search=0.2", "rule=*: bow=4mm", "verdicts.with.within=0.1"}).code, 0);
 }
