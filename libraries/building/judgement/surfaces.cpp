@@ -117,7 +117,6 @@ class Judge {
         if (!doubts_[p].empty()) return "of " + surfaces_.panels[p]->face->id + ": " + doubts_[p];
     return "";
   }
-
   /// What of a rule is not judged, quantity by quantity; empty if all is.
   std::string open_of(size_t r) const {
     if (selected_[r] == 0) return "it selects no panel that was looked at";
@@ -241,13 +240,14 @@ class Judge {
     return verdict;
   }
 
+  static std::string apart(const PanelSurfaceFiguresT& panel) {
+    return fmt::format("they are {:.0f} mm apart, and with 'cell' of surface.panels = {:.0f} mm all cells have points",
+                       1e3 * panel.spacing, 1e3 * panel.covering_cell);
+  }
   static std::string half_seen(const PanelSurfaceFiguresT& panel) {
     if (std::isfinite(panel.covering_cell))
-      return fmt::format(
-          "its limit is kept where points are, and they cover {:.0f} % of its cells: they are {:.0f} mm apart, and "
-          "with "
-          "'cell' of surface.panels = {:.0f} mm all cells have points",
-          100 * panel.coverage, 1e3 * panel.spacing, 1e3 * panel.covering_cell);
+      return fmt::format("its limit is kept where points are, and they cover {:.0f} % of its cells: {}",
+                         100 * panel.coverage, apart(panel));
     return fmt::format("its limit is kept where points are, and they cover {:.0f} % of it: what the rest is nobody saw",
                        100 * panel.coverage);
   }
@@ -258,7 +258,9 @@ class Judge {
     if (gap == panel.flatness.end()) {
       verdict.not_judged = "no straightedge of that length was laid; add it to 'straightedges' of surface.panels";
     } else if ((*gap)->positions == 0 || !std::isfinite((*gap)->gap)) {
-      verdict.not_judged = "the panel has no place for a straightedge of that length with points all along it";
+      verdict.not_judged = std::isfinite(panel.covering_cell)
+                               ? fmt::format("no straightedge of that length has points all along it: {}", apart(panel))
+                               : "the panel has no place for a straightedge of that length with points all along it";
     } else {
       verdict.value = (*gap)->gap, verdict.sigma = (*gap)->sigma;
       verdict.probability = probability_of(verdict.value, verdict.sigma, limit);

@@ -144,6 +144,12 @@ TEST(WhoseSurface, PointsTooFarApartAreNamedWithTheCellThatWouldDo) {
   EXPECT_NE(coarser.find("are needed: they are 1"), std::string::npos) << coarser;
   EXPECT_NE(coarser.find("coverage counts in cells of 50 mm"), std::string::npos) << coarser;
   EXPECT_NE(half.find("what the rest is nobody saw"), std::string::npos) << half;
+  SurfacesT sparse;
+  sparse.panels.push_back(figures(face("A"), measured(face("A"), 0.001, 0, 0.075)));
+  const auto both = judged(sparse, {"*: flatness(0.1m)=3mm, bow=3mm"});
+  for (const auto& verdict : both.verdicts)
+    EXPECT_NE(verdict->not_judged.find("mm apart, and with 'cell'"), std::string::npos)
+        << verdict->quantity << ": " << verdict->not_judged;
   // The cell that is named does what is said of it.
   surface::PanelOptions wider;
   wider.cell = measured(face("A"), 0.001, 0, 0.065).covering_cell;
