@@ -139,6 +139,7 @@ bool fits(const Sentence& sentence, std::size_t part, std::string_view text, Pla
   const auto takes = [&](std::size_t length) {
     const std::string_view taken = text.substr(0, length);
     if (taken.empty() || (now.kind == Part::Kind::number && !is_number(taken))) return false;
+    if (now.kind == Part::Kind::taken && taken.ends_with(',')) return false;  // the end of a list's part, and no name
     if ((now.kind == Part::Kind::sentence || in_brackets) && !is_whole(taken)) return false;
     places[now.text] = taken;
     return true;

@@ -71,6 +71,12 @@ TEST(Catalogue, ListsOfKnownPointsHaveTheLanguagesDecimalSign) {
             "1 bekannter Punkt, gemessen minus bekannt: HP4 H +0,7 mm");
 }
 
+/// "{bracket} {#limit} mm {~direction}" is one end of a range, and not the first two of three lengths.
+TEST(Catalogue, NoNameEndsInAComma) {
+  EXPECT_EQ(german().find("Reset or shim: 7.5 mm outward, 6.6 mm to the right, 6.2 mm down."),
+            "Versetzen oder unterlegen: 7,5 mm nach außen, 6,6 mm nach rechts, 6,2 mm nach unten.");
+}
+
 /// What a control point of targets is used as.
 TEST(Catalogue, UsesOfControlPoints) {
   EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
