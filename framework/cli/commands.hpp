@@ -91,10 +91,11 @@ std::vector<std::filesystem::path> pipeline_folders();
 /// The pipeline of the command line: found, read and linked, with warn_of_kinds_offered_twice().
 runtime::Graph load(const Options& options, const runtime::Registry& registry);
 
-/// Which of two nodes of one name runs must not be a matter of folders that nobody looks at: a warning on standard
-/// error for every kind that has two.
 /// "B.so has one of that name, too, which is not used"; empty if nobody else offers the kind.
 std::string offered_too_by(const runtime::Registry& registry, const std::string& kind);
+
+/// Which of two nodes of one name runs must not be a matter of folders that nobody looks at: a warning on standard
+/// error for every kind that has two.
 void warn_of_kinds_offered_twice(const runtime::Graph& graph, const runtime::Registry& registry);
 void warn_of_kinds_offered_twice(const std::vector<const runtime::Graph*>& graphs, const runtime::Registry& registry);
 
