@@ -95,8 +95,8 @@ void OrderExchange::refuse_old_revision() {
   if (is_over() || status_ == ExchangeStatus::accepted || job_.revision >= newest_revision_) return;
   status_ = sent_at_ < 0 ? ExchangeStatus::rejected : ExchangeStatus::unknown;
   reason_ = job_objections(job_, newest_revision_, "", job_.basis).front() +
-            (sent_at_ < 0 ? "; it was sent to this robot by this folder. This one was not sent (a loop that was begun "
-                            "anew has a folder of its own)"
+            (sent_at_ < 0 ? "; this folder has sent that one to the robot, and does not send this one (a loop that was "
+                            "begun anew has a folder of its own)"
                           : "; it is not sent again: measure the items");
 }
 

@@ -178,7 +178,7 @@ std::string ends_words(const Facade& facade, const SettingsProgram& program, con
                      end = is_plus ? facade.brackets[b].type.high[along] : -facade.brackets[b].type.low[along];
         // At zero nothing tells that it is asked for more.
         if (1e3 * std::abs(sign * asked[along] - end) < kTold && end > 0)
-          ends.push_back(facade.brackets[b].id + " " + millimetres(end) + " mm " + way_of(k, is_plus));
+          ends.push_back(facade.brackets[b].id + " with " + millimetres(end) + " mm " + way_of(k, is_plus));
       }
   }
   return ends.empty() ? std::string() : "; at the end of their ranges beside it: " + text::join(ends, 8);
@@ -209,6 +209,24 @@ void gather_relaxations(const Facade& facade, const SettingsProgram& program, co
   }
 }
 
+/// With the precision that it would take.
+void note_what_is_too_uncertain(const Facade& facade, Fit& fit) {
+  std::size_t unguarded = 0, worst = 0;
+  double most = 0, needed = 0;
+  for (std::size_t v = 0; v < fit.values.size(); ++v) {
+    if (fit.values[v].guarded) continue;
+    ++unguarded;
+    const double enough = kLargestGuard * 0.5 * (fit.judged[v].high - fit.judged[v].low) / facade.errors.guard_factor;
+    if (fit.values[v].u > most * enough) most = fit.values[v].u / enough, worst = v, needed = enough;
+  }
+  if (!(needed > 0)) return;
+  fit.notes.push_back(std::to_string(unguarded) + " of " + std::to_string(fit.values.size()) +
+                      " judged lengths have a tolerance that k u takes nine tenths of or more: no setting can be "
+                      "shown to be good enough there; worst is the " +
+                      fit.judged[worst].words(facade) + ": u is " + text::format_fixed(1e3 * fit.values[worst].u, 2) +
+                      " mm, and " + text::format_fixed(1e3 * needed, 2) + " mm or less would do");
+}
+
 void note_what_is_missing(const Facade& facade, Fit& fit) {
   std::vector<bool> used(facade.brackets.size(), false);
   for (std::size_t j = 0; j < facade.panels.size(); ++j) {
@@ -228,12 +246,7 @@ void note_what_is_missing(const Facade& facade, Fit& fit) {
     if (!used[b])
       fit.notes.push_back("bracket " + facade.brackets[b].id +
                           " holds no panel that the design names: it has no setting of its own");
-  std::size_t unguarded = 0;
-  for (const FittedValue& value : fit.values) unguarded += !value.guarded;
-  if (unguarded > 0)
-    fit.notes.push_back(std::to_string(unguarded) + " of " + std::to_string(fit.values.size()) +
-                        " judged lengths have a tolerance that k u takes nine tenths of or more: no setting can be "
-                        "shown to be good enough there");
+  note_what_is_too_uncertain(facade, fit);
 }
 
 /// Values of one panel's corners or of one joint rest on the same brackets: their covariance is made together.

@@ -389,6 +389,21 @@ TEST(Fit, ABracketOutOfRangeIsNamedWithWhatToDo) {
   }
 }
 
+TEST(Fit, AToleranceBelowWhatIsMeasuredIsNamedWithThePrecisionThatWouldDo) {
+  Facade facade = random_facade({1, 2}, 5, 0.001, 0.0005, 0.0005);
+  const auto words_of = [](const Fit& fit) {
+    for (const std::string& note : fit.notes)
+      if (note.find("nine tenths") != std::string::npos) return note;
+    return std::string();
+  };
+  EXPECT_EQ(words_of(plan_settings(facade)), "");
+  for (Panel& panel : facade.panels) panel.limits = {0.0002, 0.0002, 0.0002};
+  const std::string words = words_of(plan_settings(facade));
+  // 0.9 of 0.2 mm over k = 1.645.
+  EXPECT_NE(words.find("mm, and 0.11 mm or less would do"), std::string::npos) << words;
+  EXPECT_NE(words.find("; worst is the corner "), std::string::npos) << words;
+}
+
 /// Who drills one of a panel's brackets again must know which others have nothing left.
 TEST(Fit, AllRangesThatBindAreNamed) {
   Facade facade = random_facade({1, 1}, 5, 0.0, 0.0002, 0.0002);
@@ -400,7 +415,7 @@ TEST(Fit, AllRangesThatBindAreNamed) {
   bool named = false;
   for (const Relaxation& relaxed : fit.relaxations) {
     if (relaxed.bracket != static_cast<int>(high)) continue;
-    named = relaxed.words.find("; at the end of their ranges beside it: F01-C02-R2 15.0 mm up") != std::string::npos;
+    named = relaxed.words.find("; at the end of their ranges beside it: F01-C02-R2 with 15.0 mm up") != std::string::npos;
     EXPECT_TRUE(named) << relaxed.words;
     EXPECT_EQ(relaxed.words.find("beside it: F01-C01-R2"), std::string::npos) << "it has a line of its own";
   }
