@@ -110,6 +110,14 @@ void write_next_table(Markup& html, const LoopStateT& state, const std::map<int,
   }
 }
 
+void write_some(Markup& html, const std::vector<std::string>& lines) {
+  constexpr std::size_t kShown = 12;
+  Scope list(html, "ul");
+  for (std::size_t i = 0; i < std::min(lines.size(), kShown); ++i) html.element("li", lines[i]);
+  if (lines.size() > kShown)
+    html.element("li", std::to_string(lines.size() - kShown) + " more: the table of brackets and panels has all");
+}
+
 void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
   std::vector<std::string> lines;
   for (const std::string& control : state.moved_control)
@@ -121,10 +129,19 @@ void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT
   if (lines.empty()) return;
   Scope box(html, "div", {{"class", "warnings"}});
   html.element("h2", "For a person");
-  Scope list(html, "ul");
-  for (std::size_t i = 0; i < std::min<std::size_t>(lines.size(), 12); ++i) html.element("li", lines[i]);
-  if (lines.size() > 12)
-    html.element("li", std::to_string(lines.size() - 12) + " more: the table of brackets and panels has all");
+  write_some(html, lines);
+}
+
+/// Panels that wait for something other than their brackets and the panels below: what the next step asks for.
+void write_waiting(Markup& html, const LoopStateT& state) {
+  std::vector<std::string> lines;
+  for (const auto& item : state.items)
+    if (item->kind == "panel" && item->status == ItemStatus::planned && !item->why.empty() &&
+        item->why != "waits for its brackets" && !item->why.ends_with("which is to hang before it"))
+      lines.push_back(item->id + ": " + item->why);
+  if (lines.empty()) return;
+  html.element("h3", "What waits, and for what");
+  write_some(html, lines);
 }
 
 }  // namespace
@@ -190,6 +207,7 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
   }
   write_next_table(html, state, robots);
   write_by_hand(html, plan, state);
+  write_waiting(html, state);
 }
 
 namespace {

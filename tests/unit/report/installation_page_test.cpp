@@ -44,6 +44,22 @@ TEST(InstallationPage, ADoubtfulMeasurementStandsBeforeWhatItSays) {
   EXPECT_EQ(page.find("Next: nothing"), std::string::npos);
 }
 
+/// "Do what the lines below ask for" needs the lines.
+TEST(InstallationPage, WhatAPanelWaitsForStandsOnTheFirstScreen) {
+  LoopStateT state = with_verified_panel();
+  const auto add = [&](const std::string& id, const std::string& why) {
+    state.items.push_back(std::make_unique<LoopItemT>());
+    state.items.back()->id = id, state.items.back()->kind = "panel", state.items.back()->why = why;
+  };
+  add("p1", "waits for its brackets"), add("p2", "waits for p1, which is to hang before it");
+  EXPECT_EQ(next_of({}, state).find("What waits, and for what"), std::string::npos);
+  add("p3", "not measured: b7; measure it, then plan again");
+  const std::string page = next_of({}, state);
+  EXPECT_NE(page.find("What waits, and for what"), std::string::npos);
+  EXPECT_NE(page.find("p3: not measured: b7; measure it, then plan again"), std::string::npos) << page;
+  EXPECT_EQ(page.find("p2: waits"), std::string::npos);
+}
+
 TEST(InstallationPage, WhoeverIsToSeeAPanelHangIsCounted) {
   LoopStateT state = with_verified_panel();
   state.items[0]->status = ItemStatus::relocalised, state.items[0]->seen = false;
