@@ -415,7 +415,8 @@ TEST(Fit, AllRangesThatBindAreNamed) {
   bool named = false;
   for (const Relaxation& relaxed : fit.relaxations) {
     if (relaxed.bracket != static_cast<int>(high)) continue;
-    named = relaxed.words.find("; at the end of their ranges beside it: F01-C02-R2 with 15.0 mm up") != std::string::npos;
+    named =
+        relaxed.words.find("; at the end of their ranges beside it: F01-C02-R2 with 15.0 mm up") != std::string::npos;
     EXPECT_TRUE(named) << relaxed.words;
     EXPECT_EQ(relaxed.words.find("beside it: F01-C01-R2"), std::string::npos) << "it has a line of its own";
   }
