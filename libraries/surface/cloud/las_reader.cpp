@@ -109,9 +109,10 @@ class WholeNumbers {
       low_(axis) = std::min(low_(axis), whole(axis)), high_(axis) = std::max(high_(axis), whole(axis));
       at_limit_(axis) += whole(axis) == kLeast || whole(axis) == kMost;
     }
-    if (!boxed_ || (((point - header_.low).array() >= -slack_.array()).all() &&
-                    ((header_.high - point).array() >= -slack_.array()).all()))
-      return;
+    // laspy 1 wrote the box in whole numbers, without scale and offset: no contradiction, if all points keep to that.
+    const Eigen::Vector3d unscaled = whole.cast<double>();
+    if (number == 0) in_whole_numbers_ = !in_box(point) && in_box(unscaled);
+    if (!boxed_ || in_box(in_whole_numbers_ ? unscaled : point)) return;
     stream_.fail_at_byte(
         header_.points_at + number * header_.record,
         fmt::format("point {} lies at {}, outside of the box from {} to {} that the header gives (from "
@@ -141,13 +142,17 @@ class WholeNumbers {
   static constexpr std::int64_t kLeast = std::numeric_limits<std::int32_t>::min(),
                                 kMost = std::numeric_limits<std::int32_t>::max();
   static constexpr double kAll = 0.99;  // a program that takes the finest scale leaves half of it
+  bool in_box(const Eigen::Vector3d& p) const {
+    return ((p - header_.low).array() >= -slack_.array()).all() &&
+           ((header_.high - p).array() >= -slack_.array()).all();
+  }
   static std::string place(const Eigen::Vector3d& p) {
     return fmt::format("({:.3f}, {:.3f}, {:.3f})", p.x(), p.y(), p.z());
   }
 
   const LasHeader& header_;
   const CloudStream& stream_;
-  bool boxed_;
+  bool boxed_, in_whole_numbers_ = false;
   Eigen::Vector3d slack_;
   std::uint64_t points_ = 0;
   Eigen::Matrix<std::int64_t, 3, 1> low_ = Eigen::Matrix<std::int64_t, 3, 1>::Constant(kMost),

@@ -4,7 +4,9 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
+#include "base/text/words.hpp"
 #include "photo/markers/camera_groups.hpp"
 
 namespace plumbline::markers {
@@ -132,21 +134,27 @@ void drop_odd_groups(std::vector<CameraGroup>& groups, const TagObservationsT& o
 }
 
 std::vector<std::string> words_of_sizes(const std::vector<CameraGroup>& groups) {
-  const auto of_size = [](const CameraGroup& group) {
-    return std::to_string(group.images.size()) + " of " + size_text(group.key.width, group.key.height) + " pixels";
-  };
+  using Body = std::tuple<std::string, std::string, std::string>;
+  std::map<Body, std::vector<std::pair<std::string, size_t>>> sizes;  // with the number of photographs
+  for (const CameraGroup& group : groups) {
+    auto& of_body = sizes[{group.key.folder, group.key.model, group.key.serial}];
+    const std::string size = size_text(group.key.width, group.key.height);
+    const auto known = std::find_if(of_body.begin(), of_body.end(), [&](const auto& one) { return one.first == size; });
+    if (known == of_body.end())
+      of_body.emplace_back(size, group.images.size());
+    else
+      known->second += group.images.size();
+  }
   std::vector<std::string> words;
-  for (size_t b = 1; b < groups.size(); ++b)
-    for (size_t a = 0; a < b; ++a) {
-      const CameraKey &one = groups[a].key, &other = groups[b].key;
-      if (one.folder != other.folder || one.model != other.model || one.serial != other.serial) continue;
-      const long across = static_cast<long>(one.width) * other.height,
-                 along = static_cast<long>(one.height) * other.width;
-      if (one.width == other.width || std::abs(across - along) > std::max(one.width, other.width)) continue;
-      words.push_back("the photographs are " + of_size(groups[a]) + " and " + of_size(groups[b]) +
-                      ": some were resized by a program, or taken with another setting. Each size is calibrated as a "
-                      "camera of its own, from its photographs alone: use the files as the camera wrote them");
-    }
+  for (const auto& [body, of_body] : sizes) {
+    if (of_body.size() < 2) continue;
+    std::vector<std::string> list;
+    for (const auto& [size, count] : of_body) list.push_back(std::to_string(count) + " of " + size + " pixels");
+    words.push_back("the photographs come in several sizes (" + text::enumerate(list, "; ", "; ") +
+                    "): some were resized, cropped or turned by a program, or taken with another setting or by another "
+                    "camera. Each size is calibrated as a camera of its own, from its photographs alone: if it is one "
+                    "camera, use the files as it wrote them");
+  }
   return words;
 }
 

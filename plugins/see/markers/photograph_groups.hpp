@@ -32,8 +32,8 @@ std::vector<CameraGroup> groups_of(const std::vector<ImageT>& images, const TagO
 /// Drops groups too small to calibrate beside a large one of the same folder: turned, cropped or resized by a program.
 void drop_odd_groups(std::vector<CameraGroup>& groups, const TagObservationsT& observations, BlockInput& input);
 
-/// Says which groups of one folder and body are the same picture in two sizes (their sides in one proportion, within a
-/// pixel): resized by a program, or another setting of the camera. Each is calibrated as a camera of its own.
+/// Says of every folder and body in how many sizes its photographs come, if in several: resized, cropped or turned by a
+/// program, another setting of the camera or, where no EXIF tells, another camera. Each becomes a camera of its own.
 std::vector<std::string> words_of_sizes(const std::vector<CameraGroup>& groups);
 
 /// Leaves photographs out that another body took than the one that `known`, the only calibration, is of. Throws

@@ -10,7 +10,8 @@
 
 namespace plumbline::report {
 
-/// What no table of joints can say of itself: what the temperature does to them.
+/// What no table of joints can say of itself: what the temperature does to them. Coefficients of EN 1991-1-5, table C.1
+/// (aluminium 24e-6, steel 12e-6 a kelvin), and of soda lime glass (EN 572-1: 9e-6).
 inline constexpr const char* kTemperature =
     "Widths are as they were when they were measured: in 10 K a metre of aluminium changes by 0.24 mm, of steel by "
     "0.12 mm, of glass by 0.09 mm, and nothing here says at which temperature the design holds.";

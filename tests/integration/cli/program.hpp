@@ -31,6 +31,16 @@ class Program {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(work() / name) << text; }
   void use_plugins(const std::filesystem::path& folder_of_plugins) { plugins_ = folder_of_plugins; }
+  /// Root reads what nobody may read: from now on the program runs as "nobody", to whom all of the folder is given.
+  void without_roots_rights() {
+    if (geteuid() != 0) return;
+    user_ = 65534;
+    const auto give = [&](const std::filesystem::path& path) {
+      if (lchown(path.c_str(), user_, user_) != 0) throw std::runtime_error("cannot give away " + path.string());
+    };
+    give(folder.path());
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) give(entry.path());
+  }
   std::filesystem::path work() const { return folder.path() / "work"; }
   const std::filesystem::path& plugins() const { return plugins_; }
 
@@ -49,6 +59,7 @@ class Program {
     const int out = open((folder.path() / "out").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int err = open((folder.path() / "err").c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     if (chdir(place.c_str()) != 0 || dup2(out, 1) < 0 || dup2(err, 2) < 0) _exit(126);
+    if (user_ != 0 && (setgid(user_) != 0 || setuid(user_) != 0)) _exit(126);
     execv(program.c_str(), words.data());
     _exit(127);
   }
@@ -67,6 +78,7 @@ class Program {
 
  private:
   std::filesystem::path plugins_;
+  uid_t user_ = 0;  ///< the program runs as, if it is not 0
 };
 
 inline bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

@@ -96,6 +96,18 @@ TEST(BadCloud, PointsOutsideOfTheHeadersOwnBox) {
   EXPECT_EQ(refusal("a.las", las), "(read)") << "what the file says not to use may lie anywhere";
 }
 
+/// As in laspy's simple1_3.las: the box in the whole numbers of the records. One that fits neither is refused as
+/// before.
+TEST(BadCloud, AHeadersBoxWithoutScaleAndOffset) {
+  const std::vector<Eigen::Vector3d> points = {{500001, 200000, 100}, {500010, 200003, 104}, {500004, 200002, 103}};
+  std::string las = las_file(LasFile{}, points);
+  const double low[] = {10000, 0, 0}, high[] = {100000, 30000, 40000};
+  for (size_t axis = 0; axis < 3; ++axis) put(las, 179 + 16 * axis, high[axis]), put(las, 187 + 16 * axis, low[axis]);
+  EXPECT_EQ(refusal("a.las", las), "(read)");
+  put(las, 227 + 2 * 20, std::int32_t{104000});
+  expect_refused("a.las", las, "point 3 lies at (500010.400, 200002.000, 103.000), outside of the box");
+}
+
 TEST(BadCloud, NoPoints) {
   expect_refused("a.las", las_file({}, {}), "announces no points");
   expect_refused("a.ply", text_ply("0", ""), "announces no points");

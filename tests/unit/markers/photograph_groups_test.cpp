@@ -106,18 +106,21 @@ TEST(PhotographGroups, SmallGroupsBesideALargeOneAreLeftOutWithTheirReason) {
   EXPECT_EQ(groups.size(), 2u);
 }
 
-TEST(PhotographGroups, OnePictureInTwoSizesIsSaid) {
-  Photographs p({{"1", "M"}, {"2", "M"}, {"3", "M", "", 800, 600}, {"4", "M", "", 800, 600}, {"5", "M", "", 800, 600}});
-  ASSERT_EQ(words_of_sizes(p.groups()).size(), 1u);
-  EXPECT_THAT(words_of_sizes(p.groups()).front(),
-              HasSubstr("2 of 1600 x 1200 pixels and 3 of 800 x 600 pixels: some were resized by a program"));
-  // Odd numbers are rounded, another proportion, a turned picture, another body or folder are something else.
-  EXPECT_EQ(words_of_sizes(Photographs({{"1", "M", "", 1601, 1200}, {"2", "M", "", 800, 600}}).groups()).size(), 1u);
-  EXPECT_TRUE(words_of_sizes(Photographs({{"1", "M"}, {"2", "M", "", 1600, 900}}).groups()).empty());
-  EXPECT_TRUE(words_of_sizes(Photographs({{"1", "M"}, {"2", "M", "", 1200, 1600}}).groups()).empty());
-  EXPECT_TRUE(words_of_sizes(Photographs({{"1", "M"}, {"2", "N", "", 800, 600}}).groups()).empty());
-  EXPECT_TRUE(words_of_sizes(Photographs({{"1", "M"}, {"s/2", "M", "", 800, 600}}).groups()).empty());
-  EXPECT_TRUE(words_of_sizes(Photographs({{"1", "M"}, {"2", "M", "", 1600, 1200, 0.035}}).groups()).empty());
+TEST(PhotographGroups, SeveralSizesOfOneBodyAreSaid) {
+  const auto said = [](const std::vector<Photograph>& all) { return words_of_sizes(Photographs(all).groups()); };
+  const auto words = said({{"1", "M"},
+                           {"2", "M"},
+                           {"3", "M", "", 800, 600},
+                           {"4", "M", "", 800, 600, 0.035},  // another zoom of the same size
+                           {"5", "M", "", 1600, 900},
+                           {"6", "M", "", 1200, 1600}});
+  ASSERT_EQ(words.size(), 1u);
+  EXPECT_THAT(words.front(), HasSubstr("several sizes (2 of 1600 x 1200 pixels; 2 of 800 x 600 pixels; 1 of 1600 x 900 "
+                                       "pixels; 1 of 1200 x 1600 pixels): some were resized, cropped or turned"));
+  // Another body or folder, and another zoom, are something else.
+  EXPECT_TRUE(said({{"1", "M"}, {"2", "N", "", 800, 600}}).empty());
+  EXPECT_TRUE(said({{"1", "M"}, {"s/2", "M", "", 800, 600}}).empty());
+  EXPECT_TRUE(said({{"1", "M"}, {"2", "M", "", 1600, 1200, 0.035}}).empty());
 }
 
 TEST(PhotographGroups, OneCalibrationIsOfOneBody) {

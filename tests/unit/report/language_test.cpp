@@ -77,6 +77,18 @@ TEST(Catalogue, NoNameEndsInAComma) {
             "Versetzen oder unterlegen: 7,5 mm nach außen, 6,6 mm nach rechts, 6,2 mm nach unten.");
 }
 
+/// What is said of photographs, whose words are no text of the report's sources.
+TEST(German, HasTheSizesOfPhotographs) {
+  const auto said = german().find(
+      "the photographs come in several sizes (17 of 640 x 480 pixels; 16 of 1280 x 720 pixels): some were resized, "
+      "cropped or turned by a program, or taken with another setting or by another camera. Each size is calibrated as "
+      "a "
+      "camera of its own, from its photographs alone: if it is one camera, use the files as it wrote them");
+  ASSERT_TRUE(said);
+  EXPECT_TRUE(said->starts_with("Die Fotos haben mehrere Größen (17 mit 640 x 480 Pixeln; 16 mit 1280 x 720 Pixeln): "))
+      << *said;
+}
+
 /// What a control point of targets is used as.
 TEST(Catalogue, UsesOfControlPoints) {
   EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
