@@ -154,6 +154,9 @@ if len(set(versions.values())) != 1:
     faults.append(f"the versions differ: {versions}")
 if not re.search(r"\(commit (unknown|[0-9a-f]{7,}(-dirty)?)\)", ask("--version")):
     faults.append(f"plumbline --version says no commit: {ask('--version')}")
+summary = subprocess.run([sys.executable, ROOT / "benchmarks/paper/results", "--check"], capture_output=True, text=True)
+if summary.returncode != 0:
+    faults.append(summary.stderr.strip())
 print(f"{len(PAGES)} pages")
 for fault in faults:
     print(fault)
