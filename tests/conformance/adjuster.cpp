@@ -8,7 +8,7 @@
 #include "stopping.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace adjuster_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -228,4 +228,4 @@ TEST_P(Adjuster, StopsWhereverItAsks) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Adjuster);
 INSTANTIATE_TEST_SUITE_P(Role, Adjuster, testing::ValuesIn(kinds_of_role("adjuster")), test_name);
 
-}  // namespace
+}  // namespace adjuster_tests

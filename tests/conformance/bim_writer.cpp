@@ -8,7 +8,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 
-namespace {
+namespace bim_writer_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -145,4 +145,4 @@ TEST_P(BimWriter, EveryParameterHasItsEffect) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(BimWriter);
 INSTANTIATE_TEST_SUITE_P(Role, BimWriter, testing::ValuesIn(kinds_of_role("bim_writer")), test_name);
 
-}  // namespace
+}  // namespace bim_writer_tests

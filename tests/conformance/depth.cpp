@@ -18,7 +18,7 @@
 #include "stopping.hpp"
 #include "surface_artifact.hpp"
 
-namespace {
+namespace depth_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -191,4 +191,4 @@ TEST_P(Depth, StopsWhereverItAsks) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Depth, testing::ValuesIn(kinds_of_role("depth")), test_name);
 
-}  // namespace
+}  // namespace depth_tests

@@ -9,7 +9,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline {
-namespace {
+namespace detector_tests {
 
 using namespace test;
 using Settings = std::vector<std::pair<std::string, std::string>>;
@@ -130,5 +130,5 @@ TEST_P(Detector, StopsWhereverItAsks) {
 
 INSTANTIATE_TEST_SUITE_P(All, Detector, testing::ValuesIn(kinds_of_role("detector")), test_name);
 
-}  // namespace
+}  // namespace detector_tests
 }  // namespace plumbline

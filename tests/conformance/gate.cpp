@@ -6,7 +6,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 
-namespace {
+namespace gate_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -124,4 +124,4 @@ TEST_P(Gate, EveryParameterHasItsEffect) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Gate);
 INSTANTIATE_TEST_SUITE_P(Role, Gate, testing::ValuesIn(kinds_of_role("gate")), test_name);
 
-}  // namespace
+}  // namespace gate_tests

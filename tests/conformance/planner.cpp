@@ -15,7 +15,7 @@
 #include "parameter_effects.hpp"
 #include "stopping.hpp"
 
-namespace {
+namespace planner_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -321,4 +321,4 @@ TEST_P(Planner, StopsWhereverItAsks) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Planner);
 INSTANTIATE_TEST_SUITE_P(Role, Planner, testing::ValuesIn(kinds_of_role("planner")), test_name);
 
-}  // namespace
+}  // namespace planner_tests

@@ -4,7 +4,7 @@
 #include "stopping.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace pose_initialiser_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -97,4 +97,4 @@ TEST_P(PoseInitialiser, StopsWhereverItAsks) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PoseInitialiser);
 INSTANTIATE_TEST_SUITE_P(Role, PoseInitialiser, testing::ValuesIn(kinds_of_role("pose_initialiser")), test_name);
 
-}  // namespace
+}  // namespace pose_initialiser_tests

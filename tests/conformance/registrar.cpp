@@ -7,7 +7,7 @@
 #include "parameter_effects.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace registrar_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -231,4 +231,4 @@ TEST_P(Registrar, MovedPointsAreAsGoodAsTheBoundWhateverTheDatumOfTheSource) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Registrar);
 INSTANTIATE_TEST_SUITE_P(Role, Registrar, testing::ValuesIn(kinds_of_role("registrar")), test_name);
 
-}  // namespace
+}  // namespace registrar_tests

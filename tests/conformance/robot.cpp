@@ -9,7 +9,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 
-namespace {
+namespace robot_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -159,4 +159,4 @@ TEST_P(Robot, EveryParameterHasItsEffect) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Robot);
 INSTANTIATE_TEST_SUITE_P(Role, Robot, testing::ValuesIn(kinds_of_role("robot")), test_name);
 
-}  // namespace
+}  // namespace robot_tests

@@ -11,7 +11,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace stopping_tests {
 
 using runtime::GraphNode;
 
@@ -77,5 +77,5 @@ TEST(Stopping, NodesOfShippedPipelinesStopWhereTheyAskOrAreDoneInAMoment) {
   for (const std::string& kind : moments) EXPECT_TRUE(seen.count(kind)) << kind << " is in none of the pipelines";
 }
 
-}  // namespace
+}  // namespace stopping_tests
 }  // namespace plumbline::test

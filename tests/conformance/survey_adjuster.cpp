@@ -13,7 +13,7 @@
 #include "stopping.hpp"
 
 namespace plumbline {
-namespace {
+namespace survey_adjuster_tests {
 
 using survey::test::SimulatedNetwork;
 using survey::test::SimulationSettings;
@@ -169,5 +169,5 @@ TEST_P(SurveyAdjuster, StopsWhereverItAsks) {
 INSTANTIATE_TEST_SUITE_P(Conformance, SurveyAdjuster, testing::ValuesIn(test::kinds_of_role("survey_adjuster")),
                          test::test_name);
 
-}  // namespace
+}  // namespace survey_adjuster_tests
 }  // namespace plumbline

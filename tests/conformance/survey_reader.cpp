@@ -10,7 +10,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 
-namespace {
+namespace survey_reader_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -132,4 +132,4 @@ TEST_P(SurveyReader, EveryDeclaredParameterHasItsEffect) {
 
 INSTANTIATE_TEST_SUITE_P(All, SurveyReader, testing::ValuesIn(kinds_of_role("survey_reader")), test_name);
 
-}  // namespace
+}  // namespace survey_reader_tests

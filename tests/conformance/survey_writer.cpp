@@ -10,7 +10,7 @@
 #include "parameter_effects.hpp"
 #include "survey/files/survey_format.hpp"
 
-namespace {
+namespace survey_writer_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -51,4 +51,4 @@ TEST_P(SurveyWriter, EveryDeclaredParameterHasItsEffect) {
 
 INSTANTIATE_TEST_SUITE_P(All, SurveyWriter, testing::ValuesIn(kinds_of_role("survey_writer")), test_name);
 
-}  // namespace
+}  // namespace survey_writer_tests

@@ -2,7 +2,7 @@
 #include "node_harness.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace triangulator_tests {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -74,4 +74,4 @@ TEST_P(Triangulator, GivesTheSameBitsTwice) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Triangulator);
 INSTANTIATE_TEST_SUITE_P(Role, Triangulator, testing::ValuesIn(kinds_of_role("triangulator")), test_name);
 
-}  // namespace
+}  // namespace triangulator_tests

@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_broken_plugins {
 
 namespace fs = std::filesystem;
 using runtime::Registry;
@@ -289,5 +289,5 @@ TEST_F(BrokenPlugin, TheOnesBesideItWork) {
   for (const auto& refused : registry.refused()) EXPECT_NE(refused.problem, "") << refused.path;
 }
 
-}  // namespace
+}  // namespace test_broken_plugins
 }  // namespace plumbline::test

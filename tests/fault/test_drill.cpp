@@ -13,7 +13,7 @@
 #include "../integration/cli/program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_drill {
 
 namespace fs = std::filesystem;
 
@@ -214,5 +214,5 @@ TEST(Drill, EveryRerunEndsInTheCleanResults) {
   }
 }
 
-}  // namespace
+}  // namespace test_drill
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "../integration/cli/program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_full_disk {
 
 namespace fs = std::filesystem;
 
@@ -164,5 +164,5 @@ TEST(FullDisk, OfStandardOutputIsNoSuccess) {
   }
 }
 
-}  // namespace
+}  // namespace test_full_disk
 }  // namespace plumbline::test

@@ -9,7 +9,7 @@
 #include "../integration/cli/program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_hostile_files {
 
 namespace fs = std::filesystem;
 
@@ -184,5 +184,5 @@ TEST_F(Hostile, NamesThatAreNoUtf8AndLinkedFoldersAreRead) {
   EXPECT_TRUE(nlohmann::json::accept(text)) << "no JSON, which is UTF-8";
 }
 
-}  // namespace
+}  // namespace test_hostile_files
 }  // namespace plumbline::test

@@ -20,7 +20,7 @@
 #include "photo/block/aicon_files.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace aicon_test {
 
 using namespace plumbline;
 using block::PointBlock;
@@ -280,4 +280,4 @@ TEST_F(AiconBlock, ResidualsRedundancyNumbersAndTests) {
   EXPECT_TRUE(std::isinf(result.scale_bar_reliability.at(0).mdb));
 }
 
-}  // namespace
+}  // namespace aicon_test

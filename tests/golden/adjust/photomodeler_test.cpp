@@ -8,7 +8,7 @@
 #include "photo/block/image_block_folder.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace photomodeler_test {
 
 using namespace plumbline;
 
@@ -119,4 +119,4 @@ TEST_P(PhotoModelerBlock, AgreesWithItsReport) {
   }
 }
 
-}  // namespace
+}  // namespace photomodeler_test

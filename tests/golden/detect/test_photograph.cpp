@@ -11,7 +11,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_photograph {
 
 struct Published {
   int id = 0;
@@ -108,5 +108,5 @@ TEST(Field, OverexposedWhiteIsNoTagOfAnotherFamily) {
   EXPECT_EQ(photographs, 15);
 }
 
-}  // namespace
+}  // namespace test_photograph
 }  // namespace plumbline

@@ -14,7 +14,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_boards {
 
 /// Every `step`th photograph of the folder, from `first` on, as a block of tags of one size.
 markers::MarkerBlock block_of(const std::filesystem::path& folder, const std::string& family, double size, int images,
@@ -150,5 +150,5 @@ TEST(Boards, CharucoCalibrationIsAsGoodAsOpenCVs) {
   EXPECT_NEAR(c.camera.fx, 1127.3, 8) << "OpenCV: 1127.3 +- 2.5";
 }
 
-}  // namespace
+}  // namespace test_boards
 }  // namespace plumbline

@@ -16,7 +16,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_calibration_sigmas {
 
 struct MeasuredBoard {
   int width = 0, height = 0;
@@ -162,5 +162,5 @@ TEST(CalibrationSigmas, AreTrueOnPublicPhotographs) {
   EXPECT_GE(held, 9) << "of 13 sets in halves at random";
 }
 
-}  // namespace
+}  // namespace test_calibration_sigmas
 }  // namespace plumbline::markers

@@ -17,7 +17,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_camera_changes {
 
 using testing::HasSubstr;
 
@@ -285,5 +285,5 @@ TEST(ChangedBoard, HalvesOfASoundSetAgreeWithinWhatIsWritten) {
   EXPECT_LT(written, 1.5);
 }
 
-}  // namespace
+}  // namespace test_camera_changes
 }  // namespace plumbline

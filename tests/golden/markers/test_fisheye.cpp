@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_fisheye {
 
 InteriorOrientation wide_camera() {
   InteriorOrientation c;
@@ -130,5 +130,5 @@ TEST(Fisheye, IsRecognisedInPhotographsOfOthers) {
   EXPECT_LT(found.calibration.rms, 0.2);
 }
 
-}  // namespace
+}  // namespace test_fisheye
 }  // namespace plumbline

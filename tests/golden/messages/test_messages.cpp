@@ -7,7 +7,7 @@
 #include "../../integration/cli/program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_messages {
 
 namespace fs = std::filesystem;
 
@@ -55,5 +55,5 @@ TEST_P(Messages, AreAsTheyWereAgreed) {
 
 INSTANTIATE_TEST_SUITE_P(Golden, Messages, testing::ValuesIn(cases()), [](const auto& one) { return one.param; });
 
-}  // namespace
+}  // namespace test_messages
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_blunders {
 
 const char* const kFile = "survey/BlankenbachWillert3D_Distance_fix.dat";
 
@@ -42,5 +42,5 @@ TEST(BlankenbachWillert, RobustStartComesToTheSameEnd) {
   EXPECT_LT((r.point("MS").position - Eigen::Vector3d(-2.507747, 24.320218, 9.775316)).cwiseAbs().maxCoeff(), 1e-6);
 }
 
-}  // namespace
+}  // namespace test_blunders
 }  // namespace plumbline::survey

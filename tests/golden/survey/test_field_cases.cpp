@@ -23,7 +23,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_field_cases {
 
 namespace fs = std::filesystem;
 
@@ -185,5 +185,5 @@ TEST_P(FieldCase, IsSaidAsExpected) {
 INSTANTIATE_TEST_SUITE_P(Folders, FieldCase, ::testing::ValuesIn(cases()),
                          [](const auto& folder) { return folder.param; });
 
-}  // namespace
+}  // namespace test_field_cases
 }  // namespace plumbline::survey

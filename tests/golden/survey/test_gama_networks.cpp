@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_gama_networks {
 
 /// E, N of the axes of the file.
 Eigen::Matrix2d axes_of(const std::string& axes) {
@@ -91,5 +91,5 @@ TEST(GamaNetworks, FromToHeightsAreExact) {
   EXPECT_LT(result.sum_of_squares, 1e-15);
 }
 
-}  // namespace
+}  // namespace test_gama_networks
 }  // namespace plumbline::survey

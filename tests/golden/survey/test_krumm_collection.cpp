@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_krumm_collection {
 
 namespace fs = std::filesystem;
 
@@ -128,5 +128,5 @@ TEST(KrummCollection, LeicksNetworksComeOutWithTheirSigma0) {
   }
 }
 
-}  // namespace
+}  // namespace test_krumm_collection
 }  // namespace plumbline::survey

@@ -10,7 +10,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_network_22 {
 
 const char* const kFile = "survey/gsi/network_22_setups.GSI";
 constexpr double kCc = std::numbers::pi / 200 * 1e-4;
@@ -99,5 +99,5 @@ TEST(Network22, CollimationOfTheSetUps) {
   EXPECT_NEAR(collimation("K1"), 0.112, 0.006);
 }
 
-}  // namespace
+}  // namespace test_network_22
 }  // namespace plumbline::survey

@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_network_json {
 
 using Json = nlohmann::json;
 
@@ -61,5 +61,5 @@ INSTANTIATE_TEST_SUITE_P(Survey, NetworkJson,
                            return text;
                          });
 
-}  // namespace
+}  // namespace test_network_json
 }  // namespace plumbline::survey

@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_starnet_listings {
 
 constexpr double kSecond = std::numbers::pi / 180 / 3600;
 const char* const kLevels = "survey/starnet/leveling_input.txt";
@@ -145,5 +145,5 @@ TEST(StarNetListings, TraverseWithVectorsAndLevelling) {
   EXPECT_LT(d.sigma, 0.002);
 }
 
-}  // namespace
+}  // namespace test_starnet_listings
 }  // namespace plumbline::survey

@@ -14,7 +14,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace chain_accuracy_test {
 
 struct Errors {
   double squares = 0;    ///< of the heights of check anchors against truth [m²]
@@ -93,5 +93,5 @@ TEST(ChainAccuracy, WithheldAnchorsErrAsTheCovariancePredictsOverTwentySites) {
   EXPECT_LT(all.nees, chi_squared_quantile(0.999, all.count));
 }
 
-}  // namespace
+}  // namespace chain_accuracy_test
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "bench_program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_bench {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -584,5 +584,5 @@ TEST(Bench, ARunThatWasCutOffGoesOnWhereItWas) {
   EXPECT_EQ(plumbline.results().size(), 20u);
 }
 
-}  // namespace
+}  // namespace test_bench
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "bench_program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_bench_files {
 
 using testing::HasSubstr;
 
@@ -125,5 +125,5 @@ TEST(BenchFile, AMetricThatNoNodeGivesIsAFailedCell) {
   EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(), HasSubstr("has no node 'solvr'"));
 }
 
-}  // namespace
+}  // namespace test_bench_files
 }  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "runtime/sweep/sweep_dispatch.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_dispatch {
 
 using testing::HasSubstr;
 namespace fs = std::filesystem;
@@ -93,5 +93,5 @@ TEST(Dispatch, SshWithoutHostsAndSlurmWithoutSbatchSayWhatToDo) {
   EXPECT_THAT(no_hosts.err, HasSubstr("--executor ssh needs --hosts"));
 }
 
-}  // namespace
+}  // namespace test_dispatch
 }  // namespace plumbline::test

@@ -6,7 +6,7 @@
 #include "bench_program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_slurm {
 
 namespace fs = std::filesystem;
 
@@ -96,5 +96,5 @@ TEST(Slurm, ManyCellsAndAKilledNode) {
   EXPECT_EQ(read_file(calls), "sbatch\n") << "one call of the scheduler, and none while waiting";
 }
 
-}  // namespace
+}  // namespace test_slurm
 }  // namespace plumbline::test

@@ -6,7 +6,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_bad_input {
 
 namespace fs = std::filesystem;
 
@@ -200,5 +200,5 @@ TEST_F(BadCampaign, AFailureInOneBranchLeavesTheOthersTheirOutputs) {
                  {"network.json"});
 }
 
-}  // namespace
+}  // namespace test_bad_input
 }  // namespace plumbline::test

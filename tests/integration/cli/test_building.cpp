@@ -13,7 +13,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_building {
 
 using Row = std::map<std::string, std::string>;
 
@@ -219,5 +219,5 @@ TEST_F(Building, PanelsScannedLaterAreJudgedWithAnchorsMeasuredByTotalStation) {
   EXPECT_TRUE(contains(read_file(result / "metrics.xml"), "<testsuite name=\"asked_for\""));
 }
 
-}  // namespace
+}  // namespace test_building
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_commands {
 
 using Json = nlohmann::json;
 
@@ -284,5 +284,5 @@ TEST(Commands, ShowFindsArtifacts) {
   EXPECT_EQ(plumbline({"show", "garbage", "--type", "plumbline.Number/1"}).code, 1);
 }
 
-}  // namespace
+}  // namespace test_commands
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_design_names {
 
 namespace fs = std::filesystem;
 
@@ -141,5 +141,5 @@ TEST_F(DesignNames, AllInOneStoreyCostsTheFloorStatisticsOnly) {
       << answer.err;
 }
 
-}  // namespace
+}  // namespace test_design_names
 }  // namespace plumbline::test

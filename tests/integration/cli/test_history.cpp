@@ -7,7 +7,7 @@
 #include "store_record.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_history {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -364,5 +364,5 @@ TEST(Trust, APluginThatOthersMayWriteIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_history
 }  // namespace plumbline::test

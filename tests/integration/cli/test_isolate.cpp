@@ -7,7 +7,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_isolate {
 
 namespace fs = std::filesystem;
 
@@ -125,5 +125,5 @@ TEST_F(Isolated, AWorkerDoesNotOutliveItsHost) {
   EXPECT_TRUE(comes_true([&] { return kill(process, 0) != 0; }));
 }
 
-}  // namespace
+}  // namespace test_isolate
 }  // namespace plumbline::test

@@ -4,7 +4,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_journal {
 
 /// Three changes of two items, as a loop writes them; hashes of the lines before by sha256sum.
 const std::string kFirst =
@@ -74,5 +74,5 @@ TEST(JournalCommand, NamesTheFirstLineThatIsChangedMissingOrCutOff) {
   EXPECT_TRUE(contains(missing.err, "cannot read the journal nothing.jsonl")) << missing.err;
 }
 
-}  // namespace
+}  // namespace test_journal
 }  // namespace plumbline::test

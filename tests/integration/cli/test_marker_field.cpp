@@ -7,7 +7,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_marker_field {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -75,5 +75,5 @@ TEST(MarkerField, ATagThatTheLayoutTurnsIsNamedAndLeavesThePosesAsTheyAre) {
   }
 }
 
-}  // namespace
+}  // namespace test_marker_field
 }  // namespace plumbline::test

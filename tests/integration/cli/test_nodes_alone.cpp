@@ -4,7 +4,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_nodes_alone {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -62,5 +62,5 @@ TEST_F(NodesAlone, TakeNoMoreMemoryThanTheyAnnounce) {
   }
 }
 
-}  // namespace
+}  // namespace test_nodes_alone
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_once {
 
 namespace fs = std::filesystem;
 
@@ -184,5 +184,5 @@ TEST(Ends, AnInterruptEndsTheProgramEvenIfANodeDoesNotListen) {
     }
 }
 
-}  // namespace
+}  // namespace test_once
 }  // namespace plumbline::test

@@ -6,7 +6,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_photo_campaign {
 
 namespace fs = std::filesystem;
 
@@ -244,5 +244,5 @@ TEST_F(PhotoCampaign, ExchangedPointsAreNamed) {
       << answer.err;
 }
 
-}  // namespace
+}  // namespace test_photo_campaign
 }  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_rerun {
 
 using Json = nlohmann::json;
 
@@ -70,5 +70,5 @@ TEST(Rerun, ExecutesNothingAndAfterAChangeOnlyWhatFollows) {
   EXPECT_EQ(nodes(out, "executed"), std::set<std::string>{"site"}) << "it detected the same tags again";
 }
 
-}  // namespace
+}  // namespace test_rerun
 }  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_run {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -339,5 +339,5 @@ TEST(Run, OutputsInsideAnInputAreNoContentOfIt) {
   EXPECT_TRUE(contains(among.out, "0 executed, 1 reused")) << among.out << among.err;
 }
 
-}  // namespace
+}  // namespace test_run
 }  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_site_folder {
 
 namespace fs = std::filesystem;
 
@@ -171,5 +171,5 @@ TEST_F(SiteFolder, AnExcelTableIsRead) {
   EXPECT_TRUE(contains(answer.err, "the column 'bemerkung' is none of this table's, and is left out")) << answer.err;
 }
 
-}  // namespace
+}  // namespace test_site_folder
 }  // namespace plumbline::test

@@ -7,7 +7,7 @@
 #include "program.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_watch {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -71,5 +71,5 @@ TEST(Watch, APipelineThatIsWrongFromTheStartIsRefused) {
   EXPECT_TRUE(contains(answer.err, "story.constant")) << answer.err;
 }
 
-}  // namespace
+}  // namespace test_watch
 }  // namespace plumbline::test

@@ -9,7 +9,7 @@
 
 #include "test_support.hpp"
 
-namespace {
+namespace test_licences {
 
 namespace fs = std::filesystem;
 
@@ -98,4 +98,4 @@ TEST(Licences, TheProgramSaysWhatAPluginIsLinkedWith) {
   EXPECT_NE(output_of(environment + "doctor 2>&1").find("is loaded by adjust_ceres"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_licences

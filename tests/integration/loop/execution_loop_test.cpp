@@ -6,7 +6,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace execution_loop_test {
 
 using Json = nlohmann::json;
 
@@ -164,5 +164,5 @@ TEST(ExecutionLoop, WhatAllCampaignsShareIsNotMeasuredAway) {
   EXPECT_TRUE(contains(next, "nothing may be hung as it stands")) << next;
 }
 
-}  // namespace
+}  // namespace execution_loop_test
 }  // namespace plumbline::test

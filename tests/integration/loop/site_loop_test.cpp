@@ -11,7 +11,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace site_loop_test {
 
 using Json = nlohmann::json;
 namespace fs = std::filesystem;
@@ -282,5 +282,5 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
   }
 }
 
-}  // namespace
+}  // namespace site_loop_test
 }  // namespace plumbline::test

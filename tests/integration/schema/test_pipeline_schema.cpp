@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_pipeline_schema {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -87,5 +87,5 @@ TEST(PipelineSchema, RefusesMistakes) {
   EXPECT_FALSE(accepts("plumbline: 1\nnode: {}"));
 }
 
-}  // namespace
+}  // namespace test_pipeline_schema
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace photo_surfaces_test {
 
 namespace fs = std::filesystem;
 
@@ -129,5 +129,5 @@ TEST_F(StoppedSurfaces, AnInterruptEndsItAndKeepsWhatIsDone) {
   EXPECT_FALSE(fs::exists(program.work() / "dense.plane_sweep/panels.csv"));
 }
 
-}  // namespace
+}  // namespace photo_surfaces_test
 }  // namespace plumbline::test

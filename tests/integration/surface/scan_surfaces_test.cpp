@@ -12,7 +12,7 @@
 #include "unzipped.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace scan_surfaces_test {
 
 /// The building's one panel, 2.2 m wide, 1 m high and 20 mm thick, and a scanner that sees its southern side.
 class ScanOfAPanel : public testing::Test {
@@ -183,5 +183,5 @@ TEST_F(ScanOfAPanel, CoarseStepsAreRefused) {
   EXPECT_NE(answer.err.find("written in steps of 10 mm"), std::string::npos) << answer.err;
 }
 
-}  // namespace
+}  // namespace scan_surfaces_test
 }  // namespace plumbline::test

@@ -12,7 +12,7 @@
 #include "test_paths.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_survey_pipelines {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -304,5 +304,5 @@ TEST(SurveyPipelines, APairOfANetworkThatIsNoResultSaysSo) {
   EXPECT_TRUE(contains(answer.out, "! the network is not a result")) << answer.out;
 }
 
-}  // namespace
+}  // namespace test_survey_pipelines
 }  // namespace plumbline::test

@@ -9,7 +9,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace bal_files_test {
 
 using namespace plumbline;
 using block::PointBlock;
@@ -209,4 +209,4 @@ TEST_F(Bal, AFolderIsKnownByItsContent) {
   EXPECT_EQ(block::read_image_block(folder_.path(), "", "", {}).block.images.size(), 4u);
 }
 
-}  // namespace
+}  // namespace bal_files_test

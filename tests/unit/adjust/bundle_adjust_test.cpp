@@ -11,7 +11,7 @@
 #include "plumbline/stop.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace bundle_adjust_test {
 
 using namespace plumbline;
 using namespace plumbline::bundle;
@@ -209,4 +209,4 @@ TEST(Bundle, StopsWhereverItIs) {
   EXPECT_GT(limit, 200) << "it is hardly asked";
 }
 
-}  // namespace
+}  // namespace bundle_adjust_test

@@ -8,7 +8,7 @@
 #include "photo/bundle/adjust.hpp"
 #include "photo/bundle/score.hpp"
 
-namespace {
+namespace bundle_score_test {
 
 using namespace plumbline;
 using namespace plumbline::bundle;
@@ -121,4 +121,4 @@ TEST(Bundle, ScoreOfWhatIsUndeterminedIsNotANumber) {
   EXPECT_FALSE(std::isnan(test.by(Kind::shift, 0).decrease)) << "one image against the others is determined";
 }
 
-}  // namespace
+}  // namespace bundle_score_test

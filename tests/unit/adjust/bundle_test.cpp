@@ -8,7 +8,7 @@
 #include "bundle_scene.hpp"
 #include "photo/bundle/adjust.hpp"
 
-namespace {
+namespace bundle_test {
 
 using namespace plumbline;
 using namespace plumbline::bundle;
@@ -253,4 +253,4 @@ TEST(Bundle, HeldPointsAndImagesAreNoUnknowns) {
   compare_with_dense(scene, Side::images);
 }
 
-}  // namespace
+}  // namespace bundle_test

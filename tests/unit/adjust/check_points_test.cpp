@@ -8,7 +8,7 @@
 #include "geometry/random.hpp"
 
 namespace plumbline::block {
-namespace {
+namespace check_points_test {
 
 using testing::HasSubstr;
 
@@ -80,5 +80,5 @@ TEST(CheckPoints, OfCoordinatesThatAreExactAnyDifferenceContradicts) {
   EXPECT_FALSE(judge_check_points({"A"}, Eigen::Vector3d(1e-3, 0, 0), none).holds);
 }
 
-}  // namespace
+}  // namespace check_points_test
 }  // namespace plumbline::block

@@ -12,7 +12,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace colmap_test {
 
 using namespace plumbline;
 using namespace plumbline::colmap;
@@ -300,4 +300,4 @@ TEST(Reconstruct, SaysWhatIsMissing) {
   EXPECT_THAT(test::error_of([&] { reconstruct(several.folder.path(), {}); }), HasSubstr("apt install colmap"));
 }
 
-}  // namespace
+}  // namespace colmap_test

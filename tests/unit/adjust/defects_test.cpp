@@ -6,7 +6,7 @@
 #include "geometry/similarity.hpp"
 #include "plumbline/rigid_transform.hpp"
 
-namespace {
+namespace defects_test {
 
 using namespace plumbline;
 using least_squares::NamedPoint;
@@ -57,4 +57,4 @@ TEST(Datum, SimilarityIsRecovered) {
   EXPECT_LT(motion.rotation.angularDistance(truth.rotation), 1e-7);
 }
 
-}  // namespace
+}  // namespace defects_test

@@ -7,7 +7,7 @@
 #include "ceres_engine.hpp"
 #include "synthetic_block.hpp"
 
-namespace {
+namespace engine_test {
 
 using namespace plumbline;
 using namespace plumbline::block;
@@ -50,4 +50,4 @@ TEST(Engines, OurOwnRefinesItsRobustAdjustmentByItself) {
   for (const Call& call : calls_of<SchurEngine>()) EXPECT_NE(call.loss, bundle::Loss::Kind::none);
 }
 
-}  // namespace
+}  // namespace engine_test

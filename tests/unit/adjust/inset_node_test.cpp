@@ -7,7 +7,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace inset_node_test {
 
 /// Every edge of a tag `inset` px towards its middle, as a transfer curve and a sharpened photograph move it.
 void draw_inwards(SyntheticFacade& facade, double inset) {
@@ -55,5 +55,5 @@ TEST_P(Inset, DoesNotShrinkAFreeNetwork) {
 
 INSTANTIATE_TEST_SUITE_P(Adjusters, Inset, testing::Values("adjust.schur", "adjust.ceres"));
 
-}  // namespace
+}  // namespace inset_node_test
 }  // namespace plumbline::test

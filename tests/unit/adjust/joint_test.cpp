@@ -11,7 +11,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace joint_test {
 
 using namespace plumbline;
 using namespace plumbline::joint;
@@ -217,4 +217,4 @@ TEST(Joint, RefusesWhatItCannotDo) {
   EXPECT_THAT(test::error_of([&] { site.adjust(known_weights()); }), HasSubstr("at least 3 marks"));
 }
 
-}  // namespace
+}  // namespace joint_test

@@ -11,7 +11,7 @@
 #include "survey/simulate/simulate_survey.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace nodes_test {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -603,4 +603,4 @@ TEST(ReadAicon, AnEmptyFolderIsRefused) {
   EXPECT_THAT(failure(read), HasSubstr("holds no *.ior file; an AICON block needs .phc, .obc, .eor and .ior"));
 }
 
-}  // namespace
+}  // namespace nodes_test

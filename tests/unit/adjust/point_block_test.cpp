@@ -10,7 +10,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace point_block_test {
 
 using namespace plumbline;
 using block::PointBlock;
@@ -459,4 +459,4 @@ TEST(PointBlock, ConjugateGradientsComeToTheMinimumAndStateNothing) {
   EXPECT_TRUE(found.interior_covariance[0].array().isNaN().all());
 }
 
-}  // namespace
+}  // namespace point_block_test

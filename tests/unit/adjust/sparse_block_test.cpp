@@ -10,7 +10,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace sparse_block_test {
 
 using namespace plumbline;
 using namespace plumbline::bundle;
@@ -281,4 +281,4 @@ TEST(SparseBlock, ConjugateGradientsTakeNoFactorAndNameWhatIsOpen) {
               testing::HasSubstr("the position of lonely is undetermined"));
 }
 
-}  // namespace
+}  // namespace sparse_block_test

@@ -10,7 +10,7 @@
 #include "geometry/statistics.hpp"
 #include "synthetic_block.hpp"
 
-namespace {
+namespace tag_block_bound_test {
 
 using namespace plumbline;
 
@@ -86,4 +86,4 @@ TEST(TagBlockBound, ErrorsOf200BlocksAreThosePredicted) {
   EXPECT_LT(chi_squared, chi_squared_quantile(0.9995, dimension));
 }
 
-}  // namespace
+}  // namespace tag_block_bound_test

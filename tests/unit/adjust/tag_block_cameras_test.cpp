@@ -3,7 +3,7 @@
 
 #include "synthetic_block.hpp"
 
-namespace {
+namespace tag_block_cameras_test {
 
 using namespace plumbline;
 using testing::HasSubstr;
@@ -205,4 +205,4 @@ TEST(SeveralCameras, OneWithoutImagesStaysAsItIsGiven) {
   EXPECT_EQ(with.unknowns, without.unknowns);
 }
 
-}  // namespace
+}  // namespace tag_block_cameras_test

@@ -4,7 +4,7 @@
 
 #include "synthetic_block.hpp"
 
-namespace {
+namespace tag_block_degenerate_test {
 
 using namespace plumbline;
 using test::error_of;
@@ -106,4 +106,4 @@ TEST(DegenerateTagBlock, WhatCannotBePlacedIsNamedAndLeftOut) {
   EXPECT_FALSE(result.cam_from_world.back());
 }
 
-}  // namespace
+}  // namespace tag_block_degenerate_test

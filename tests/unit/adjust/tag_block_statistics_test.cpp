@@ -11,7 +11,7 @@
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace tag_block_statistics_test {
 
 using namespace plumbline;
 using test::error_of;
@@ -553,4 +553,4 @@ TEST(TagCost, CountsWhatIsAssumedOfTagsAndCalibration) {
   EXPECT_GT(block::cost_of_tag_block(adjusted, found, priors).priors, cost.priors);
 }
 
-}  // namespace
+}  // namespace tag_block_statistics_test

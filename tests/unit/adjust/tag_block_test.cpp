@@ -4,7 +4,7 @@
 #include "geometry/statistics.hpp"
 #include "synthetic_block.hpp"
 
-namespace {
+namespace tag_block_test {
 
 using namespace plumbline;
 using block::TagBlockOptions;
@@ -406,4 +406,4 @@ TEST(TagBlock, SameInputGivesTheSameBits) {
   }
 }
 
-}  // namespace
+}  // namespace tag_block_test

@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::least_squares {
-namespace {
+namespace test_adjustment {
 
 using namespace small;
 
@@ -256,5 +256,5 @@ TEST(Adjustment, SigmasAndCovariancesAreChecked) {
   EXPECT_THROW(block.set_covariance(1e-6 * c), std::invalid_argument) << "in metres as in millimetres";
 }
 
-}  // namespace
+}  // namespace test_adjustment
 }  // namespace plumbline::least_squares

@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::least_squares {
-namespace {
+namespace test_factors {
 
 using namespace small;
 
@@ -187,5 +187,5 @@ TEST(Factors, ASolutionGoesOnFromTheOneBefore) {
   EXPECT_LT((cofactor_matrix(s) - cofactor_matrix(other)).cwiseAbs().maxCoeff(), 1e-9);
 }
 
-}  // namespace
+}  // namespace test_factors
 }  // namespace plumbline::least_squares

@@ -4,7 +4,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::least_squares {
-namespace {
+namespace test_nist {
 
 /// v = f(b, x) - y of one observation, with derivatives of the formula.
 class CurveResidual : public ResidualBlock {
@@ -94,5 +94,5 @@ TEST(Adjustment, NistNonlinearRegressions) {
   }
 }
 
-}  // namespace
+}  // namespace test_nist
 }  // namespace plumbline::least_squares

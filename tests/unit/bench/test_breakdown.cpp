@@ -4,7 +4,7 @@
 #include "show/bench/breakdown.hpp"
 
 namespace plumbline::bench {
-namespace {
+namespace test_breakdown {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -84,5 +84,5 @@ TEST(Breakdown, OnlyOfVariablesThatAreNumbers) {
   EXPECT_TRUE(breakdowns(bench, 0.95).empty());
 }
 
-}  // namespace
+}  // namespace test_breakdown
 }  // namespace plumbline::bench

@@ -7,7 +7,7 @@
 #include "show/bench/tables.hpp"
 
 namespace plumbline::bench {
-namespace {
+namespace test_choice {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -145,5 +145,5 @@ TEST(Choice, ACostThatStaysIsNotSaidToRise) {
   EXPECT_THAT(analyse(bench).rising, testing::IsEmpty());
 }
 
-}  // namespace
+}  // namespace test_choice
 }  // namespace plumbline::bench

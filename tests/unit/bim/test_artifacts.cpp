@@ -6,7 +6,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_artifacts {
 
 TEST(BimArtifacts, DesignsSurviveTheRoundTrip) {
   const step::File file(test::small_building("IFC4"), "small.ifc");
@@ -54,5 +54,5 @@ TEST(BimArtifacts, AnchorPointsAreNamedUniquely) {
   EXPECT_EQ(anchor_points(design).points[0]->id, "11vctVUKr0kugbFTf53O9L");
 }
 
-}  // namespace
+}  // namespace test_artifacts
 }  // namespace plumbline::ifc

@@ -14,7 +14,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_as_built_ifc {
 
 /// Three of four anchors measured.
 DeviationT measurements(const Design& design) {
@@ -487,5 +487,5 @@ TEST(AsBuiltRealFiles, AreEnrichedAndValid) {
   }
 }
 
-}  // namespace
+}  // namespace test_as_built_ifc
 }  // namespace plumbline::ifc

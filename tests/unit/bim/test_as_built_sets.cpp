@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_as_built_sets {
 
 using Properties = std::map<std::string, std::string>;
 
@@ -270,5 +270,5 @@ TEST(AsBuiltSets, EveryPropertyIsTheFigureOfItsName) {
   }
 }
 
-}  // namespace
+}  // namespace test_as_built_sets
 }  // namespace plumbline::ifc

@@ -19,7 +19,7 @@
 #include "unzipped.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_bcf {
 
 using test::unzipped;
 
@@ -457,5 +457,5 @@ TEST(Bcf, IsValidAgainstItsSchemas) {
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace
+}  // namespace test_bcf
 }  // namespace plumbline::ifc

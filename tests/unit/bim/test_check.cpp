@@ -5,7 +5,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_check {
 
 std::string rules_broken(const std::string& extra, std::uint64_t first = 500) {
   std::string text;
@@ -100,5 +100,5 @@ TEST(CheckIfc, WhatWasThereBeforeIsNotOurs) {
   EXPECT_EQ(rules_broken(twice, 501), "IfcApplication.UR1\nIfcRoot.UR1\n");
 }
 
-}  // namespace
+}  // namespace test_check
 }  // namespace plumbline::ifc

@@ -10,7 +10,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_design {
 
 using test::small_building;
 
@@ -627,5 +627,5 @@ TEST(RealDesigns, HaveTheStoreysAndElementsThatTheirFilesList) {
   }
 }
 
-}  // namespace
+}  // namespace test_design
 }  // namespace plumbline::ifc

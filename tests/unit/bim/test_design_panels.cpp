@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_design_panels {
 
 using test::small_building;
 
@@ -270,5 +270,5 @@ TEST(Panels, TheSagOfFacesThatAreListed) {
   EXPECT_NEAR(brep("0.")[2], 0, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_design_panels
 }  // namespace plumbline::ifc

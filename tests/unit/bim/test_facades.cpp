@@ -15,7 +15,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_facades {
 
 using namespace test;  // the shapes
 
@@ -462,5 +462,5 @@ TEST(Facades, OfDesignsMadeByOthers) {
   }
 }
 
-}  // namespace
+}  // namespace test_facades
 }  // namespace plumbline::ifc

@@ -4,7 +4,7 @@
 #include "building/ifc/georeference.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_georeference {
 
 /// A facade of 12 anchors; the survey in map coordinates by the standard's conversion, a few millimetres off.
 struct Site {
@@ -108,5 +108,5 @@ TEST(Fit, FindsShiftAndTurnWithTheirUncertainty) {
   EXPECT_THROW(fit_plan(column, covariance), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_georeference
 }  // namespace plumbline::ifc

@@ -4,7 +4,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_ifc_schema {
 
 step::File file_of(const std::string& schema) {
   return step::File("ISO-10303-21;HEADER;FILE_SCHEMA((" + schema + "));ENDSEC;DATA;ENDSEC;END-ISO-10303-21;", "t.ifc");
@@ -63,5 +63,5 @@ TEST(IfcSchemaName, ElementsGetTheirProperCase) {
   EXPECT_EQ(element_class_name(Schema::ifc4, "IFCSPACE"), "");
 }
 
-}  // namespace
+}  // namespace test_ifc_schema
 }  // namespace plumbline::ifc

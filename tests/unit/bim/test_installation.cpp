@@ -17,7 +17,7 @@
 #include "unzipped.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_installation {
 
 struct Site {
   explicit Site(const char* schema) : file(test::small_building(schema), "t.ifc"), design(read_design(file, {})) {
@@ -189,5 +189,5 @@ TEST(InstallationBcf, IsValidAgainstItsSchemas) {
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace
+}  // namespace test_installation
 }  // namespace plumbline::ifc

@@ -5,7 +5,7 @@
 #include "building/ifc/match_elements.hpp"
 
 namespace plumbline::ifc {
-namespace {
+namespace test_match_elements {
 
 Element element_of(const std::string& name, const std::string& tag, const Eigen::Vector3d& position) {
   Element element;
@@ -149,5 +149,5 @@ TEST(SelectionLanguage, SelectsAndRefusesInWords) {
     EXPECT_THROW(Selection{wrong}, std::runtime_error) << wrong;
 }
 
-}  // namespace
+}  // namespace test_match_elements
 }  // namespace plumbline::ifc

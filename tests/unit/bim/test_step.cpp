@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::step {
-namespace {
+namespace test_step {
 
 std::string file_with(const std::string& data) {
   return "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('n','',(''),(''),'','','');\n"
@@ -247,5 +247,5 @@ TEST(StepReader, ReadsRealFiles) {
   }
 }
 
-}  // namespace
+}  // namespace test_step
 }  // namespace plumbline::step

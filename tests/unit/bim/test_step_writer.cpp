@@ -10,7 +10,7 @@
 #include "building/step/step_writer.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_step_writer {
 
 using namespace ifc;
 
@@ -87,5 +87,5 @@ TEST(IfcGuid, DerivedGuidsAreStableAndDiffer) {
   EXPECT_TRUE(uuid_from_ifc_guid(derived_ifc_guid("not a guid", "a")));
 }
 
-}  // namespace
+}  // namespace test_step_writer
 }  // namespace plumbline

@@ -16,7 +16,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::step {
-namespace {
+namespace test_xml_reader {
 
 std::string ifc4(const std::string& content) {
   return "<?xml version=\"1.0\"?>\n<ifcXML xmlns=\"http://www.buildingsmart-tech.org/ifcXML/IFC4/Add2\" "
@@ -271,5 +271,5 @@ TEST(XmlReader, FilesOfOthersAreReadByTheirSchema) {
   }
 }
 
-}  // namespace
+}  // namespace test_xml_reader
 }  // namespace plumbline::step

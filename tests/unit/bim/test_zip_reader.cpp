@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_zip_reader {
 
 std::string message_of(const std::string& archive) {
   try {
@@ -90,5 +90,5 @@ TEST(ZipReader, EveryDamageIsReadOrNamed) {
   EXPECT_NE(message_of(bomb).find("no model"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_zip_reader
 }  // namespace plumbline

@@ -5,7 +5,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline {
-namespace {
+namespace join_cameras_test {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -64,5 +64,5 @@ TEST(JoinCameras, RefusesNoneAndTwoOfOneName) {
   EXPECT_THAT(failure(twice), HasSubstr("two cameras are called 'camera'"));
 }
 
-}  // namespace
+}  // namespace join_cameras_test
 }  // namespace plumbline

@@ -6,7 +6,7 @@
 #include <numbers>
 
 namespace plumbline::campaign {
-namespace {
+namespace campaign_folder_test {
 
 std::string message_of(const std::function<void()>& call) {
   try {
@@ -399,5 +399,5 @@ TEST(Plates, OfAMeasuredCampaignNeedNoTagsAndMayKeepTheAzimuthToThemselves) {
   EXPECT_THROW(parse_plates("anchor,floor\nA1,1\n", "p.csv"), CampaignError) << "a site's table has tags";
 }
 
-}  // namespace
+}  // namespace campaign_folder_test
 }  // namespace plumbline::campaign

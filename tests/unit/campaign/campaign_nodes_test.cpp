@@ -16,7 +16,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace campaign_nodes_test {
 
 namespace fs = std::filesystem;
 
@@ -236,5 +236,5 @@ TEST(SimulateObservations, ADifferentSeedIsADifferentSite) {
   EXPECT_EQ(a.output_bytes("observations"), c.output_bytes("observations"));
 }
 
-}  // namespace
+}  // namespace campaign_nodes_test
 }  // namespace plumbline::test

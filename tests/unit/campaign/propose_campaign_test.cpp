@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::campaign {
-namespace {
+namespace propose_campaign_test {
 
 namespace fs = std::filesystem;
 
@@ -146,5 +146,5 @@ TEST_F(Folder, ADamagedTableIsToldWithItsLine) {
   EXPECT_NE(p.wrong.front().find("plates.csv:2: column 'tag_id' holds 'x'"), std::string::npos) << p.wrong.front();
 }
 
-}  // namespace
+}  // namespace propose_campaign_test
 }  // namespace plumbline::campaign

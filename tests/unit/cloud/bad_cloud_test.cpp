@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::cloud {
-namespace {
+namespace bad_cloud_test {
 
 using namespace plumbline::cloud_bytes;
 
@@ -186,5 +186,5 @@ TEST(BadCloud, CutAnywhere) {
   }
 }
 
-}  // namespace
+}  // namespace bad_cloud_test
 }  // namespace plumbline::cloud

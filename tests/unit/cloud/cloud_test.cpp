@@ -10,7 +10,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::cloud {
-namespace {
+namespace cloud_test {
 
 using namespace plumbline::cloud_bytes;
 using Points = std::vector<Eigen::Vector3d>;
@@ -290,5 +290,5 @@ TEST(CloudWriter, WhatDoesNotFitIsRefused) {
   EXPECT_THROW(CloudWriter("/nowhere/a.las", CloudFormat::las, 1, {0, 0, 0}, ""), CloudError);
 }
 
-}  // namespace
+}  // namespace cloud_test
 }  // namespace plumbline::cloud

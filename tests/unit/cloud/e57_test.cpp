@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::cloud {
-namespace {
+namespace e57_test {
 
 using namespace plumbline::cloud_bytes;
 using Places = std::vector<Eigen::Vector3d>;
@@ -209,5 +209,5 @@ TEST(E57, FilesOfOthers) {
   EXPECT_LT((sums[0] - sums[1]).norm(), 1e-6);
 }
 
-}  // namespace
+}  // namespace e57_test
 }  // namespace plumbline::cloud

@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::cloud {
-namespace {
+namespace others_test {
 
 struct Expected {
   const char* file;
@@ -115,5 +115,5 @@ TEST(CloudsOfOthers, ADamagedPageIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace others_test
 }  // namespace plumbline::cloud

@@ -8,7 +8,7 @@
 #include "runtime/plugins/registry.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace test_exports {
 
 namespace fs = std::filesystem;
 
@@ -85,4 +85,4 @@ TEST(Plugins, NodesOfOneRoleHaveTheSamePorts) {
   }
 }
 
-}  // namespace
+}  // namespace test_exports

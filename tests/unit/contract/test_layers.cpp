@@ -8,7 +8,7 @@
 #include "plumbline/stop.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace test_layers {
 
 namespace fs = std::filesystem;
 
@@ -253,4 +253,4 @@ TEST(Docs, EveryEquationIsInTheFunctionThatIsNamed) {
   EXPECT_GE(rows, 9);
 }
 
-}  // namespace
+}  // namespace test_layers

@@ -10,7 +10,7 @@
 
 #include "test_support.hpp"
 
-namespace {
+namespace test_rooms {
 
 namespace fs = std::filesystem;
 
@@ -213,4 +213,4 @@ TEST(Rooms, EveryLibraryIsDescribed) {
   EXPECT_GT(found, 20);
 }
 
-}  // namespace
+}  // namespace test_rooms

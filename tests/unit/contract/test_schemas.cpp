@@ -7,7 +7,7 @@
 
 #include "test_support.hpp"
 
-namespace {
+namespace test_schemas {
 
 namespace fs = std::filesystem;
 using reflection::BaseType;
@@ -92,4 +92,4 @@ TEST(ArtifactSchemas, EveryFieldHasCommentUnitAndASafeDefault) {
   EXPECT_GT(checked, 5);
 }
 
-}  // namespace
+}  // namespace test_schemas

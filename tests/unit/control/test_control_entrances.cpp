@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_control_entrances {
 
 struct Known {
   Eigen::Vector3d position, sigma;  ///< nan where not given
@@ -174,5 +174,5 @@ TEST(ControlEntrances, ACampaignSaysWhatItAssumes) {
                                              testing::HasSubstr("not used: 'code'")));
 }
 
-}  // namespace
+}  // namespace test_control_entrances
 }  // namespace plumbline

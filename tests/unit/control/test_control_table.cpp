@@ -5,7 +5,7 @@
 #include "control/points/image_points.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_control_table {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -220,5 +220,5 @@ TEST(ControlFiles, NameWhatTheyDoNotUse) {
               ElementsAre(HasSubstr("text behind the numbers")));
 }
 
-}  // namespace
+}  // namespace test_control_table
 }  // namespace plumbline

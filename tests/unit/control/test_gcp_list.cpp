@@ -6,7 +6,7 @@
 #include "control/points/projection_unit.hpp"
 
 namespace plumbline::control {
-namespace {
+namespace test_gcp_list {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -78,5 +78,5 @@ TEST(GcpList, CommentsLineEndsAndEncodingsOfOtherMachines) {
   EXPECT_EQ(parse_image_points(wide, "g", true).at(1).pixel.x(), 3.5);
 }
 
-}  // namespace
+}  // namespace test_gcp_list
 }  // namespace plumbline::control

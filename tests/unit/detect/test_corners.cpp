@@ -14,7 +14,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_corners {
 
 using detect::ArucoDetector;
 using detect::DetectorOptions;
@@ -472,5 +472,5 @@ TEST(ArucoDetector, TellsMirroredTags) {
   EXPECT_EQ(mirrored.mirrored, 1);
 }
 
-}  // namespace
+}  // namespace test_corners
 }  // namespace plumbline

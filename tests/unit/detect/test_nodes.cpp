@@ -24,7 +24,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_nodes {
 
 namespace fs = std::filesystem;
 using test::write_png;
@@ -338,5 +338,5 @@ TEST(DetectNodes, TargetsArePredictedAndBecomeABlockThatAdjusts) {
     EXPECT_LT((adjusted.points[i]->position - points.points[i]->position).norm(), 2e-6) << points.points[i]->id;
 }
 
-}  // namespace
+}  // namespace test_nodes
 }  // namespace plumbline

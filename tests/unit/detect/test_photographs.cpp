@@ -11,7 +11,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_photographs {
 
 using test::CameraChain;
 using test::DrawnCorners;
@@ -185,5 +185,5 @@ TEST(PhotographsDrawnApart, InLinearLightAreHeldWhereJpegHidesIt) {
   }
 }
 
-}  // namespace
+}  // namespace test_photographs
 }  // namespace plumbline

@@ -9,7 +9,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline::detect {
-namespace {
+namespace test_pyramid {
 
 using testing::IsEmpty;
 using testing::SizeIs;
@@ -282,5 +282,5 @@ TEST(TagPyramid, FindsNothingInTinyEmptyOrNoisyImages) {
   EXPECT_THAT(detect_in(noise).result.tags, IsEmpty());
 }
 
-}  // namespace
+}  // namespace test_pyramid
 }  // namespace plumbline::detect

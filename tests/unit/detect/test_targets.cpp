@@ -9,7 +9,7 @@
 #include "tag_rendering.hpp"
 
 namespace plumbline::detect {
-namespace {
+namespace test_targets {
 
 using testing::HasSubstr;
 
@@ -162,5 +162,5 @@ TEST(Targets, ThatMayBeTwoAreNotChosenBetween) {
   EXPECT_EQ(measure_target(board, {40, 43}, {.search = 4}).problem, "");
 }
 
-}  // namespace
+}  // namespace test_targets
 }  // namespace plumbline::detect

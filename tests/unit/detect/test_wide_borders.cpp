@@ -16,7 +16,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::detect {
-namespace {
+namespace test_wide_borders {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -159,5 +159,5 @@ TEST(WideBorders, AreNamedWithTheFamily) {
   EXPECT_EQ(names, std::vector<std::string>{"tag36h11b2"});
 }
 
-}  // namespace
+}  // namespace test_wide_borders
 }  // namespace plumbline::detect

@@ -12,7 +12,7 @@
 #include "building/ifc/match_elements.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace agreement_test {
 
 using test::mm;
 using test::Normal;
@@ -147,5 +147,5 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
   for (const int n : seen) EXPECT_GT(n, 0);  // every verdict occurred
 }
 
-}  // namespace
+}  // namespace agreement_test
 }  // namespace plumbline::judgement

@@ -8,7 +8,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace block_covariance_test {
 
 /// Six points of which 0, 2 and 5 know of one another (0 and 5 by way of 2), and 3 and 4.
 Eigen::MatrixXd matrix(std::uint64_t seed) {
@@ -96,5 +96,5 @@ TEST(BlockCovariance, DifferencesComeOutAsInOnePiece) {
   EXPECT_GT(parts.matrix.clusters().size(), 1u);
 }
 
-}  // namespace
+}  // namespace block_covariance_test
 }  // namespace plumbline::judgement

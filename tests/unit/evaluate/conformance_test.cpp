@@ -11,7 +11,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace conformance_test {
 
 using judgement::test::isotropic;
 using judgement::test::mm;
@@ -210,5 +210,5 @@ TEST(Requests, WhatIsNotJudgedForbidsReady) {
   EXPECT_EQ(result.requests[0]->anchors, 1);
 }
 
-}  // namespace
+}  // namespace conformance_test
 }  // namespace plumbline::judgement

@@ -11,7 +11,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace design_input_test {
 
 using test::mm;
 
@@ -277,5 +277,5 @@ TEST(DesignInput, TwoPanelsAtOnePlaceAreNotReady) {
   EXPECT_NE((*request)->asked.find("P1 and twin"), std::string::npos) << (*request)->asked;
 }
 
-}  // namespace
+}  // namespace design_input_test
 }  // namespace plumbline::judgement

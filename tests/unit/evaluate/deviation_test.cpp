@@ -10,7 +10,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace deviation_test {
 
 using judgement::test::isotropic;
 using judgement::test::mm;
@@ -366,5 +366,5 @@ TEST(Deviation, FalsePassesKeepTheGuardBandsPromise) {
   }
 }
 
-}  // namespace
+}  // namespace deviation_test
 }  // namespace plumbline::judgement

@@ -9,7 +9,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace difference_test {
 
 using test::mm;
 
@@ -314,5 +314,5 @@ TEST(Wrong, InputIsNamedInTheError) {
   EXPECT_NE(message_of(test::small_building(), options).find("tau must be a positive length"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace difference_test
 }  // namespace plumbline::judgement

@@ -14,7 +14,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace dxf_test {
 
 using Entity = std::multimap<int, std::string>;
 
@@ -108,5 +108,5 @@ TEST(DeviationDxf, IsReadByAnother) {
     EXPECT_NE(told.find(layer), std::string::npos) << layer;
 }
 
-}  // namespace
+}  // namespace dxf_test
 }  // namespace plumbline::judgement

@@ -12,7 +12,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace epochs_test {
 
 using test::mm;
 
@@ -390,5 +390,5 @@ TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace
+}  // namespace epochs_test
 }  // namespace plumbline::judgement

@@ -8,7 +8,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace formulas_test {
 
 using test::mm;
 
@@ -353,5 +353,5 @@ TEST(Formulas, PredictedRmseAndItsRangeCoverSimulatedErrors) {
   EXPECT_NEAR(consistent / 600.0, 0.95, 0.03);
 }
 
-}  // namespace
+}  // namespace formulas_test
 }  // namespace plumbline::judgement

@@ -13,7 +13,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace group_shifts_test {
 
 using judgement::test::isotropic;
 using judgement::test::mm;
@@ -216,5 +216,5 @@ TEST(ModeratedVariance, TakesFromTheOthersAsMuchAsTheyAreAlike) {
   EXPECT_NEAR(moderated({3, 5}, {4, 5}).variance, 3.5, 1e-12);
 }
 
-}  // namespace
+}  // namespace group_shifts_test
 }  // namespace plumbline::judgement

@@ -16,7 +16,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace metrics_test {
 
 using nlohmann::json;
 using test::mm;
@@ -232,5 +232,5 @@ TEST(MetricsCsv, HasOneRowAnAnchorInMillimetres) {
   EXPECT_EQ(std::count(lines[8].begin(), lines[8].end(), ','), commas);
 }
 
-}  // namespace
+}  // namespace metrics_test
 }  // namespace plumbline::judgement

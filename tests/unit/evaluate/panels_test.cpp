@@ -8,7 +8,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace panels_test {
 
 using judgement::test::mm;
 
@@ -330,5 +330,5 @@ TEST(WorstFirst, OfAnchorsAndPanels) {
   EXPECT_EQ(order, "b c a ");
 }
 
-}  // namespace
+}  // namespace panels_test
 }  // namespace plumbline::judgement

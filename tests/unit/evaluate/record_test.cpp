@@ -6,7 +6,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace record_test {
 
 using judgement::test::mm;
 using judgement::test::Normal;
@@ -142,5 +142,5 @@ TEST(Panels, AJointNeedsTheTurnOfBothPanelsAndACovarianceToBeJudged) {
   EXPECT_TRUE(judge_deviations(inputs, {}).panels[0]->joints.empty());
 }
 
-}  // namespace
+}  // namespace record_test
 }  // namespace plumbline::judgement

@@ -19,7 +19,7 @@
 #include "building/judgement/worst_first.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace shapes_agreement_test {
 
 using plumbline::test::Cut;
 using plumbline::test::kDegree;
@@ -329,5 +329,5 @@ TEST(Agreement, OfEveryShapeInEveryCaseThatWasOnceSilent) {
   for (const int verdict : {1, 2, 3}) EXPECT_GT(seen[verdict], 0);
 }
 
-}  // namespace
+}  // namespace shapes_agreement_test
 }  // namespace plumbline::judgement

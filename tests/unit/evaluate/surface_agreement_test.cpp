@@ -15,7 +15,7 @@
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace surface_agreement_test {
 
 bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -164,5 +164,5 @@ TEST(SurfaceAgreement, ADoubtfulMeasurementShowsNoSurfaceToBeInOrderOrOutOfIt) {
   EXPECT_FALSE(says(out.at("page"), "Ready to install"));
 }
 
-}  // namespace
+}  // namespace surface_agreement_test
 }  // namespace plumbline::judgement

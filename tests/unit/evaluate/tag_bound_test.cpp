@@ -12,7 +12,7 @@
 #include "photo/block/image_plan.hpp"
 
 namespace plumbline::block {
-namespace {
+namespace tag_bound_test {
 
 /// Five plates on a facade in two batches, four convergent images, control on three of them with correlated heights.
 BoundProblem small_problem() {
@@ -290,5 +290,5 @@ TEST(ImagePlan, WhatTheDistortionFoldsBackIsNotInTheImage) {
   EXPECT_NEAR(plan.weak[0].coverage, without.weak[0].coverage, 1e-12);
 }
 
-}  // namespace
+}  // namespace tag_bound_test
 }  // namespace plumbline::block

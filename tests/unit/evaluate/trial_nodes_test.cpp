@@ -14,7 +14,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace trial_nodes_test {
 
 using testing::HasSubstr;
 
@@ -298,5 +298,5 @@ TEST(Lengths, OfOnePointThereIsNoneAndThatIsSaid) {
   EXPECT_THROW(elsewhere.run(), NodeFailed);
 }
 
-}  // namespace
+}  // namespace trial_nodes_test
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "building/ifc/doubt_words.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace trust_test {
 
 /// One failed test of a block whose observations are "images" and "control".
 Trust after(BlockTestKind kind, const char* test, double variance_factor) {
@@ -50,5 +50,5 @@ TEST(Trust, ATestThatFailsByNobodyKnowsHowMuchIsADoubt) {
   EXPECT_EQ(ifc::in_words(trust.doubts[0]), "the image block: it does not fit");
 }
 
-}  // namespace
+}  // namespace trust_test
 }  // namespace plumbline::judgement

@@ -10,7 +10,7 @@
 #include "geometry/random.hpp"
 
 namespace plumbline {
-namespace {
+namespace frame_graph_test {
 
 FrameLink link(const std::string& to, const std::string& from, double scale, bool plan_only, double tilt) {
   FrameLink l;
@@ -104,5 +104,5 @@ TEST(FrameGraph, TakesTheShortestWayAndNamesWhatCanBeReached) {
   }
 }
 
-}  // namespace
+}  // namespace frame_graph_test
 }  // namespace plumbline

@@ -14,7 +14,7 @@
 #include "survey/model/map_frame.hpp"
 
 namespace plumbline {
-namespace {
+namespace frame_nodes_test {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -269,5 +269,5 @@ TEST(FramesGraph, ASurveyInMapCoordinatesIsTheMap) {
   EXPECT_EQ(node.output<SiteFrames>("frames").links.size(), 1u);
 }
 
-}  // namespace
+}  // namespace frame_nodes_test
 }  // namespace plumbline

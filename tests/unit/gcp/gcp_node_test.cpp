@@ -10,7 +10,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline {
-namespace {
+namespace gcp_node_test {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -102,5 +102,5 @@ TEST_F(ReadGcp, NamesFileLineAndMend) {
   EXPECT_THAT(failure("EPSG:4326\n8.1 49.2 100 5 6 a.jpg P\n"), HasSubstr("in degrees"));
 }
 
-}  // namespace
+}  // namespace gcp_node_test
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 #include "geometry/geodesy/geoid.hpp"
 
 namespace plumbline::geodesy {
-namespace {
+namespace test_geoid {
 
 constexpr double kDegree = std::numbers::pi / 180, kSecond = kDegree / 3600;
 constexpr const char* kEgm96 = "/usr/share/proj/egm96_15.gtx";
@@ -96,5 +96,5 @@ TEST(Geoid, OfConstantsIsAPlane) {
   EXPECT_TRUE(geoid.has_deflection());
 }
 
-}  // namespace
+}  // namespace test_geoid
 }  // namespace plumbline::geodesy

@@ -6,7 +6,7 @@
 #include "geometry/geodesy/map_projection.hpp"
 
 namespace plumbline::geodesy {
-namespace {
+namespace test_map_projection {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -77,5 +77,5 @@ TEST(MapProjection, RefusesWhatIsNoMap) {
   EXPECT_THROW(equal_area.factors({4800000, 3200000}), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_map_projection
 }  // namespace plumbline::geodesy

@@ -6,7 +6,7 @@
 #include "runtime/graph/pipeline_file.hpp"
 #include "test_support.hpp"
 
-namespace {
+namespace test_graph {
 
 using namespace plumbline::runtime;
 using plumbline::test::TemporaryFolder;
@@ -328,4 +328,4 @@ TEST_F(GraphTest, AFileOfManyMegabytesIsNoPipeline) {
   EXPECT_THAT(problems("plumbline: 1\ninclude: big.yaml\n"), HasSubstr("big.yaml: has 112 MiB"));
 }
 
-}  // namespace
+}  // namespace test_graph

@@ -17,7 +17,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_grey_image {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -318,5 +318,5 @@ TEST(GreyRows, NameAFileThatEndsEarlyOrIsMissing) {
   EXPECT_THAT(failure([&] { open_grey_rows(folder.path()); }), HasSubstr("is not a file"));
 }
 
-}  // namespace
+}  // namespace test_grey_image
 }  // namespace plumbline

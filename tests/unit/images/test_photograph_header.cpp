@@ -11,7 +11,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_photograph_header {
 
 std::string message_of(const std::filesystem::path& path) {
   try {
@@ -155,5 +155,5 @@ TEST_F(PhotographHeaderTest, ThreadsDoNotDisturbEachOther) {
   EXPECT_EQ(wrong, 0);
 }
 
-}  // namespace
+}  // namespace test_photograph_header
 }  // namespace plumbline

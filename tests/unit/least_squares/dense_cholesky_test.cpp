@@ -8,7 +8,7 @@
 
 #include "geometry/random.hpp"
 
-namespace {
+namespace dense_cholesky_test {
 
 using namespace plumbline;
 
@@ -55,4 +55,4 @@ TEST(Cholesky, RefusesWhatIsNotPositiveDefinite) {
   }
 }
 
-}  // namespace
+}  // namespace dense_cholesky_test

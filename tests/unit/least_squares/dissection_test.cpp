@@ -10,7 +10,7 @@
 #include "least_squares/sparse/selected_inverse.hpp"
 #include "least_squares/sparse/separator.hpp"
 
-namespace {
+namespace dissection_test {
 
 using namespace plumbline;
 using namespace plumbline::least_squares;
@@ -165,4 +165,4 @@ TEST(Dissection, ItsFactorIsExact) {
     EXPECT_NEAR(diagonal[unknowns[k]] / columns(unknowns[k], static_cast<Eigen::Index>(k)), 1, 1e-12);
 }
 
-}  // namespace
+}  // namespace dissection_test

@@ -10,7 +10,7 @@
 #include "least_squares/sparse/selected_inverse.hpp"
 #include "plumbline/stop.hpp"
 
-namespace {
+namespace sparse_cholesky_test {
 
 using namespace plumbline;
 using namespace plumbline::least_squares;
@@ -335,4 +335,4 @@ TEST(SparseCholesky, CanBeStopped) {
   EXPECT_THROW(factor.solve(Eigen::VectorXd::Ones(60)), Stopped);
 }
 
-}  // namespace
+}  // namespace sparse_cholesky_test

@@ -9,7 +9,7 @@
 #include "geometry/similarity.hpp"
 
 namespace plumbline::linear_algebra {
-namespace {
+namespace test_decompositions {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
@@ -122,5 +122,5 @@ TEST(ShortestRotation, OfOppositeDirectionsIsHalfATurnAcrossThem) {
   }
 }
 
-}  // namespace
+}  // namespace test_decompositions
 }  // namespace plumbline::linear_algebra

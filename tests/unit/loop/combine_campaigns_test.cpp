@@ -9,7 +9,7 @@
 #include "geometry/statistics.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace combine_campaigns_test {
 
 constexpr CombineOptions kNoDrift{0, 1e-3, 1e-6};
 
@@ -252,5 +252,5 @@ TEST(CombineCampaigns, FollowsABuildingThatSinks) {
   }
 }
 
-}  // namespace
+}  // namespace combine_campaigns_test
 }  // namespace plumbline::loop

@@ -17,7 +17,7 @@
 #include "loop/exchange/order_exchange.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace exchange_test {
 
 using json = nlohmann::ordered_json;
 
@@ -406,5 +406,5 @@ TEST(ExchangeFolder, LinesOutliveAKillAndOneProgramWorksAtATime) {
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace
+}  // namespace exchange_test
 }  // namespace plumbline::loop

@@ -8,7 +8,7 @@
 #include "loop/fit/plan_settings.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace facade_input_test {
 
 struct Input {
   DeviationT deviation;
@@ -202,5 +202,5 @@ TEST(FacadeInput, EdgesOfAJointReachAsFarAsBothPanels) {
   EXPECT_EQ(above.side_of_b, Side::bottom);
 }
 
-}  // namespace
+}  // namespace facade_input_test
 }  // namespace plumbline::loop

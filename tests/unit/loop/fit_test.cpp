@@ -11,7 +11,7 @@
 #include "random_facade.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace fit_test {
 
 using test::random_facade;
 
@@ -511,5 +511,5 @@ TEST(Fit, TheSameBitsEachTime) {
   for (std::size_t i = 0; i < a.settings.size(); ++i) EXPECT_EQ(a.settings[i], b.settings[i]);
 }
 
-}  // namespace
+}  // namespace fit_test
 }  // namespace plumbline::loop

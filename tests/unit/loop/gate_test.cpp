@@ -10,7 +10,7 @@
 #include "random_facade.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace gate_test {
 
 using test::random_facade;
 
@@ -298,5 +298,5 @@ TEST(StationError, ItsCovarianceIsThatOfWhereThingsStand) {
   EXPECT_THROW(nearest_station({}, point), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace gate_test
 }  // namespace plumbline::loop

@@ -8,7 +8,7 @@
 #include "geometry/random.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace inside_probability_test {
 
 double by_sampling(const Eigen::VectorXd& mean, const Eigen::MatrixXd& root, const Eigen::VectorXd& low,
                    const Eigen::VectorXd& high, int samples, std::uint64_t seed) {
@@ -86,5 +86,5 @@ TEST(InsideProbability, TheQuantileInvertsPhi) {
     EXPECT_NEAR(normal_below(normal_quantile(p)), p, 1e-14);
 }
 
-}  // namespace
+}  // namespace inside_probability_test
 }  // namespace plumbline::loop

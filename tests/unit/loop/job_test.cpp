@@ -25,7 +25,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace job_test {
 
 using nlohmann::json;
 
@@ -532,5 +532,5 @@ TEST(Actuals, WhatIsNoFileOfReportsIsSaid) {
   EXPECT_NE(words(R"({"jobId": "1", "items": []})").find("is a job"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace job_test
 }  // namespace plumbline::loop

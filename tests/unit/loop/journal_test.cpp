@@ -9,7 +9,7 @@
 #include <set>
 
 namespace plumbline::loop {
-namespace {
+namespace journal_test {
 
 namespace fs = std::filesystem;
 
@@ -98,5 +98,5 @@ TEST_F(Journal, AFolderThatIsNotThereIsNamed) {
   }
 }
 
-}  // namespace
+}  // namespace journal_test
 }  // namespace plumbline::loop

@@ -5,7 +5,7 @@
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace machine_test {
 
 using namespace test;
 
@@ -377,5 +377,5 @@ TEST(Machine, SmallMovementsOfWhatIsVerifiedAddUp) {
   EXPECT_EQ(item(state, "b0").status, ItemStatus::rejected);
 }
 
-}  // namespace
+}  // namespace machine_test
 }  // namespace plumbline::loop

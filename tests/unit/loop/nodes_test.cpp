@@ -16,7 +16,7 @@
 #include "node_harness.hpp"
 #include "random_facade.hpp"
 
-namespace {
+namespace nodes_test {
 
 using namespace plumbline;
 using namespace plumbline::loop;
@@ -157,4 +157,4 @@ TEST(Robots, WhatCannotBeCarriedOutIsSaidWithItsCode) {
   EXPECT_NE(away.said.find("start again with the same words to go on"), std::string::npos) << away.said;
 }
 
-}  // namespace
+}  // namespace nodes_test

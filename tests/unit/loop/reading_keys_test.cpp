@@ -10,7 +10,7 @@
 #include "geometry/random.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace reading_keys_test {
 
 /// `n` sightings of other points from each of two set-ups; angles as an instrument shows them, to 0.1 mgon.
 SurveyObservationsT campaign(int n, std::uint64_t seed) {
@@ -90,5 +90,5 @@ TEST(ReadingKeys, CoordinatesOfASetUpAreReadingsToo) {
   EXPECT_EQ(repeated_readings(reading_keys(tuesday), hashes(monday)).count, 4u);
 }
 
-}  // namespace
+}  // namespace reading_keys_test
 }  // namespace plumbline::loop

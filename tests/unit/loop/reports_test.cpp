@@ -10,7 +10,7 @@
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace reports_test {
 
 using namespace test;
 
@@ -259,5 +259,5 @@ TEST(SettingScatter, AStationThatIsOffAsAWholeIsNotHowItSets) {
   EXPECT_TRUE(setting_scatter(state, plan, "").stations.empty());
 }
 
-}  // namespace
+}  // namespace reports_test
 }  // namespace plumbline::loop

@@ -9,7 +9,7 @@
 #include "random_facade.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace rounds_estimate_test {
 
 using test::random_facade;
 
@@ -150,5 +150,5 @@ TEST(RoundsEstimate, WhatIsReadFromACampaignBeforeWasNotMeasuredSince) {
   EXPECT_EQ(once_more.estimate->campaigns, rounds.estimate->campaigns);
 }
 
-}  // namespace
+}  // namespace rounds_estimate_test
 }  // namespace plumbline::loop

@@ -8,7 +8,7 @@
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace rounds_test {
 
 using namespace test;
 
@@ -653,5 +653,5 @@ TEST(Rounds, WhatABracketHasUsedOfItsRangeIsWhatWasMeasured) {
   EXPECT_NEAR(item(state, "b0").setting.y(), 0.005, 1e-9);
 }
 
-}  // namespace
+}  // namespace rounds_test
 }  // namespace plumbline::loop

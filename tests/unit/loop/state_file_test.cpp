@@ -9,7 +9,7 @@
 #include "two_floors.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace state_file_test {
 
 using namespace test;
 
@@ -107,5 +107,5 @@ TEST(StateFile, AnItemStandsWhereItsJournalSays) {
   EXPECT_NE(error_of(state_json(state)).find("line 2 of its journal"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace state_file_test
 }  // namespace plumbline::loop

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace plumbline::loop {
-namespace {
+namespace trial_test {
 
 TEST(Trial, NothingWrongBecomesVerifiedAmongFaultsOfAllKinds) {
   SiteOptions options;
@@ -29,5 +29,5 @@ TEST(Trial, NothingWrongBecomesVerifiedAmongFaultsOfAllKinds) {
   EXPECT_GT(verified, stated / 2);
 }
 
-}  // namespace
+}  // namespace trial_test
 }  // namespace plumbline::loop

@@ -17,7 +17,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::loop {
-namespace {
+namespace vda5050_test {
 
 using nlohmann::json;
 
@@ -332,5 +332,5 @@ TEST(Vda5050, TheQuestionForAStateIsValid) {
   }
 }
 
-}  // namespace
+}  // namespace vda5050_test
 }  // namespace plumbline::loop

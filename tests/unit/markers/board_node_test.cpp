@@ -11,7 +11,7 @@
 #include "scene.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace board_node_test {
 
 using testing::HasSubstr;
 using testing::Not;
@@ -141,5 +141,5 @@ TEST(ReadImages, NamesALinkToNothing) {
   }
 }
 
-}  // namespace
+}  // namespace board_node_test
 }  // namespace plumbline::markers

@@ -15,7 +15,7 @@
 #include "scene.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace calibrate_nodes_test {
 
 using testing::Contains;
 using testing::HasSubstr;
@@ -428,5 +428,5 @@ TEST(MarkerBoard, ChanceTagsOfAWrongFamilyAreRefused) {
   EXPECT_THAT(failure(2, 2), Not(HasSubstr("no tag of the family")));
 }
 
-}  // namespace
+}  // namespace calibrate_nodes_test
 }  // namespace plumbline::markers

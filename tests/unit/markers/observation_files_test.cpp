@@ -8,7 +8,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace observation_files_test {
 
 using testing::AllOf;
 using testing::HasSubstr;
@@ -105,5 +105,5 @@ TEST(ObservationFiles, TheInsetThatADetectorStatesIsReadBack) {
               AllOf(HasSubstr("image 'a.jpg'"), HasSubstr("corner_inset_sigma is -0.1, expected are 0 to 10 px")));
 }
 
-}  // namespace
+}  // namespace observation_files_test
 }  // namespace plumbline::test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 namespace plumbline::markers {
-namespace {
+namespace photograph_groups_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -183,5 +183,5 @@ TEST(PhotographGroups, CamerasStartFromExifAndHaveNamesOfTheirOwn) {
   EXPECT_FALSE(cameras[3].pixel_pitch > 0) << "EXIF does not say the focal length";
 }
 
-}  // namespace
+}  // namespace photograph_groups_test
 }  // namespace plumbline::markers

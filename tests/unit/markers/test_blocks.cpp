@@ -19,7 +19,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_blocks {
 
 using testing::HasSubstr;
 
@@ -582,5 +582,5 @@ TEST(MarkerBlock, TagsThatStandElsewhereFromPhotographToPhotographAreSuspected) 
   }
 }
 
-}  // namespace
+}  // namespace test_blocks
 }  // namespace plumbline::markers

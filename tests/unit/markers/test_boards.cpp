@@ -15,7 +15,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_boards {
 
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -450,5 +450,5 @@ TEST(Rig, LeavesOutWhatWasNotTakenTogetherAndRefusesAWrongGrouping) {
   EXPECT_THAT(rigs[0].refused, HasSubstr("were not taken together"));
 }
 
-}  // namespace
+}  // namespace test_boards
 }  // namespace plumbline

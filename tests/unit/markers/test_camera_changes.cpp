@@ -11,7 +11,7 @@
 #include "scene.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_camera_changes {
 
 using testing::HasSubstr;
 
@@ -563,5 +563,5 @@ TEST(CameraChanges, EveryScatterHasItsWords) {
   EXPECT_NE(in_words(empirical, {{Strengths::place, 1}}), "");
 }
 
-}  // namespace
+}  // namespace test_camera_changes
 }  // namespace plumbline::markers

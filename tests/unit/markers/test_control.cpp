@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_control {
 
 using testing::HasSubstr;
 
@@ -240,5 +240,5 @@ TEST(ControlBlock, SaysWhenNamesDoNotMatch) {
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("at least 3 are needed")));
 }
 
-}  // namespace
+}  // namespace test_control
 }  // namespace plumbline::markers

@@ -20,7 +20,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_files {
 
 using testing::HasSubstr;
 
@@ -617,5 +617,5 @@ TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
   EXPECT_THAT(message_of([] { markers::read_colmap("/nowhere"); }), HasSubstr("no COLMAP model"));
 }
 
-}  // namespace
+}  // namespace test_files
 }  // namespace plumbline

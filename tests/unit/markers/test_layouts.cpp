@@ -11,7 +11,7 @@
 #include "scene.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_layouts {
 
 using testing::HasSubstr;
 
@@ -199,5 +199,5 @@ TEST(RearrangedTags, OneThatWasMovedIsNotAll) {
   EXPECT_EQ(rearranged_tags(only(s, {0, 5}).block), "") << "of one pair there is nothing to compare";
 }
 
-}  // namespace
+}  // namespace test_layouts
 }  // namespace plumbline::markers

@@ -9,7 +9,7 @@
 #include "scene.hpp"
 
 namespace plumbline::markers {
-namespace {
+namespace test_photograph_blocks {
 
 constexpr double kSize = 0.12;  // of a tag [m]
 constexpr int kWidth = 800, kHeight = 640;
@@ -120,5 +120,5 @@ TEST(PhotographsDrawnApart, GiveLengthsWithinWhatIsStated) {
   EXPECT_GT(squares / count, 0.1) << "stated far too large";
 }
 
-}  // namespace
+}  // namespace test_photograph_blocks
 }  // namespace plumbline::markers

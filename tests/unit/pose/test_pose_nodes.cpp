@@ -9,7 +9,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_pose_nodes {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -238,5 +238,5 @@ TEST_P(PoseNodes, CountCornersAndGiveACovariance) {
 INSTANTIATE_TEST_SUITE_P(Kinds, PoseNodes, testing::Values("pose.opengv", "pose.opencv", "pose.lambda_twist"),
                          [](const auto& test) { return test.param.substr(5); });
 
-}  // namespace
+}  // namespace test_pose_nodes
 }  // namespace plumbline

@@ -11,7 +11,7 @@
 #include "place/pose/opengv_solvers.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_raw_pose {
 
 struct Scene {
   BrownCamera camera;
@@ -130,5 +130,5 @@ TEST(LambdaTwist, OfPointsOnALineHasNoPose) {
   EXPECT_TRUE(pose::lambda_twist({a, b, c}, {a.normalized(), b.normalized(), c.normalized()}).empty());
 }
 
-}  // namespace
+}  // namespace test_raw_pose
 }  // namespace plumbline

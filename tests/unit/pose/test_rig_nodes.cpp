@@ -9,7 +9,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_rig_nodes {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -224,5 +224,5 @@ TEST(RigPoses, RefusePhotographsThatTheRigDoesNotExplain) {
   EXPECT_THAT(failure_of(twice), HasSubstr("left/1.jpg and left/b_1.jpg are both of one camera at moment 1"));
 }
 
-}  // namespace
+}  // namespace test_rig_nodes
 }  // namespace plumbline

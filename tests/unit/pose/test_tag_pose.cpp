@@ -20,7 +20,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_tag_pose {
 
 using test::Random;
 
@@ -542,5 +542,5 @@ TEST(TagPose, RefusesAnUnknownSolverByListingTheKnown) {
   }
 }
 
-}  // namespace
+}  // namespace test_tag_pose
 }  // namespace plumbline

@@ -7,7 +7,7 @@
 #include "geometry/triangulation.hpp"
 #include "synthetic_facade.hpp"
 
-namespace {
+namespace test_triangulation {
 
 using namespace plumbline;
 
@@ -147,4 +147,4 @@ TEST(Triangulation, AngularReachesTheBoundAndMidpointDoesNot) {
   EXPECT_GT(error[1], 1.3 * bound.trace());
 }
 
-}  // namespace
+}  // namespace test_triangulation

@@ -6,7 +6,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_register_node {
 
 using test::NodeFailed;
 using test::NodeHarness;
@@ -149,5 +149,5 @@ TEST(RegisterRigid, RefusesTwoPointsOfOneName) {
   EXPECT_THAT(failure_of(node), HasSubstr("two points named " + source.points[0]->id));
 }
 
-}  // namespace
+}  // namespace test_register_node
 }  // namespace plumbline

@@ -10,7 +10,7 @@
 #include "control/registration/rigid_registration.hpp"
 
 namespace plumbline::registration {
-namespace {
+namespace test_rigid_registration {
 
 using testing::HasSubstr;
 
@@ -266,5 +266,5 @@ TEST(Registration, RefusesTooFewCoincidentAndErrorFreePoints) {
   EXPECT_THAT(failure_of(c, {.weighting = Weighting::covariance}), HasSubstr("singular"));
 }
 
-}  // namespace
+}  // namespace test_rigid_registration
 }  // namespace plumbline::registration

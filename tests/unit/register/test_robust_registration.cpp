@@ -7,7 +7,7 @@
 #include "control/registration/robust_registration.hpp"
 #include "geometry/random.hpp"
 
-namespace {
+namespace test_robust_registration {
 
 using namespace plumbline;
 using namespace plumbline::registration;
@@ -152,4 +152,4 @@ TEST(Robust, CovarianceIsNotThatOfTheWeights) {
   EXPECT_NEAR(sum / trials, 1, 0.25);
 }
 
-}  // namespace
+}  // namespace test_robust_registration

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace plumbline::report {
-namespace {
+namespace anchor_names_test {
 
 AccuracyT anchors(const std::vector<std::tuple<std::string, int, int>>& rows) {
   AccuracyT accuracy;
@@ -47,5 +47,5 @@ TEST(AnchorNames, NamesWithoutAnySystem) {
             (Names{{1, "column 1"}, {2, "column 2"}}));
 }
 
-}  // namespace
+}  // namespace anchor_names_test
 }  // namespace plumbline::report

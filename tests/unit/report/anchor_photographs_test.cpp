@@ -10,7 +10,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace anchor_photographs_test {
 
 constexpr int kWidth = 900, kHeight = 600;
 
@@ -137,5 +137,5 @@ TEST(AnchorPhotographs, AnAnchorThatCannotBeCutOutIsListedWithTheReason) {
   EXPECT_EQ(found.not_cut.at("A"), "near.jpg has 900 × 600 pixels, and its marker was detected outside of them");
 }
 
-}  // namespace
+}  // namespace anchor_photographs_test
 }  // namespace plumbline::report

@@ -10,7 +10,7 @@
 #include "synthetic_facade.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace block_pages_test {
 
 using test::NodeHarness;
 using testing::HasSubstr;
@@ -118,5 +118,5 @@ TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
   EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace block_pages_test
 }  // namespace plumbline::report

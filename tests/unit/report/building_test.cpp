@@ -14,7 +14,7 @@
 #include "show/report/summary.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace building_test {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -184,5 +184,5 @@ TEST(Building, ThousandsOfRowsAreNotPrinted) {
   EXPECT_TRUE(contains(html, "sheets.html has all, a sheet for each facade and floor"));
 }
 
-}  // namespace
+}  // namespace building_test
 }  // namespace plumbline::report

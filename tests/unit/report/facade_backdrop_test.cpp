@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 namespace plumbline::report {
-namespace {
+namespace facade_backdrop_test {
 
 const std::map<std::string, std::string> kFolder = {
     {"facades.csv",
@@ -86,5 +86,5 @@ TEST(FacadeBackdrop, PanelsAreColouredAndThoseNotMeasuredAreGrey) {
   EXPECT_FALSE(draw_heat(other, surfaces, {{1, 0, 0}, {10, 20, 5}}, drawn));
 }
 
-}  // namespace
+}  // namespace facade_backdrop_test
 }  // namespace plumbline::report

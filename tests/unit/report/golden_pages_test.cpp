@@ -16,7 +16,7 @@
 #include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace golden_pages_test {
 
 /// Numbers with a decimal point to five significant digits: what another compiler may round otherwise is not held.
 std::string with_few_digits(const std::string& text) {
@@ -170,5 +170,5 @@ TEST(GoldenPages, Epochs) {
   expect_page("epochs", render_page("t", [&](Markup& html) { write_epochs(html, c); }));
 }
 
-}  // namespace
+}  // namespace golden_pages_test
 }  // namespace plumbline::report

@@ -14,7 +14,7 @@
 #include "spoken_pages.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace inches_test {
 
 using test::full_example;
 using test::numbers_of;
@@ -216,5 +216,5 @@ TEST(Inches, WhatIsToBeSetHasAFractionToo) {
             "Versetzen oder unterlegen: 1,438\u00A0Zoll (1-7/16) nach außen, 0,098\u00A0Zoll (3/32) nach oben.");
 }
 
-}  // namespace
+}  // namespace inches_test
 }  // namespace plumbline::report

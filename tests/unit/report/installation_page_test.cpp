@@ -6,7 +6,7 @@
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace installation_page_test {
 
 std::string next_of(const InstallationPlanT& plan, const LoopStateT& state) {
   return render_page("Loop", [&](Markup& html) { write_next(html, plan, state, {}); });
@@ -66,5 +66,5 @@ TEST(InstallationPage, WhoeverIsToSeeAPanelHangIsCounted) {
   EXPECT_NE(next_of({}, state).find("1\u00A0item waits"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace installation_page_test
 }  // namespace plumbline::report

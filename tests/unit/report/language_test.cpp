@@ -20,7 +20,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace language_test {
 
 using test::full_example;
 using test::numbers_of;
@@ -389,5 +389,5 @@ TEST(German, EnglishIsAsItWas) {
   EXPECT_EQ(spoken("Measure it."), "Measure it.");
 }
 
-}  // namespace
+}  // namespace language_test
 }  // namespace plumbline::report

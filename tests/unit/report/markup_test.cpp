@@ -10,7 +10,7 @@
 #include "show/report/plot.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace markup_test {
 
 TEST(Markup, EscapesTextAndAttributes) {
   Markup m;
@@ -86,5 +86,5 @@ TEST(ImageBlockPage, ShowsSurveyedPointsWithWhatWasWithheldAndEveryRejection) {
   EXPECT_NE(page.find("<td>41</td>"), std::string::npos) << "the photograph's largest angle";
 }
 
-}  // namespace
+}  // namespace markup_test
 }  // namespace plumbline::report

@@ -5,7 +5,7 @@
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace network_page_test {
 
 SurveyNetworkT small_network() {
   SurveyNetworkT network;
@@ -162,5 +162,5 @@ TEST(NetworkPage, SetUpsValuesAndSuspects) {
     EXPECT_NE(html.find(words), std::string::npos) << words;
 }
 
-}  // namespace
+}  // namespace network_page_test
 }  // namespace plumbline::report

@@ -20,7 +20,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace report_test {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -462,5 +462,5 @@ TEST(Report, SurvivesUnknownUncertainty) {
   EXPECT_FALSE(contains(render_report(input), "\"nan"));
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace plumbline::report

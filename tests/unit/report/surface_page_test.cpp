@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace plumbline::report {
-namespace {
+namespace surface_page_test {
 
 std::unique_ptr<PanelSurfaceFiguresT> panel_at(const std::string& name, double u, const Eigen::Vector3d& out) {
   auto panel = std::make_unique<PanelSurfaceFiguresT>();
@@ -55,5 +55,5 @@ TEST(SurfacePage, ShowsFacadesApartAndWhatWasNotMeasured) {
   EXPECT_EQ(count("nan"), 0) << "no step where a panel was not measured";
 }
 
-}  // namespace
+}  // namespace surface_page_test
 }  // namespace plumbline::report

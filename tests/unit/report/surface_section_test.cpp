@@ -7,7 +7,7 @@
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace surface_section_test {
 
 std::unique_ptr<SurfaceVerdictT> verdict(const std::string& panel, double value, ToleranceVerdict is) {
   auto v = std::make_unique<SurfaceVerdictT>();
@@ -51,5 +51,5 @@ TEST(SurfaceSection, StandsOnTheReportIfThereAreSurfaces) {
   EXPECT_NE(render_report(input).find("Verdicts on surfaces and joints"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace surface_section_test
 }  // namespace plumbline::report

@@ -6,7 +6,7 @@
 #include "show/report/sections.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace survey_sections_test {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -93,5 +93,5 @@ TEST(SurveySections, AnEmptyPlanIsStillAPage) {
   EXPECT_NO_THROW(page([](Markup& m) { write_control_check(m, {}); }));
 }
 
-}  // namespace
+}  // namespace survey_sections_test
 }  // namespace plumbline::report

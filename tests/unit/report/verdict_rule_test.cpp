@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace verdict_rule_test {
 
 using judgement::conformance;
 using judgement::Conformance;
@@ -115,5 +115,5 @@ TEST(VerdictRule, IsAJudgementAtThatTolerance) {
     EXPECT_GT(verdicts[static_cast<int>(one)], 0);
 }
 
-}  // namespace
+}  // namespace verdict_rule_test
 }  // namespace plumbline::report

@@ -17,7 +17,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::report {
-namespace {
+namespace workbook_test {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -138,5 +138,5 @@ TEST(Workbook, AnotherProgramReadsItBack) {
   }
 }
 
-}  // namespace
+}  // namespace workbook_test
 }  // namespace plumbline::report

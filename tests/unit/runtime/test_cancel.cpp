@@ -4,7 +4,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_cancel {
 
 namespace fs = std::filesystem;
 
@@ -77,5 +77,5 @@ TEST(Cancel, WakesThoseWhoWaitForMemory) {
   person.join();
 }
 
-}  // namespace
+}  // namespace test_cancel
 }  // namespace plumbline::test

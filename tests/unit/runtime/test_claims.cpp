@@ -9,7 +9,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_claims {
 
 namespace fs = std::filesystem;
 
@@ -112,5 +112,5 @@ TEST(Claims, AResultThatASharedFolderShowsLateIsTakenOver) {
   EXPECT_EQ(story.status("a"), "reused");
 }
 
-}  // namespace
+}  // namespace test_claims
 }  // namespace plumbline::test

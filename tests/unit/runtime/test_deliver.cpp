@@ -10,7 +10,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_deliver {
 
 namespace fs = std::filesystem;
 
@@ -400,5 +400,5 @@ TEST(Deliver, WhatTheProgramDidNotWriteIsStillThere) {
   }
 }
 
-}  // namespace
+}  // namespace test_deliver
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_edges {
 
 double value_of(Story& story, const std::string& node, const std::string& port) {
   const std::string hash = story.node(node).outputs.at(port).at(0);
@@ -50,5 +50,5 @@ TEST(Edges, ARecordNamesAllOfThem) {
   EXPECT_EQ(nlohmann::json::parse(line)["connections"]["numbers"], "a.numbers, b.number");
 }
 
-}  // namespace
+}  // namespace test_edges
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_execute {
 
 const std::string wide =
     "s: {use: story.series, with: {values: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]}}\n"
@@ -242,5 +242,5 @@ TEST(Execute, AFailureHasAKind) {
   EXPECT_FALSE(both.run().not_converged()) << "the other one needs another mend";
 }
 
-}  // namespace
+}  // namespace test_execute
 }  // namespace plumbline::test

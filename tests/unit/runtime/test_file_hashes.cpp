@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_file_hashes {
 
 using runtime::FileHashes;
 using runtime::sha256_of_file;
@@ -90,5 +90,5 @@ TEST(FileHashes, ReadsAllAgainIfTheMemoryIsDistrusted) {
   EXPECT_EQ(hashes.of_file(file), hash);
 }
 
-}  // namespace
+}  // namespace test_file_hashes
 }  // namespace plumbline::test

@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_folder_files {
 
 namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
@@ -112,5 +112,5 @@ TEST(SystemFile, IsToldByItsName) {
     EXPECT_FALSE(is_system_file(name)) << name;
 }
 
-}  // namespace
+}  // namespace test_folder_files
 }  // namespace plumbline::test

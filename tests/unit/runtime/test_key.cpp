@@ -2,7 +2,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_key {
 
 TEST(Key, FieldsCannotRunIntoEachOther) {
   EXPECT_NE(runtime::key_of({{"a", "b"}, {"c", "d"}}), runtime::key_of({{"a", "bc"}, {"", "d"}}));
@@ -34,5 +34,5 @@ TEST(Key, ChangesAreNamedInShort) {
       (std::vector<std::string>{"new: new, 2", "old: no longer there, was 1", "x: aaaaaaaaaaaa -> bbbbbbbbbbbb"}));
 }
 
-}  // namespace
+}  // namespace test_key
 }  // namespace plumbline::test

@@ -1,7 +1,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_plan {
 
 /// "run a: reason", one line a node.
 std::string tell(const Story& story, const std::vector<runtime::PlannedNode>& planned) {
@@ -67,5 +67,5 @@ TEST(Plan, RunsNothing) {
   EXPECT_TRUE(std::filesystem::is_empty(story.folder.path() / "store" / "runs"));
 }
 
-}  // namespace
+}  // namespace test_plan
 }  // namespace plumbline::test

@@ -14,7 +14,7 @@
 extern "C" int nameless(), unsigned_by_the_linker();
 
 namespace plumbline::test {
-namespace {
+namespace test_programs {
 
 namespace fs = std::filesystem;
 
@@ -123,5 +123,5 @@ TEST(Libraries, WhatOnlyFetchesOrShowsIsNoPartOfKeys) {
   for (const char* name : {"libcurl-gnutls", "libgnutls", "libssh2", "libkrb5"}) EXPECT_FALSE(counts.at(name)) << name;
 }
 
-}  // namespace
+}  // namespace test_programs
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_record {
 
 TEST(Record, TellsWhatRan) {
   Story story("x: {use: story.throws}\ny: {use: story.add, in: {a: x.number}}\na: {use: story.constant}",
@@ -68,5 +68,5 @@ TEST(JsonText, IsWhatAParserReadsBack) {
   EXPECT_TRUE(read["empty"].empty());
 }
 
-}  // namespace
+}  // namespace test_record
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_references {
 
 namespace fs = std::filesystem;
 
@@ -97,5 +97,5 @@ TEST_F(References, AFolderThatANodeMakesIsNamedByItsContent) {
   EXPECT_EQ(folders, 1u);
 }
 
-}  // namespace
+}  // namespace test_references
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_reuse {
 
 TEST(Reuse, SecondRunExecutesNothing) {
   Story story(small_chain);
@@ -230,5 +230,5 @@ TEST(Reuse, AFolderThatWasChangedIsMadeAgain) {
     EXPECT_EQ(read_file(entry.path() / "a.txt"), "hello");
 }
 
-}  // namespace
+}  // namespace test_reuse
 }  // namespace plumbline::test

@@ -2,7 +2,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_role_expansion {
 
 double value_of(Story& story, const std::string& node, const std::string& port) {
   const std::string hash = story.node(node).outputs.at(port).at(0);
@@ -96,5 +96,5 @@ TEST(RoleExpansion, ANodeThatTakesOneRunsForEachItem) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_role_expansion
 }  // namespace plumbline::test

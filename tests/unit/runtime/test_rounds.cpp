@@ -5,7 +5,7 @@
 #include "story.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_rounds {
 
 using runtime::NodeStatus;
 using testing::ElementsAre;
@@ -244,5 +244,5 @@ TEST(Rounds, AllThatIsCarriedIsOfTheRoundBefore) {
   EXPECT_EQ(story.value("young", "sum"), 55) << "Fibonacci's 1, 1, 2, 3, 5, 8, 13, 21, 34, 55";
 }
 
-}  // namespace
+}  // namespace test_rounds
 }  // namespace plumbline::test

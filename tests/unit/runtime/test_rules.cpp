@@ -10,7 +10,7 @@
 #include "runtime/plugins/artifact_type.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_rules {
 
 template <typename Table>
 flatbuffers::FlatBufferBuilder packed(const typename artifact_traits<Table>::Native& native) {
@@ -109,5 +109,5 @@ TEST(ArtifactRules, AnObjectThatLacksOneIsWrittenAndRefused) {
   EXPECT_EQ(broken<Folder>(folder), "") << "texts that are left out are empty ones";
 }
 
-}  // namespace
+}  // namespace test_rules
 }  // namespace plumbline::test

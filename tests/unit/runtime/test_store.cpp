@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_store {
 
 using runtime::Store;
 using runtime::StoredRun;
@@ -406,5 +406,5 @@ TEST(Store, TemporaryNamesOfTwoStoresOfOneProcessNumberDiffer) {
   EXPECT_NE(drawn(first), drawn(second));
 }
 
-}  // namespace
+}  // namespace test_store
 }  // namespace plumbline::test

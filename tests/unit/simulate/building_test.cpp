@@ -6,7 +6,7 @@
 #include <set>
 
 namespace plumbline::simulate {
-namespace {
+namespace building_test {
 
 TEST(Building, StandsOnTheGridOfTable1) {
   for (int floors = 1; floors <= 5; ++floors) {
@@ -100,5 +100,5 @@ TEST(Building, RefusesWhatCannotBeBuilt) {
   EXPECT_THROW(make_building({.tag_size = 1.5}, 1), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace building_test
 }  // namespace plumbline::simulate

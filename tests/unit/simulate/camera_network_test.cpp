@@ -8,7 +8,7 @@
 #include "camera.hpp"
 
 namespace plumbline::simulate {
-namespace {
+namespace camera_network_test {
 
 TEST(CameraNetwork, EveryImageSeesFourTagsAndAdjacentFloorsAreLinked) {
   for (const std::string& name : camera_profile_names()) {
@@ -157,5 +157,5 @@ TEST(LookAt, PutsTheTargetInTheMiddleAndUpUp) {
   EXPECT_GT((pose.rotation * Eigen::Vector3d::UnitX()).x(), 0);  // right is right
 }
 
-}  // namespace
+}  // namespace camera_network_test
 }  // namespace plumbline::simulate

@@ -17,7 +17,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::simulate {
-namespace {
+namespace campaign_test {
 
 namespace fs = std::filesystem;
 
@@ -214,5 +214,5 @@ TEST(SimulatedCampaign, StopsWhenAsked) {
                std::runtime_error);
 }
 
-}  // namespace
+}  // namespace campaign_test
 }  // namespace plumbline::simulate

@@ -4,7 +4,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace nodes_test {
 
 using testing::HasSubstr;
 
@@ -36,5 +36,5 @@ TEST(SimulatorNodes, RefuseWhatOnlyRenderedPhotographsHave) {
   EXPECT_EQ(refusal("simulate.observations", {{"floors", "1"}, {"optics", "real"}, {"plate_bend", "0.001"}}), "");
 }
 
-}  // namespace
+}  // namespace nodes_test
 }  // namespace plumbline::test

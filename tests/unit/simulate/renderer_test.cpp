@@ -12,7 +12,7 @@
 #include "plate_raster.hpp"
 
 namespace plumbline::simulate {
-namespace {
+namespace renderer_test {
 
 /// The demo camera at two fifths of its resolution: the same view in a sixth of the time.
 SimulatedCamera small_camera(std::uint64_t seed) {
@@ -357,5 +357,5 @@ TEST(TagModules, RefusesIdsTheFamilyLacks) {
   EXPECT_THROW(tag_modules(-1), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace renderer_test
 }  // namespace plumbline::simulate

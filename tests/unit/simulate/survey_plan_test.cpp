@@ -12,7 +12,7 @@
 #include "survey/model/instrument_profile.hpp"
 
 namespace plumbline::simulate {
-namespace {
+namespace survey_plan_test {
 
 constexpr double kPi = std::numbers::pi;
 
@@ -172,5 +172,5 @@ TEST(Instrument, UnknownNameListsTheKnown) {
   }
 }
 
-}  // namespace
+}  // namespace survey_plan_test
 }  // namespace plumbline::simulate

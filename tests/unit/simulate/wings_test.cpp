@@ -11,7 +11,7 @@
 #include "campaign.hpp"
 
 namespace plumbline::simulate {
-namespace {
+namespace wings_test {
 
 Campaign campaign_of(const std::string& shape, double step = 1.0) {
   CampaignOptions options;
@@ -115,5 +115,5 @@ TEST(Wings, WhatCannotBeIsRefusedInWords) {
   EXPECT_THROW(make_campaign(options, 1), std::invalid_argument) << "a scaffold around a corner";
 }
 
-}  // namespace
+}  // namespace wings_test
 }  // namespace plumbline::simulate

@@ -7,7 +7,7 @@
 
 #include "base/statistics/by_seed.hpp"
 
-namespace {
+namespace test_by_seed {
 
 using namespace plumbline;
 using namespace plumbline::statistics;
@@ -112,4 +112,4 @@ TEST(WilsonInterval, IsSciPys) {
   EXPECT_NEAR(wilson_interval(17, 200, 0.95).upper, 0.13189587071565567, 1e-12);
 }
 
-}  // namespace
+}  // namespace test_by_seed

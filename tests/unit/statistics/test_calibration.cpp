@@ -6,7 +6,7 @@
 #include "base/statistics/trial_summary.hpp"
 #include "geometry/random.hpp"
 
-namespace {
+namespace test_calibration {
 
 using namespace plumbline;
 using namespace plumbline::statistics;
@@ -87,4 +87,4 @@ TEST(Calibration, WithoutCovarianceNothingIsSaid) {
   EXPECT_TRUE(summarise(list, 0, {}, 0.95).calibration.empty());
 }
 
-}  // namespace
+}  // namespace test_calibration

@@ -6,7 +6,7 @@
 #include "base/statistics/comparison.hpp"
 #include "geometry/random.hpp"
 
-namespace {
+namespace test_comparison {
 
 using namespace plumbline;
 using namespace plumbline::statistics;
@@ -242,4 +242,4 @@ TEST(CompareTimes, ADifferenceInOneHalfOnlyIsNotConfirmed) {
   EXPECT_FALSE(compare_times(seconds, {}).confirmed);
 }
 
-}  // namespace
+}  // namespace test_comparison

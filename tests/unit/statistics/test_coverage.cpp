@@ -10,7 +10,7 @@
 #include "base/statistics/comparison.hpp"
 #include "geometry/random.hpp"
 
-namespace {
+namespace test_coverage {
 
 using namespace plumbline;
 using namespace plumbline::statistics;
@@ -158,4 +158,4 @@ TEST(Coin, AsManySeedsAsStatedShowTheDifference) {
   std::printf("%d of %d benches with %.0f seeds show it\n", shown, count, seeds);
 }
 
-}  // namespace
+}  // namespace test_coverage

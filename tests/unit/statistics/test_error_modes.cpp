@@ -7,7 +7,7 @@
 #include "base/statistics/error_modes.hpp"
 #include "geometry/random.hpp"
 
-namespace {
+namespace test_error_modes {
 
 using namespace plumbline;
 using namespace plumbline::statistics;
@@ -101,4 +101,4 @@ TEST(ErrorModes, WhatThePointsCannotShowIsLeftOut) {
   EXPECT_EQ(modes_of(upright, two).count("tilt"), 1u);
 }
 
-}  // namespace
+}  // namespace test_error_modes

@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace plumbline::surface {
-namespace {
+namespace faces_test {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 const Eigen::Vector3d kSouth(0, -1, 0), kNorth(0, 1, 0);
@@ -143,5 +143,5 @@ TEST(Faces, ThePlaneOfPointsNeedsSomeoneWhoLooksAtIt) {
   EXPECT_GT(face_through(points, {{1, 5, 1}}, 0.05).faces[0].plane.axes(1, 2), 0.99);
 }
 
-}  // namespace
+}  // namespace faces_test
 }  // namespace plumbline::surface

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace plumbline::surface {
-namespace {
+namespace facet_sigmas_test {
 
 constexpr size_t kViews = 6;
 
@@ -107,5 +107,5 @@ TEST(FacetSigmas, OfFewPhotographsOrNoneItIsNotKnown) {
   EXPECT_EQ(stated_sigmas(both)[1], 0);
 }
 
-}  // namespace
+}  // namespace facet_sigmas_test
 }  // namespace plumbline::surface

@@ -9,7 +9,7 @@
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace facet_test {
 
 using plumbline::testing::FacadeScene;
 
@@ -223,5 +223,5 @@ TEST(Facet, WhereAFacetIsNoPlaneItsSigmaSaysSo) {
   EXPECT_GT(static_cast<double>(within), 0.8 * static_cast<double>(ratios.size()));
 }
 
-}  // namespace
+}  // namespace facet_test
 }  // namespace plumbline::surface

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace plumbline::surface {
-namespace {
+namespace fuse_test {
 
 const PanelFace kFace{"P", facade_plane({3, 4, 5}, {0, -1, 0}), 1.0, 0.8};
 constexpr double kNoise = 5e-4, kCommon = 1e-3;
@@ -120,5 +120,5 @@ TEST(Fuse, WhereFacesOverlapEachPointIsOneFacesOnly) {
   }
 }
 
-}  // namespace
+}  // namespace fuse_test
 }  // namespace plumbline::surface

@@ -15,7 +15,7 @@
 #include "node_harness.hpp"
 #include "surface_artifact.hpp"
 
-namespace {
+namespace import_node_test {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -536,4 +536,4 @@ TEST(FindPlanesNode, APlaneIsMeasuredAsAPanelIs) {
   EXPECT_NEAR(std::sqrt(surfaces.panels[0]->covariance[0]), 0.0015, 5e-5) << "with the scan's place in it";
 }
 
-}  // namespace
+}  // namespace import_node_test

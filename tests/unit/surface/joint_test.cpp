@@ -10,7 +10,7 @@
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace joint_test {
 
 using plumbline::testing::FacadeScene;
 
@@ -215,5 +215,5 @@ TEST(EdgeProfile, BothEdgesOfAGapToAFewThousandthsOfASample) {
   EXPECT_FALSE(fit_gap(std::vector<double>(81, 80.0), 30, 40, 12, true));
 }
 
-}  // namespace
+}  // namespace joint_test
 }  // namespace plumbline::surface

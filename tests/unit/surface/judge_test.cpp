@@ -12,7 +12,7 @@
 #include "surface/dense/straightedge.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace judge_test {
 
 std::unique_ptr<PanelSurfaceFiguresT> panel(const std::string& name, double gap, double sigma) {
   auto result = std::make_unique<PanelSurfaceFiguresT>();
@@ -342,5 +342,5 @@ TEST(JudgeSurfaces, ADeepDentDoesNotPassByBeingAnOutlier) {
   EXPECT_EQ(verdict(0.01, true)->verdict, ToleranceVerdict::pass) << "single points that lie elsewhere are outliers";
 }
 
-}  // namespace
+}  // namespace judge_test
 }  // namespace plumbline::judgement

@@ -7,7 +7,7 @@
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace orthophoto_test {
 
 /// The panel from the best photographs, at most so many.
 PaintCounts paint_from(const std::vector<PanelFace>& faces, const PanelSurface& surface, const Site& site, size_t most,
@@ -216,5 +216,5 @@ TEST(Orthophoto, PhotographsFromOnePlaceComeLast) {
   EXPECT_EQ(order.back(), 5U) << "what stands before the panel is at the same place in both";
 }
 
-}  // namespace
+}  // namespace orthophoto_test
 }  // namespace plumbline::surface

@@ -8,7 +8,7 @@
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace pair_test {
 
 CellGrid cells_of(const Site& site) {
   CellGrid grid;
@@ -87,5 +87,5 @@ TEST(Pairs, WhatFewSayOrWhatShowsDifferentlyIsAHole) {
   EXPECT_EQ(facet_of(mixed, 100), FacetOutcome::no_agreement);
 }
 
-}  // namespace
+}  // namespace pair_test
 }  // namespace plumbline::surface

@@ -8,7 +8,7 @@
 #include "surface/dense/panel_surface.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace panel_test {
 
 const PanelFace kFace{"P", facade_plane({3, 4, 5}, {0, -1, 0}), 1.2, 0.9};
 
@@ -78,5 +78,5 @@ TEST(Panel, WhatIsNoPlaneIsNotMeasuredAsOne) {
   }
 }
 
-}  // namespace
+}  // namespace panel_test
 }  // namespace plumbline::surface

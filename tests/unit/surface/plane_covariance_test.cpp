@@ -12,7 +12,7 @@
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace plane_covariance_test {
 
 int draws() { return std::getenv("PLUMBLINE_LONG") ? 300 : 30; }
 
@@ -98,5 +98,5 @@ TEST(PlaneCovariance, SystematicPartIsWhatNewOrientationsScatterBy) {
   expect_scatter(found, stated, "systematic");
 }
 
-}  // namespace
+}  // namespace plane_covariance_test
 }  // namespace plumbline::surface

@@ -10,7 +10,7 @@
 #include "surface/dense/find_planes.hpp"
 
 namespace plumbline::surface {
-namespace {
+namespace planes_test {
 
 using Places = std::vector<Eigen::Vector3d>;
 
@@ -113,5 +113,5 @@ TEST(FindPlanes, WhatIsNoLengthOrNoPlaceIsRefused) {
   EXPECT_TRUE(finder.planes().empty());
 }
 
-}  // namespace
+}  // namespace planes_test
 }  // namespace plumbline::surface

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace plumbline::surface {
-namespace {
+namespace scan_joint_test {
 
 const FacadePlane kPlane = facade_plane({105, 212, 31}, {-0.6, -0.8, 0});
 constexpr double kDesigned = 0.015, kStep = 0.002;  // [m]
@@ -195,5 +195,5 @@ TEST(ScanJoint, WhatACutLeavesOut) {
   EXPECT_NEAR(cut_off({0, 3, 4}).mean, 0.25 * 0.5 + 0.75 * 1.5, 1e-12) << "a cut falls into wide steps more often";
 }
 
-}  // namespace
+}  // namespace scan_joint_test
 }  // namespace plumbline::surface

@@ -11,7 +11,7 @@
 #include "artifacts/transform.hpp"
 #include "node_harness.hpp"
 
-namespace {
+namespace scan_place_test {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -121,4 +121,4 @@ TEST(ScanPlace, WhatNothingConfirmsIsSaid) {
   EXPECT_EQ(part.judgement.passed, 8);
 }
 
-}  // namespace
+}  // namespace scan_place_test

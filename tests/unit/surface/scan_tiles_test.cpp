@@ -7,7 +7,7 @@
 #include <random>
 
 namespace plumbline::surface {
-namespace {
+namespace scan_tiles_test {
 
 const FacadePlane kPlane = facade_plane({105, 212, 31}, {-0.6, -0.8, 0});
 
@@ -99,5 +99,5 @@ TEST(ScanTiles, APlaceThatIsNoCovarianceIsRefused) {
   EXPECT_THROW(ScanTiles({}, 0, 1, {}), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace scan_tiles_test
 }  // namespace plumbline::surface

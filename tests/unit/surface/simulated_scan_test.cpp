@@ -13,7 +13,7 @@
 #include "artifacts/surfaces.hpp"
 #include "node_harness.hpp"
 
-namespace {
+namespace simulated_scan_test {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -165,4 +165,4 @@ TEST(ImportOfAReference, IsOneCloudAndNoMore) {
   EXPECT_THROW(held.run(), NodeFailed);
 }
 
-}  // namespace
+}  // namespace simulated_scan_test

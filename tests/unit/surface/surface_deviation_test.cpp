@@ -8,7 +8,7 @@
 #include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
 
-namespace {
+namespace surface_deviation_test {
 
 using namespace plumbline;
 using namespace plumbline::test;
@@ -126,4 +126,4 @@ TEST(SurfaceDeviation, WhereTheDateIsMissingItIsAskedForWhereItCanBeSaid) {
   EXPECT_EQ(warning(false, "2026-05-12").find("when it was measured"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace surface_deviation_test

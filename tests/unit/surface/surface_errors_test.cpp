@@ -11,7 +11,7 @@
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace surface_errors_test {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
@@ -226,5 +226,5 @@ TEST(SurfaceErrors, JointsArePlacesInSpace) {
   EXPECT_NEAR(of(surface_errors(measured, truth), "width").bias, 2e-4, 1e-12);
 }
 
-}  // namespace
+}  // namespace surface_errors_test
 }  // namespace plumbline::judgement

@@ -10,7 +10,7 @@
 #include "surface/dense/panel_surface.hpp"
 
 namespace plumbline::judgement {
-namespace {
+namespace whose_surface_test {
 
 surface::PanelFace face(const std::string& name, const Eigen::Vector3d& middle = {0, 0, 0}) {
   return {name, surface::facade_plane(middle, {0, -1, 0}), 1.5, 1.2};
@@ -196,5 +196,5 @@ TEST(SurfaceRules, TwoThatNoJointKeepsAreRefusedWithBoth) {
       << "the later rule holds";
 }
 
-}  // namespace
+}  // namespace whose_surface_test
 }  // namespace plumbline::judgement

@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_approximate {
 
 using test::NetworkKind;
 using test::RandomNetwork;
@@ -264,5 +264,5 @@ INSTANTIATE_TEST_SUITE_P(Approximate, RandomNetworks, testing::ValuesIn(test::kN
   return name;
 });
 
-}  // namespace
+}  // namespace test_approximate
 }  // namespace plumbline::survey

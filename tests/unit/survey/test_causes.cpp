@@ -12,7 +12,7 @@
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_causes {
 
 using enum ObservationKind;
 
@@ -319,5 +319,5 @@ TEST(Causes, ManyMarksAtTwoPlacesAreOneCause) {
   expect_cause(job, "10 points (");
 }
 
-}  // namespace
+}  // namespace test_causes
 }  // namespace plumbline::survey

@@ -10,7 +10,7 @@
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_centring {
 
 constexpr double kSecond = std::numbers::pi / 180 / 3600;
 
@@ -232,5 +232,5 @@ TEST(Centring, AddedToWhatIsWrittenIsThatOfTheInstrument) {
   }
 }
 
-}  // namespace
+}  // namespace test_centring
 }  // namespace plumbline::survey

@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_check_control {
 
 /// Four corners of the facade, known to 0.5 mm, with errors of that size.
 ControlPoints corners(const test::SimulatedNetwork& network, std::uint64_t seed) {
@@ -198,5 +198,5 @@ TEST(CheckControl, PointsThatAFileHoldsFixedAreControl) {
                           [](const Exclusion& e) { return e.id == "103"; }));
 }
 
-}  // namespace
+}  // namespace test_check_control
 }  // namespace plumbline::survey

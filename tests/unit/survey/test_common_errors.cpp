@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_common_errors {
 
 using test::simulate;
 
@@ -214,5 +214,5 @@ TEST(VarianceComponents, SettleOnTheFactorThatIsTrue) {
     EXPECT_NEAR(g.applied_factor, g.name.find("distance") == 0 ? 2 : 1, 0.4) << g.name;
 }
 
-}  // namespace
+}  // namespace test_common_errors
 }  // namespace plumbline::survey

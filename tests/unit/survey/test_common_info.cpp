@@ -11,7 +11,7 @@
 #include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_common_info {
 
 /// A day whose readings have no standard deviation; all days have the same approximate coordinates.
 SurveyObservations plain_day(const std::string& file, std::uint64_t seed) {
@@ -201,5 +201,5 @@ TEST(CommonInfo, TwoFormatsOfReducedReadingsStayReduced) {
   EXPECT_GT(mixed.sigma(mixed.point("R")).z(), 0.005);
 }
 
-}  // namespace
+}  // namespace test_common_info
 }  // namespace plumbline::survey

@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_compare_epochs {
 
 Epoch epoch(const SurveyObservations& survey) {
   AdjustOptions options;
@@ -349,5 +349,5 @@ TEST(CompareEpochs, WhatIsLeftOutOfTheDatumHasNotMovedUnlessItsOwnTestSaysSo) {
   for (const Movement& m : c.movements) EXPECT_EQ(m.moved, m.statistic > m.critical) << m.id;
 }
 
-}  // namespace
+}  // namespace test_compare_epochs
 }  // namespace plumbline::survey

@@ -11,7 +11,7 @@
 #include "survey/model/map_frame.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_deflection {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -170,5 +170,5 @@ TEST(MapThatExplains, KnowsTheScaleFarFromTheMeridian) {
     }
 }
 
-}  // namespace
+}  // namespace test_deflection
 }  // namespace plumbline::survey

@@ -6,7 +6,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_doctor {
 
 using test::simulate;
 
@@ -333,5 +333,5 @@ TEST(Verdict, DoubtNeedsASuspectOrAClearFailure) {
   EXPECT_EQ(judged(r).validity, Validity::doubtful);
 }
 
-}  // namespace
+}  // namespace test_doctor
 }  // namespace plumbline::survey

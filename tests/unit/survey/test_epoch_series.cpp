@@ -9,7 +9,7 @@
 #include "survey/epochs/epoch_series.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_epoch_series {
 
 constexpr double kMillimetre = 1e-3;
 
@@ -340,5 +340,5 @@ TEST(EpochSeries, PointsMayComeLater) {
   EXPECT_FALSE(p.stable);
 }
 
-}  // namespace
+}  // namespace test_epoch_series
 }  // namespace plumbline::survey

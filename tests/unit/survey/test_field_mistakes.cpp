@@ -10,7 +10,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_field_mistakes {
 
 using Kind = SurveyMistake::Kind;
 
@@ -350,5 +350,5 @@ TEST(FieldMistakes, AReadingThatDoesNotExistIsRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_field_mistakes
 }  // namespace plumbline::survey

@@ -5,8 +5,8 @@
 #include "artifacts/survey_observations.hpp"
 #include "node_harness.hpp"
 
-namespace plumbline::survey {
-namespace {
+namespace plumbline::test {
+namespace test_file_axes {
 
 SurveyNetworkT network() {
   SurveyNetworkT n;
@@ -50,7 +50,7 @@ SurveyObservationsT observations(const std::string& axes) {
 }
 
 TEST(FileAxes, SouthWest) {
-  test::NodeHarness node("survey.in_file_axes");
+  NodeHarness node("survey.in_file_axes");
   node.input<SurveyNetwork>("network", network());
   node.input<SurveyObservations>("observations", observations("sw"));
   node.run();
@@ -72,7 +72,7 @@ TEST(FileAxes, SouthWest) {
 }
 
 TEST(FileAxes, EastNorthChangesNothing) {
-  test::NodeHarness node("survey.in_file_axes");
+  NodeHarness node("survey.in_file_axes");
   node.input<SurveyNetwork>("network", network());
   node.input<SurveyObservations>("observations", observations("en"));
   node.run();
@@ -83,21 +83,21 @@ TEST(FileAxes, EastNorthChangesNothing) {
 }
 
 TEST(FileAxes, FilesThatDiffer) {
-  test::NodeHarness node("survey.in_file_axes");
+  NodeHarness node("survey.in_file_axes");
   node.input<SurveyNetwork>("network", network());
   node.input<SurveyObservations>("observations", observations("sw"));
   node.input<SurveyObservations>("observations", observations("ne"));
-  EXPECT_THROW(node.run(), test::NodeFailed);
+  EXPECT_THROW(node.run(), NodeFailed);
 }
 
 TEST(FileAxes, AxesThatAreNone) {
   for (const std::string axes : {"ns", "x", "eee"}) {
-    test::NodeHarness node("survey.in_file_axes");
+    NodeHarness node("survey.in_file_axes");
     node.input<SurveyNetwork>("network", network());
     node.input<SurveyObservations>("observations", observations(axes));
-    EXPECT_THROW(node.run(), test::NodeFailed) << axes;
+    EXPECT_THROW(node.run(), NodeFailed) << axes;
   }
 }
 
-}  // namespace
-}  // namespace plumbline::survey
+}  // namespace test_file_axes
+}  // namespace plumbline::test

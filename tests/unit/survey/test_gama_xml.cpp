@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_gama_xml {
 
 constexpr double kGon = std::numbers::pi / 200;
 
@@ -388,5 +388,5 @@ TEST(GamaXml, WritesWhatItReads) {
   EXPECT_THROW(write_gama_xml(n.survey), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_gama_xml
 }  // namespace plumbline::survey

@@ -11,7 +11,7 @@
 #include "simulated_network.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_join_node {
 
 SurveyObservationsT sensor(const std::string& file, std::uint64_t seed, const std::string& instrument,
                            bool far_away = false) {
@@ -138,5 +138,5 @@ TEST(CollectNode, RefusesReadingsOfOtherFiles) {
   EXPECT_NE(refusal({of_two}).find("names 2 files"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_join_node
 }  // namespace plumbline::test

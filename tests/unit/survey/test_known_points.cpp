@@ -5,7 +5,7 @@
 #include "survey/files/survey_format.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_known_points {
 
 /// Station and backsight keyed in 100 m apart, the distance between them `millimetres` as read.
 std::string polar_job(const std::string& millimetres) {
@@ -95,5 +95,5 @@ TEST(KnownPoints, ASingleOneLeavesTheTurnToTheApproximateCoordinates) {
   EXPECT_LT((r.point("B101").position - Eigen::Vector3d(5000, 1100, 100)).norm(), 1e-3) << "the circle's zero is north";
 }
 
-}  // namespace
+}  // namespace test_known_points
 }  // namespace plumbline::survey

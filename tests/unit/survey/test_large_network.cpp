@@ -11,7 +11,7 @@
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_large_network {
 
 /// A long facade in rows of ten markers; set-ups along it that each see the markers in front of them.
 SurveyObservations facade(int markers, int set_ups) {
@@ -154,5 +154,5 @@ TEST(LargeNetwork, ControlIsComparedLikewise) {
   }
 }
 
-}  // namespace
+}  // namespace test_large_network
 }  // namespace plumbline::survey

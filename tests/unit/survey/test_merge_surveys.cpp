@@ -10,7 +10,7 @@
 #include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_merge_surveys {
 
 /// A day of the simulated facade whose file has a name; its set-ups are S1, S2.
 SurveyObservations day(const std::string& file, std::uint64_t seed, const Eigen::Vector3d& shift = {0, 0, 0}) {
@@ -363,5 +363,5 @@ TEST(AlikeNames, OneMarkUnderTwoNamesIsSaidAndTwoMarksAreNot) {
   EXPECT_TRUE(examine_alike_points(adjust_network(survey, {})).empty());
 }
 
-}  // namespace
+}  // namespace test_merge_surveys
 }  // namespace plumbline::survey

@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_monte_carlo {
 
 int trials() { return std::getenv("PLUMBLINE_LONG") ? 1000 : 100; }
 
@@ -119,5 +119,5 @@ TEST(MonteCarlo, BlundersAreFoundAsOftenAsTheirMdbSays) {
   EXPECT_NEAR(found, expected, 3.3 * sigma + 0.5);
 }
 
-}  // namespace
+}  // namespace test_monte_carlo
 }  // namespace plumbline::survey

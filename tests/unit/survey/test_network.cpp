@@ -9,7 +9,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_network {
 
 using test::simulate;
 using test::SimulationSettings;
@@ -275,5 +275,5 @@ TEST(InstrumentProfile, ObservationsNameTheirProfile) {
   EXPECT_NE(remark.find("'Wild T2'"), std::string::npos) << remark;
 }
 
-}  // namespace
+}  // namespace test_network
 }  // namespace plumbline::survey

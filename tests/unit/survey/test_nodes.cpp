@@ -14,7 +14,7 @@
 #include "simulated_network.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_nodes {
 
 using survey::ObservationKind;
 
@@ -271,5 +271,5 @@ TEST(GamaWriter, AdjustedCoordinatesMakeAFreeNetworkThatGamaCanStartFrom) {
   EXPECT_EQ(text.find("<point id=\"M00\" adj"), std::string::npos) << "a point without coordinates";
 }
 
-}  // namespace
+}  // namespace test_nodes
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_observation_equations {
 
 /// Largest deviation of the analytic partials from central differences.
 double worst_partial(const least_squares::ResidualBlock& block, std::vector<std::vector<double>> values, int rows) {
@@ -155,5 +155,5 @@ TEST(ObservationEquations, CoincidingPointsAreUndefined) {
   EXPECT_FALSE(block.evaluate(values, &residual, jacobians));
 }
 
-}  // namespace
+}  // namespace test_observation_equations
 }  // namespace plumbline::survey

@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_plan_survey {
 
 /// Floors of 3 m with two rows of markers 2 m apart in four columns, facing south.
 std::vector<PlannedMarker> facade(int floors) {
@@ -262,5 +262,5 @@ TEST(PlanSurvey, EmptyPlansAreErrors) {
   EXPECT_THROW(plan_survey(facade(1), {{"A110", {0, -15, 1.6}}}, with_profile("ics50_assumed")), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_plan_survey
 }  // namespace plumbline::survey

@@ -13,7 +13,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_records {
 
 using plumbline::test::digits;
 using plumbline::test::expect_recorded;
@@ -305,5 +305,5 @@ TEST(Records, Plans) {
   expect_recorded("unit/survey/records/plans.txt", text);
 }
 
-}  // namespace
+}  // namespace test_records
 }  // namespace plumbline::survey

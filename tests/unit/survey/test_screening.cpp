@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_screening {
 
 AdjustOptions free_network() {
   AdjustOptions options;
@@ -158,5 +158,5 @@ TEST(Screening, ObservedCoordinatesAreNamedByTheirAxes) {
   for (const ResultPointing& p : r.pointings) EXPECT_FALSE(p.set_up.empty());
 }
 
-}  // namespace
+}  // namespace test_screening
 }  // namespace plumbline::survey

@@ -14,7 +14,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_second_derivation {
 
 constexpr size_t kRow = 20;  // a slope distance of test::simulate
 
@@ -409,5 +409,5 @@ TEST(OptionalUnknowns, InstrumentHeights) {
   EXPECT_TRUE(std::isnan(r.set_ups[1].instrument_height_correction));
 }
 
-}  // namespace
+}  // namespace test_second_derivation
 }  // namespace plumbline::survey

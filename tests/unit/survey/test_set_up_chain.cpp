@@ -12,7 +12,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_set_up_chain {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -360,5 +360,5 @@ TEST(SetUpChain, TheBetterViewCountsMore) {
   EXPECT_LT((start->points.at("M11") - n.truth[m11]).norm(), 0.001) << "20 mm / 100 / 3, not 20 mm / 4";
 }
 
-}  // namespace
+}  // namespace test_set_up_chain
 }  // namespace plumbline::survey

@@ -11,7 +11,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_small_networks {
 
 constexpr double kGon = std::numbers::pi / 200;
 
@@ -182,5 +182,5 @@ TEST(SmallNetworks, TheFileSaysWhatIsTooFarOff) {
   EXPECT_NE(r.findings.front().text.find("(t.gkf:3:4) is not used"), std::string::npos) << r.findings.front().text;
 }
 
-}  // namespace
+}  // namespace test_small_networks
 }  // namespace plumbline::survey

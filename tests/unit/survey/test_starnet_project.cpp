@@ -7,7 +7,7 @@
 #include "survey/model/starnet_project.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_starnet_project {
 
 constexpr double kSecond = std::numbers::pi / 180 / 3600;
 
@@ -74,5 +74,5 @@ TEST(StarNetProject, WhatIsNotOneIsRefusedByItsLine) {
   EXPECT_NE(error_of("*STAR*NET 3\n").find("no linear_units"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace test_starnet_project
 }  // namespace plumbline::survey

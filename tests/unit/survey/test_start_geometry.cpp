@@ -16,7 +16,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_start_geometry {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -438,5 +438,5 @@ TEST(FreeStart, AnglesTakeTheScaleOfOneDistance) {
   }
 }
 
-}  // namespace
+}  // namespace test_start_geometry
 }  // namespace plumbline::survey

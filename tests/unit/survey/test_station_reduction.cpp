@@ -12,7 +12,7 @@
 #include "survey/model/station_reduction.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_station_reduction {
 
 constexpr double kPi = std::numbers::pi, kMgon = kPi / 200e3;
 
@@ -292,5 +292,5 @@ TEST(InstrumentErrors, DistancesSayNothingOfTheIndex) {
   EXPECT_NEAR(m.instrument[0].collimation, 0, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_station_reduction
 }  // namespace plumbline::survey

@@ -15,7 +15,7 @@
 #include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_stopped {
 
 struct Asked {
   long limit = std::numeric_limits<long>::max(), count = 0;
@@ -138,5 +138,5 @@ TEST(Stopped, APlanStopsWhereverItIs) {
   expect_to_stop_everywhere([&] { plan_survey(markers, {{"S1", {5, -15, 1.6}}}, options); });
 }
 
-}  // namespace
+}  // namespace test_stopped
 }  // namespace plumbline::survey

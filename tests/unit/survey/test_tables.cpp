@@ -16,7 +16,7 @@
 #include "simulated_network.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace test_tables {
 
 using Rows = std::vector<std::map<std::string, std::string>>;
 
@@ -328,5 +328,5 @@ TEST_F(Tables, ABriefResultKeepsWhatIsToBeSaid) {
               1e-5);
 }
 
-}  // namespace
+}  // namespace test_tables
 }  // namespace plumbline::survey

@@ -8,7 +8,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace dynaml_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -266,5 +266,5 @@ TEST(GeodeticFrame, LengthsOfTheGroundPlaneAreTrue) {
     }
 }
 
-}  // namespace
+}  // namespace dynaml_test
 }  // namespace plumbline::survey

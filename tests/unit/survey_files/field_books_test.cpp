@@ -15,7 +15,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace field_books_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -474,5 +474,5 @@ TEST(StarNetWriter, ReadsBackAsItWas) {
   EXPECT_THROW(write_starnet(s), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace field_books_test
 }  // namespace plumbline::survey

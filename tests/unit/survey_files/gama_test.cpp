@@ -5,7 +5,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace gama_test {
 
 using namespace test_help;
 
@@ -52,5 +52,5 @@ TEST(GamaWriter, AnySurveyReadsBackTheSame) {
   }
 }
 
-}  // namespace
+}  // namespace gama_test
 }  // namespace plumbline::survey

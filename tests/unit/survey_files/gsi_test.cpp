@@ -5,7 +5,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace gsi_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -255,5 +255,5 @@ TEST(GsiWriter, RefusesWhatGsiCannotHold) {
   EXPECT_THROW(write_gsi(with([](Survey& s) { s.observations[1].kind = direction; })), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace gsi_test
 }  // namespace plumbline::survey

@@ -10,7 +10,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace jobxml_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -150,5 +150,5 @@ TEST(JobXml, OtherXmlIsRefused) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace jobxml_test
 }  // namespace plumbline::survey

@@ -5,7 +5,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace krumm_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -97,5 +97,5 @@ TEST(Krumm, ReadsTheNetworkOfBlankenbachAndWillert) {
   EXPECT_TRUE(survey.skipped.empty());
 }
 
-}  // namespace
+}  // namespace krumm_test
 }  // namespace plumbline::survey

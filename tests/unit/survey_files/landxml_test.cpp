@@ -7,7 +7,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace landxml_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -156,5 +156,5 @@ TEST(LandXmlWriter, RefusesWhatARawObservationCannotHold) {
   EXPECT_THROW(write_landxml(survey), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace landxml_test
 }  // namespace plumbline::survey

@@ -8,7 +8,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace rw5_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -139,5 +139,5 @@ TEST(Rw5, AUnitThatIsNotKnownIsRefused) {
   EXPECT_TRUE(skipped(s, 2, 1, "the unit of distances"));
 }
 
-}  // namespace
+}  // namespace rw5_test
 }  // namespace plumbline::survey

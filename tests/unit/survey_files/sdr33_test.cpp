@@ -7,7 +7,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace sdr33_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -102,5 +102,5 @@ TEST(Sdr33, OtherTextIsRefused) {
   EXPECT_NE(error_of([] { read_sdr33("00NMSDR33\n", "x.sdr"); }).find("without coordinates"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace sdr33_test
 }  // namespace plumbline::survey

@@ -6,7 +6,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace starnet_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -170,5 +170,5 @@ TEST(StarNetInstruments, AreThoseOfTheReadingsBehindThem) {
   EXPECT_EQ(of, (std::vector<int>{-1, 0, 1, 0}));
 }
 
-}  // namespace
+}  // namespace starnet_test
 }  // namespace plumbline::survey

@@ -6,7 +6,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace survey_csv_test {
 
 using namespace test_help;
 using enum ObservationKind;
@@ -346,5 +346,5 @@ TEST(SurveyCsv, ANameThatBeginsLikeACommentIsAskedFor) {
   EXPECT_EQ(survey.points[0].id, "#A5");
 }
 
-}  // namespace
+}  // namespace survey_csv_test
 }  // namespace plumbline::survey

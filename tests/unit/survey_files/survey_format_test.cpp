@@ -6,7 +6,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace survey_format_test {
 
 using namespace test_help;
 
@@ -151,5 +151,5 @@ TEST(SurveyFormat, AnotherXmlIsNamedByItsRoot) {
   }
 }
 
-}  // namespace
+}  // namespace survey_format_test
 }  // namespace plumbline::survey

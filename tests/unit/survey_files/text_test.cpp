@@ -7,7 +7,7 @@
 #include "base/text/xml_text.hpp"
 
 namespace plumbline::text {
-namespace {
+namespace text_test {
 
 using namespace std::string_view_literals;
 
@@ -86,5 +86,5 @@ TEST(Text, FormatsNumbers) {
   EXPECT_EQ(quoted("ab\tcd", 3), "'ab?...'");
 }
 
-}  // namespace
+}  // namespace text_test
 }  // namespace plumbline::text

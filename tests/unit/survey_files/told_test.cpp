@@ -10,7 +10,7 @@
 #include "survey_test_support.hpp"
 
 namespace plumbline::survey {
-namespace {
+namespace told_test {
 
 namespace fs = std::filesystem;
 
@@ -123,5 +123,5 @@ TEST(Told, AllOfEveryFixture) {
   }
 }
 
-}  // namespace
+}  // namespace told_test
 }  // namespace plumbline::survey

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace plumbline::text {
-namespace {
+namespace composed_test {
 
 TEST(Composed, JoinsALetterAndItsMark) {
   EXPECT_EQ(composed("Su\u0308d"), "S\u00FCd");
@@ -23,5 +23,5 @@ TEST(Composed, LeavesWhatIsNoUtf8) {
     EXPECT_EQ(composed(text), text);
 }
 
-}  // namespace
+}  // namespace composed_test
 }  // namespace plumbline::text

@@ -12,7 +12,7 @@
 #include "survey/model/instrument_profile.hpp"
 
 namespace plumbline {
-namespace {
+namespace test_one_document {
 
 struct Reader {
   const char* name;
@@ -79,5 +79,5 @@ TEST(ObservationsFile, WithASecondDocumentIsRefused) {
   EXPECT_THROW(control::parse_image_points(one + one, "the.file", false), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace test_one_document
 }  // namespace plumbline

@@ -7,7 +7,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace words_test {
 
 TEST(Words, AListIsCutWhereItSaysHowManyAreLeft) {
   EXPECT_EQ(text::join({}), "");
@@ -44,5 +44,5 @@ TEST(WholeFile, AllBytesOrTheReasonWhyNot) {
     }
 }
 
-}  // namespace
+}  // namespace words_test
 }  // namespace plumbline::test
