@@ -15,7 +15,7 @@
 #include "test_support.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace contract_test {
 
 using namespace runtime;
 namespace fs = std::filesystem;
@@ -272,5 +272,5 @@ TEST(FuzzContract, Pipelines) {
   EXPECT_GT(taken, 0);
 }
 
-}  // namespace
+}  // namespace contract_test
 }  // namespace plumbline::test

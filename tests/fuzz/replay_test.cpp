@@ -8,7 +8,7 @@
 #include "test_support.hpp"
 
 namespace plumbline {
-namespace {
+namespace replay_test {
 
 namespace fs = std::filesystem;
 
@@ -45,5 +45,5 @@ TEST(FuzzReplay, DamagedFixturesThroughAllTargets) {
   }
 }
 
-}  // namespace
+}  // namespace replay_test
 }  // namespace plumbline

@@ -7,7 +7,7 @@
 #include "isolated_run.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_executable_nodes {
 
 TEST_F(Isolation, AllThatANodeStartsCountsInItsLimit) {
   ASSERT_TRUE(registry_.load_manifest(
@@ -159,5 +159,5 @@ TEST_F(Isolation, APipelineLimitsAnExecutable) {
   EXPECT_TRUE(contains(node("b").error, "longer than its limit of 0.5 s")) << node("b").error;
 }
 
-}  // namespace
+}  // namespace test_executable_nodes
 }  // namespace plumbline::test

@@ -5,7 +5,7 @@
 #include "runtime/run/plan.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_imported_modules {
 
 /// Modules that a node imports are part of what its result depends on, whether its manifest names them or not.
 TEST_F(Isolation, AChangeOfAModuleThatANodeImportsRunsItAgain) {
@@ -162,5 +162,5 @@ TEST_F(Isolation, AModuleThatOthersMayWriteIsNotImported) {
   std::swap(registry, registry_);
 }
 
-}  // namespace
+}  // namespace test_imported_modules
 }  // namespace plumbline::test

@@ -11,7 +11,7 @@
 #include "isolated_run.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_isolation {
 
 TEST_F(Isolation, AnAccidentIsAnErrorOfItsNodeAndOtherBranchesGoOn) {
   const std::pair<const char*, const char*> accidents[] = {
@@ -196,5 +196,5 @@ TEST_F(Isolation, ConditionsAreChecked) {
   }
 }
 
-}  // namespace
+}  // namespace test_isolation
 }  // namespace plumbline::test

@@ -6,7 +6,7 @@
 #include "isolated_run.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_left_changed {
 
 const std::pair<const char*, const char*> changes[] = {
     {"blocked", "the signals that its thread blocks"},
@@ -64,5 +64,5 @@ TEST_F(Isolation, WhoRunsBesideOneThatChangesTheProcessIsRunAgainApart) {
   EXPECT_EQ(fs::current_path(), before);
 }
 
-}  // namespace
+}  // namespace test_left_changed
 }  // namespace plumbline::test

@@ -3,7 +3,7 @@
 #include "isolated_run.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_twin_libraries {
 
 TEST_F(Isolation, ALibraryThatAnotherPluginBroughtIsRefused) {
   ASSERT_TRUE(registry_.load(PLUMBLINE_TWIN_1));
@@ -19,5 +19,5 @@ TEST_F(Isolation, ALibraryThatAnotherPluginBroughtIsRefused) {
   EXPECT_EQ(Json::parse(value("two")).at("value"), 2.0);
 }
 
-}  // namespace
+}  // namespace test_twin_libraries
 }  // namespace plumbline::test

@@ -198,6 +198,24 @@ TEST(Rooms, NobodyIncludesAllOfEigen) {
   EXPECT_EQ(found, std::set<std::string>{}) << "dense decompositions: geometry/linear_algebra/decompositions.hpp";
 }
 
+// The files of a test program are compiled together: what each has of its own stands in a namespace of the file's name.
+TEST(Rooms, TestFilesHaveNamespacesOfTheirNames) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex a_test("(^|\n)TEST(_F|_P)?\\(");
+  int files = 0;
+  for (const auto& [file, text] : sources_of(root / "tests")) {
+    if (file.extension() != ".cpp" || !std::regex_search(text, a_test)) continue;
+    std::string name = file.stem();
+    if (name.find("test") == std::string::npos) name += "_tests";
+    EXPECT_NE(text.find("\nnamespace " + name + " {\n"), std::string::npos)
+        << "tests/" << file.string() << ": its tests and helpers belong into namespace " << name;
+    EXPECT_EQ(text.find("\nnamespace {\n"), std::string::npos)
+        << "tests/" << file.string() << ": an anonymous namespace is that of all files compiled with it";
+    ++files;
+  }
+  EXPECT_GT(files, 250);
+}
+
 // docs/architecture.md has a row for each library.
 TEST(Rooms, EveryLibraryIsDescribed) {
   const fs::path root = plumbline::test::source_dir();
