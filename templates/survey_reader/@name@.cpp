@@ -1,4 +1,4 @@
-// read.@name@: reads a survey file of your own format, fixtures/example.txt for now. SurveyBuilder keeps set-ups,
+// read.@name@: reads a survey file of your own format, fixtures/example.@name@ for now. SurveyBuilder keeps set-ups,
 // points and pointings in order, and lists what could not be used with line and column.
 #include <charconv>
 #include <sstream>
@@ -45,7 +45,7 @@ survey::SurveyObservations read(const std::string& text, const std::string& name
       builder.skip(at, 1, line, "AT SET-UP HEIGHT, or below one TARGET DIRECTION ZENITH DISTANCE HEIGHT");
     }
   }
-  return builder.finish("no line with a reading", "lines as in fixtures/example.txt");
+  return builder.finish("no line with a reading", "lines as in fixtures/example.@name@");
 }
 
 struct Reader : Node {

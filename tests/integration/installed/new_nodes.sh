@@ -41,12 +41,17 @@ for node in detect_own_detector pose_own_pose_solver adjust_own_adjuster registe
 done
 for template in $templates; do
   [[ $template == python_node ]] && continue
-  read -ra words <<<"$(sed -n 's/.*" run \(.*\) --out out "$@"$/\1/p' "own_$template/check")"
-  (cd "own_$template" && PLUMBLINE_PLUGIN_PATH=$work/build/lib/plumbline plumbline run "${words[@]}" --out out)
+  sed -n 's/^.*"${PLUMBLINE:-[^}]*}" run \(.*\)$/\1/p' "own_$template/check" | sed 's/ "$@"$//' >runs
+  [[ -s runs ]]
+  while read -ra words; do
+    (cd "own_$template" && PLUMBLINE_PLUGIN_PATH=$work/build/lib/plumbline plumbline run "${words[@]}")
+  done <runs
   test -s "own_$template/out/run.jsonl"
 done
 grep -q median_z own_metric/out/run.jsonl
 grep -q 'S1,' own_writer/out/written.csv
+# A reader is found by its role, too: the campaign has what the pipeline that names it has.
+cmp own_survey_reader/out/coordinates.csv own_survey_reader/out_campaign/coordinates.csv
 # The one command: of a node in Python, and of one in C++ (its build is configured anew, so only the smallest).
 if /usr/bin/python3 -c 'import numpy, flatbuffers'; then
   own_python_node/check
