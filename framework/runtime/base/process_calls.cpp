@@ -1,8 +1,10 @@
 // _exit(), the exec family and fork(), as a node may call them; these stand in the place of libc's own for all that is
 // loaded into the program. The first two leave the process without a word: no handler of exit() runs, and the exit code
 // may be 0. In the process that runs the node they name it; in one that it has forked they do what they always do. What
-// is forked is noted (forks.hpp).
+// is forked is noted (forks.hpp), and so are threads (thread_watch.hpp), and that the locale of the process is set.
 #include <dlfcn.h>
+#include <locale.h>
+#include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -11,6 +13,7 @@
 
 #include "runtime/base/forks.hpp"
 #include "runtime/base/running_nodes.hpp"
+#include "runtime/base/thread_watch.hpp"
 
 #define PLUMBLINE_FOR_ALL __attribute__((visibility("default")))  // libraries that are loaded find these first
 
@@ -64,6 +67,19 @@ PLUMBLINE_FOR_ALL pid_t fork() noexcept {
   const pid_t child = real_fork();
   plumbline::runtime::ForkWatch::note(child);
   return child;
+}
+
+PLUMBLINE_FOR_ALL int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
+                                     void* argument) noexcept {
+  // Libraries start threads while they are loaded, before anything here is made.
+  static auto* const real = next<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create");
+  return plumbline::runtime::start_watched_thread(real, __builtin_return_address(0), thread, attributes, run, argument);
+}
+
+PLUMBLINE_FOR_ALL char* setlocale(int category, const char* name) noexcept {
+  static auto* const real = next<char*(int, const char*)>("setlocale");
+  if (name) plumbline::runtime::note_that_locale_is_set();
+  return real(category, name);
 }
 
 PLUMBLINE_FOR_ALL int execve(const char* path, char* const* arguments, char* const* environment) noexcept {

@@ -20,6 +20,7 @@ thread_local const char* in_this_thread = nullptr;
 SharedNodes* shared = nullptr;
 std::atomic<pid_t> process = 0;  // in which they run
 std::atomic<int> record = -1;
+std::atomic<uint64_t> times_of_locale = 0;
 
 /// The first letter last: whoever reads in between reads nothing.
 void share(size_t slot, const std::string& text) {
@@ -181,6 +182,9 @@ void end_if_a_node_asks(const char* call) {
   name_culprits(" ended the program, which a node must not do: it called ", call);
   leave_at_once(1);
 }
+
+uint64_t times_locale_was_set() { return times_of_locale; }
+void note_that_locale_is_set() { ++times_of_locale; }
 
 void leave_at_once(int code) {
   for (;;) ::syscall(SYS_exit_group, code);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 
 namespace plumbline::runtime {
@@ -28,6 +29,10 @@ void name_them_in_record(int file);
 /// `call` is one that ends this process or puts another program in its place. If a node runs in it, it is that node's
 /// work: it is named, and the process ends with exit code 1. Does nothing in a process that a node has forked.
 void end_if_a_node_asks(const char* call);
+
+/// How often something here has set the locale of the process, for good or for a while.
+uint64_t times_locale_was_set();
+void note_that_locale_is_set();
 
 /// Ends the process without a word of any node, whatever runs: for the program itself.
 [[noreturn]] void leave_at_once(int code);

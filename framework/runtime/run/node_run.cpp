@@ -12,6 +12,7 @@
 
 #include "runtime/base/digest.hpp"
 #include "runtime/base/forks.hpp"
+#include "runtime/base/thread_watch.hpp"
 #include "runtime/plugins/artifact_rules.hpp"
 #include "runtime/plugins/artifact_type.hpp"
 #include "runtime/plugins/executable_node.hpp"
@@ -348,9 +349,10 @@ int Host::run_it() {
   return run_here(*node.kind.node);
 }
 
-/// In this process, where what the node has forked is seen.
+/// In this process, where what the node has forked or left running is seen.
 int Host::run_here(const plumbline_node& node) {
   const ForkWatch forks;
+  const ThreadWatch threads;
   int answer = 1;
   try {
     answer = node.run(&table_, &node);
@@ -360,6 +362,7 @@ int Host::run_here(const plumbline_node& node) {
   }
   forks.end_if_this_is_a_copy();
   if (const std::string left = forks.end_what_is_left(); !left.empty()) fail(left);
+  if (const std::string left = threads.what_goes_on(); !left.empty()) fail(left);
   return answer;
 }
 

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <fstream>
 
+#include "runtime/base/running_nodes.hpp"
+
 extern char** environ;
 
 namespace plumbline::runtime {
@@ -176,12 +178,18 @@ std::string ProcessConditions::restore_signals() const {
 
 SharedConditions::Run SharedConditions::begin(const std::string& name) {
   const std::scoped_lock lock(mutex_);
+  if (running_.empty()) locale_sets_ = times_locale_was_set();
   return running_.insert(running_.end(), {name, {}});
 }
 
 SharedConditions::Finding SharedConditions::end(Run run) {
   const std::scoped_lock lock(mutex_);
-  if (const std::string changes = conditions_.restore(); !changes.empty()) {
+  std::string changes = conditions_.restore();
+  // Whoever ran beside it may have read "0.5" as 0 or written it as "0,5" meanwhile.
+  if (changes.empty() && running_.size() > 1 && times_locale_was_set() != locale_sets_)
+    changes = "the locale, which was put back,";
+  locale_sets_ = times_locale_was_set();
+  if (!changes.empty()) {
     std::set<std::string> names;
     for (const auto& [name, finding] : running_) names.insert(name);
     for (auto& [name, finding] : running_) {

@@ -3,7 +3,8 @@
 // signals do.
 //
 // Each of them may change the numbers of whatever is computed next in the same process, under a key that knows nothing
-// of it. So they are set before a run and looked at after it, in the program and in its workers.
+// of it. So they are set before a run and looked at after it, in the program and in its workers. A locale that is set
+// for a while and put back harms only who runs beside it.
 #pragma once
 
 #include <fenv.h>
@@ -12,6 +13,7 @@
 #include <sys/stat.h>
 
 #include <array>
+#include <cstdint>
 #include <list>
 #include <locale>
 #include <mutex>
@@ -81,6 +83,7 @@ class SharedConditions {
  private:
   std::mutex mutex_;
   ProcessConditions conditions_;
+  uint64_t locale_sets_ = 0;  // times_locale_was_set() when all was in order last
   std::list<std::pair<std::string, Finding>> running_;
 };
 

@@ -17,6 +17,9 @@
 #include <thread>
 
 #include "runtime/base/child_process.hpp"
+#include "runtime/base/forks.hpp"
+#include "runtime/base/running_nodes.hpp"
+#include "runtime/base/thread_watch.hpp"
 #include "runtime/plugins/library.hpp"
 #include "runtime/run/run_conditions.hpp"
 #include "runtime/run/worker_messages.hpp"
@@ -92,9 +95,12 @@ class RemoteHost {
     out.number(value);
   }
 
-  /// A host that is gone ends the process. So does a message that finds no memory: half of it would be in the socket.
+  /// A host that is gone ends the process. So does a copy of it that the node has forked: it has the same socket, and
+  /// what it gave would be taken for the node's. So does a message that finds no memory: half of it would be in the
+  /// socket.
   template <typename... Values>
   void send(Ask what, Values... values) {
+    if (getpid() != worker_) leave_at_once(1);
     WireWriter out;
     out.number(what);
     (put(out, values), ...);
@@ -176,6 +182,7 @@ class RemoteHost {
   }
 
   plumbline_host table_{};
+  const pid_t worker_ = getpid();
   std::mutex mutex_, kept_mutex_, cancel_mutex_;
   std::deque<std::string> kept_;
   std::map<std::pair<std::string, size_t>, std::string> items_;
@@ -224,6 +231,23 @@ uint64_t begin_to_measure() {
   return reset ? status_bytes("VmRSS") : 0;
 }
 
+/// What the node has forked or left running is seen, as in the program itself.
+int32_t run_watched(RemoteHost& host, const plumbline_node& node) {
+  const ForkWatch forks;
+  const ThreadWatch threads;
+  int32_t answer = 1;
+  try {
+    answer = node.run(host.table(), &node);
+  } catch (...) {
+    forks.end_if_this_is_a_copy();
+    throw;
+  }
+  forks.end_if_this_is_a_copy();
+  for (const std::string& left : {forks.end_what_is_left(), threads.what_goes_on()})
+    if (!left.empty()) host.table()->fail(host.table()->context, left.c_str());
+  return answer;
+}
+
 int32_t serve(const std::string& request, uint64_t& taken) {
   WireReader in(request);
   in.number<Ask>();
@@ -243,9 +267,7 @@ int32_t serve(const std::string& request, uint64_t& taken) {
     const uint64_t before = begin_to_measure();
     arena.execute([&] {
       const ThreadConditions of_node;  // the arena may give it another thread
-      const pid_t worker = getpid();
-      answer = node->run(host.table(), node);
-      if (getpid() != worker) _exit(1);  // a copy that the node has forked and that came back
+      answer = run_watched(host, *node);
       changes = of_node.changes();
     });
     const uint64_t peak = status_bytes("VmHWM"), own = before + host.bytes_of_inputs();

@@ -10,12 +10,14 @@
 
 #include <cerrno>
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <thread>
 
 #include "artifacts/number.hpp"
@@ -61,13 +63,33 @@ void kill_and_wait(pid_t process) {
   close(ending.fd);
 }
 
+/// A thread that ends when its time is over, one that waits for work for ever, or one that starts such a one.
+void leave_thread(const std::string& how) {
+  const auto pool = [] {
+    static auto& mutex = *new std::mutex;  // never destroyed: that would wait for who waits
+    static auto& work = *new std::condition_variable;
+    std::unique_lock lock(mutex);
+    for (;;) work.wait(lock);
+  };
+  const auto crash_later = [] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    std::raise(SIGSEGV);
+  };
+  const auto wait = [](int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); };
+  if (how == "leave_thread") std::thread(crash_later).detach();
+  if (how == "leave_grandchild") std::thread([=] { std::thread(wait, 5000).detach(); }).join();
+  if (how == "leave_soon") std::thread(wait, 20).detach();
+  if (how == "leave_pool") std::thread(pool).detach();
+}
+
 struct Accident : Node {
   static constexpr Info info{"accident.happens", "", 1, "Ends its process in the way that is asked for"};
   Optional<Number> in{"number", "passed on if nothing happens"};
   Param<std::string> how{
       "how", "not",
       one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw", "shout", "meet", "alone",
-             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "write_input"),
+             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "write_input", "leave_thread",
+             "leave_grandchild", "leave_pool", "leave_soon"),
       "what happens"};
   Param<std::string> place{"place", "", "folder to meet in"};
   Param<int> mebibytes{"mebibytes", 0, between(0, 4096), "memory to take first"};
@@ -110,6 +132,7 @@ struct Accident : Node {
       if (child == 0) return out.commit(number(-1));
       waitpid(child, nullptr, 0);
     }
+    if (how->rfind("leave_", 0) == 0) leave_thread(*how);
     if (*how == "write_input") {
       plumbline_bytes bytes{};
       context.host().get(context.host().context, "number", 0, &bytes);
@@ -132,7 +155,7 @@ struct LeavesChanged : Node {
   static constexpr Info info{"accident.leaves_changed", "", 1, "Changes what a node must leave as it is"};
   Param<std::string> what{"what", required,
                           one_of("rounding", "vector_rounding", "subnormals", "traps", "blocked", "umask", "folder",
-                                 "locale", "environment", "signals"),
+                                 "locale", "locale_for_a_while", "environment", "signals"),
                           "what it changes"};
   Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there that he has seen it"};
   Out<Number> out{"number", "the number"};
@@ -155,7 +178,7 @@ struct LeavesChanged : Node {
     }
     if (*what == "umask") umask(0);
     if (*what == "folder" && chdir("/") != 0) throw std::runtime_error("cannot go there");
-    if (*what == "locale") setlocale(LC_ALL, "C.UTF-8");
+    if (what->rfind("locale", 0) == 0) setlocale(LC_ALL, "C.UTF-8");
     if (*what == "environment") {
       setenv("PATH", "/none", 1);
       setenv("ACCIDENT_WAS_HERE", "1", 1);
@@ -165,6 +188,7 @@ struct LeavesChanged : Node {
       std::ofstream(std::filesystem::path(*place) / "changed") << "1";
       wait_for(std::filesystem::path(*place) / "seen");
     }
+    if (*what == "locale_for_a_while") setlocale(LC_ALL, "C");
     out.commit(number(1));
   }
 };
@@ -174,12 +198,14 @@ struct Thirds : Node {
   static constexpr Info info{"accident.thirds", "", 1, "1000 thirds and a subnormal number, added up"};
   Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there what he has changed"};
   Param<int> salt{"salt", 0, between(0, 1000), "not used"};
+  Optional<Number> after{"after", "it runs after what gives it"};
   Out<Number> out{"number", "the sum"};
-  void run(Context&) override {
+  void run(Context& context) override {
     if (!place->empty()) {
       wait_for(std::filesystem::path(*place) / "changed");
       std::ofstream(std::filesystem::path(*place) / "seen") << "1";
     }
+    context.metric("pid", getpid(), "1");
     volatile double one = 1, three = 3, sum = 0, small = 1e-310;
     for (int i = 0; i < 1000; ++i) sum = sum + one / three;
     out.commit(number(sum + (small * 0.5 > 0 ? 1 : 0)));

@@ -171,15 +171,43 @@ TEST_F(Isolation, MemoryIsAnnouncedToTheOneBudget) {
   EXPECT_EQ(node("b").memory_announced, uint64_t{601} << 20);
 }
 
-/// In the program itself: a child that nobody waited for might write on, and one that returns would be the program
-/// twice, with the same record and the same outputs.
-TEST_F(Isolation, WhatANodeForksInTheProgramEndsWithIt) {
-  run("  a: {use: accident.happens, with: {how: fork}}\n");
-  EXPECT_TRUE(contains(node("a").error, "what it had forked went on (process ")) << node("a").error;
-  run("  a: {use: accident.happens, with: {how: fork_and_return}}\n  b: {use: accident.happens, in: {number: "
-      "a.number}}\n");
-  EXPECT_TRUE(contains(value("a"), "1")) << value("a");
-  EXPECT_TRUE(contains(value("b"), "2")) << value("b");
+/// A child that nobody waited for might write on, and one that returns would be the program twice, with the same record
+/// and the same outputs; in a process of its own no less than in the program.
+TEST_F(Isolation, WhatANodeForksEndsWithIt) {
+  for (const bool apart : {false, true}) {
+    run("  a: {use: accident.happens, with: {how: fork}}\n", apart);
+    EXPECT_TRUE(contains(node("a").error, "what it had forked went on (process ")) << apart << node("a").error;
+    run("  a: {use: accident.happens, with: {how: fork_and_return, mebibytes: " + std::to_string(1 + apart) +
+            "}}\n  b: {use: accident.happens, in: {number: a.number}}\n",
+        apart);
+    EXPECT_TRUE(contains(value("a"), "1")) << apart << value("a");
+    EXPECT_TRUE(contains(value("b"), "2")) << apart << value("b");
+  }
+}
+
+/// In a pooled worker it took the next node down, which was blamed for it.
+TEST_F(Isolation, ANodeThatLeavesAThreadRunningIsNamedAndHarmsNoOther) {
+  run("  bad: {use: accident.happens, with: {how: leave_thread}}\n"
+      "  other: {use: accident.happens, with: {how: leave_grandchild}}\n",
+      true);
+  for (const char* name : {"bad", "other"})
+    EXPECT_TRUE(contains(node(name).error, "it ended while a thread that it had started went on")) << node(name).error;
+  // Longer than the thread that was left would have taken to crash.
+  run("  after: {use: accident.happens, isolate: process, time_limit: 0.9 s, with: {how: hang}}\n");
+  EXPECT_TRUE(contains(node("after").error, "took longer than its limit of 0.9 s")) << node("after").error;
+  run("  other: {use: accident.happens, with: {how: leave_grandchild}}\n");
+  EXPECT_TRUE(contains(node("other").error, "it ended while a thread that it had started went on"))
+      << node("other").error;
+}
+
+/// A pool that sleeps until it has work does no harm, and who has told a thread to end need not wait for it.
+TEST_F(Isolation, ThreadsThatSleepOrEndAreNoneThatGoOn) {
+  for (const bool apart : {false, true})
+    for (const std::string how : {"leave_pool", "leave_soon"}) {
+      run("  a: {use: accident.happens, with: {how: " + how + ", mebibytes: " + std::to_string(1 + apart) + "}}\n",
+          apart);
+      EXPECT_EQ(node("a").status, NodeStatus::executed) << how << apart << node("a").error;
+    }
 }
 
 TEST_F(Isolation, ConditionsAreChecked) {

@@ -1,5 +1,6 @@
 // What a node leaves changed in its process - rounding, signals, folder, locale - is named and reaches no other.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 
@@ -29,6 +30,21 @@ double thirds() {
   volatile double one = 1, three = 3, sum = 0;
   for (int i = 0; i < 1000; ++i) sum = sum + one / three;
   return sum + 1;
+}
+
+/// One that puts the locale back harms only who read or wrote numbers meanwhile. (First, as long as nodes run in this
+/// process.)
+TEST_F(Isolation, WhoRunsBesideOneThatSetsTheLocaleForAWhileIsRunAgainApart) {
+  const TemporaryFolder place;
+  const std::string bad = "  bad: {use: accident.leaves_changed, with: {what: locale_for_a_while";
+  run(bad + ", place: " + place.path().string() +
+      "}}\n  good: {use: accident.thirds, with: {place: " + place.path().string() + "}}\n");
+  EXPECT_EQ(node("bad").error, "");
+  ASSERT_EQ(node("good").error, "");
+  EXPECT_NE(node("good").metrics.at(0).value, getpid()) << "it was not run apart";
+  run(bad + "}}\n  good: {use: accident.thirds, in: {after: bad.number}}\n");
+  ASSERT_EQ(node("good").error, "");
+  EXPECT_EQ(node("good").metrics.at(0).value, getpid()) << "nobody ran beside it";
 }
 
 /// What a node leaves changed is named, its result is not kept, and what runs afterwards knows nothing of it.
