@@ -142,11 +142,57 @@ TEST(FacadeInput, BracketsOfUnknownTypeAndUnknownPanelsAreNamed) {
   EXPECT_NE(fault_of(input, rules).find("no rule of 'brackets' selects East0 (IfcPlate)"), std::string::npos)
       << fault_of(input, rules);
   rules.brackets.clear(), rules.after["South"] = {"West"};
-  EXPECT_NE(fault_of(input, rules).find("'after' names panel 'West'"), std::string::npos);
+  EXPECT_EQ(fault_of(input, rules), "'after' names panel 'West', which is none of the 2 panels with measured anchors");
+  rules.after = {{"South", {"East"}}};
+  const FacadeInput ordered = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  for (const Panel& panel : ordered.facade.panels)
+    EXPECT_EQ(panel.depends_on, panel.id == "South" ? std::vector<std::string>{"East"} : std::vector<std::string>{});
   rules.after = {{"South", {"East"}}, {"East", {"South"}}};
   const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
   ASSERT_EQ(faults_of(made.facade).size(), 1u);
   EXPECT_NE(faults_of(made.facade)[0].find("South needs East needs South"), std::string::npos);
+}
+
+/// What a round before has seen hang holds its brackets, and what it has set is not set again.
+TEST(FacadeInput, TheStateOfTheRoundBeforeHolds) {
+  const Input input = two_facades();
+  LoopStateT state;
+  const auto add = [&](const char* kind, const char* id, ItemStatus status) {
+    auto item = std::make_unique<LoopItemT>();
+    item->kind = kind, item->id = id, item->status = status;
+    state.items.push_back(std::move(item));
+  };
+  add("panel", "East", ItemStatus::verified), add("bracket", "South2", ItemStatus::executed);
+  add("bracket", "South3", ItemStatus::planned);
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, &state, {});
+  for (const Panel& panel : made.facade.panels) EXPECT_EQ(panel.installed, panel.id == "East") << panel.id;
+  for (const Bracket& bracket : made.facade.brackets)
+    EXPECT_EQ(bracket.fixed, bracket.id == "South2" || bracket.id.rfind("East", 0) == 0) << bracket.id;
+  for (const Bracket& bracket : facade_of(input.deviation, input.model, input.design, nullptr, {}).facade.brackets)
+    EXPECT_FALSE(bracket.fixed) << bracket.id;
+}
+
+/// Each bound of a place below: under it, over half of the narrower one's width, and in the same plane.
+TEST(FacadeInput, WhatIsBelowIsUnderThePanelAndBeneathItsWidth) {
+  const auto waits = [](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    Input input = two_facades();
+    auto element = std::make_unique<DesignElementT>();
+    element->guid = "guid", element->name = "Low", element->is_panel = true;
+    element->position.setZero(), element->box_low = low, element->box_high = high;
+    input.design.elements.push_back(std::move(element));
+    const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+    const auto& panels = made.facade.panels;  // South stands from x 0 to 2 at y 0, from z 0 on
+    const auto south = std::find_if(panels.begin(), panels.end(), [](const Panel& p) { return p.id == "South"; });
+    return south->depends_on == std::vector<std::string>{"Low"};
+  };
+  EXPECT_TRUE(waits({0, -0.1, -2}, {2, 0.1, -0.19})) << "a joint of 190 mm";
+  EXPECT_FALSE(waits({0, -0.1, -2}, {2, 0.1, -0.21})) << "a gap, and no joint";
+  EXPECT_TRUE(waits({0, -0.1, -2}, {2, 0.1, 0.019})) << "they overlap by 19 mm";
+  EXPECT_FALSE(waits({0, -0.1, -2}, {2, 0.1, 0.021})) << "it stands in its way, not below";
+  EXPECT_TRUE(waits({0.98, -0.1, -2}, {4, 0.1, -0.02})) << "over just more than half of the width";
+  EXPECT_FALSE(waits({1.02, -0.1, -2}, {4, 0.1, -0.02})) << "over just less than half";
+  EXPECT_TRUE(waits({1.5, -0.1, -2}, {1.9, 0.1, -0.02})) << "a narrow one under it";
+  EXPECT_FALSE(waits({1.9, -0.1, -2}, {2.3, 0.1, -0.02})) << "a narrow one under its edge";
 }
 
 TEST(FacadeInput, APointThatWasJudgedAndIsNotInTheModelIsNamed) {

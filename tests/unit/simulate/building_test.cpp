@@ -4,6 +4,9 @@
 
 #include <map>
 #include <set>
+#include <tuple>
+
+#include "obstruction.hpp"
 
 namespace plumbline::simulate {
 namespace building_test {
@@ -89,6 +92,24 @@ TEST(Building, PlatesFaceTheCameras) {
   for (const Anchor& a : make_building({}, 1).anchors) {
     EXPECT_LT((a.building_from_plate.rotation * Eigen::Vector3d::UnitZ()).y(), -0.98);
     EXPECT_GT((a.building_from_plate.rotation * Eigen::Vector3d::UnitY()).z(), 0.98);
+  }
+}
+
+/// A scaffold goes round the facade's ends and over its top: tubes begin less than one spacing from where it begins.
+TEST(Obstruction, AScaffoldReachesFourMetresPastTheFacadeOnAllSides) {
+  const Building building = make_building({.floors = 3}, 1);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Obstruction scaffold = make_obstruction(building, {.scaffold_spacing = 2.5}, seed);
+    EXPECT_EQ(scaffold.plane, -1.0) << "before the facade, which looks to negative y";
+    for (const auto& [tubes, spacing, length] :
+         {std::tuple(scaffold.uprights, 2.5, building.width), std::tuple(scaffold.ledgers, 2.0, building.height)}) {
+      ASSERT_GE(tubes.size(), 2u);
+      EXPECT_GE(tubes.front(), -4.0);
+      EXPECT_LT(tubes.front(), -4.0 + spacing);
+      EXPECT_LE(tubes.back(), length + 4.0);
+      EXPECT_GT(tubes.back(), length + 4.0 - spacing);
+      for (std::size_t i = 1; i < tubes.size(); ++i) EXPECT_NEAR(tubes[i] - tubes[i - 1], spacing, 1e-12);
+    }
   }
 }
 

@@ -15,6 +15,7 @@
 #include "photo/images/photograph_header.hpp"
 #include "survey/files/survey_format.hpp"
 #include "test_support.hpp"
+#include "wings.hpp"
 
 namespace plumbline::simulate {
 namespace campaign_test {
@@ -184,6 +185,26 @@ TEST(DesignIfc, IsValidAndHasAnchorsAndPanelsAtTheirPlaces) {
     }
     EXPECT_EQ(anchors, b.anchors.size());
     EXPECT_EQ(panels, 9u);  // between the four columns
+  }
+}
+
+/// Facades that stand askew: an anchor is written relative to its facade, and read where the building has it.
+TEST(DesignIfc, AnchorsOfEveryFacadeAreAtTheirPlaces) {
+  for (const std::string& shape : shape_names()) {
+    CampaignOptions options;
+    options.shape = shape, options.building.floors = 2, options.cameras.images_per_floor = 4;
+    const Building b = make_campaign(options, 3).building;
+    const ifc::Design design = ifc::read_design(step::File(write_design_ifc(b, 1, false), "design.ifc"), {});
+    std::size_t anchors = 0;
+    for (const ifc::Element& element : design.elements) {
+      if (!element.is_anchor) continue;
+      const auto anchor =
+          std::find_if(b.anchors.begin(), b.anchors.end(), [&](const Anchor& a) { return a.id == element.name; });
+      ASSERT_NE(anchor, b.anchors.end()) << element.name;
+      EXPECT_LT((element.position - anchor->design).norm(), 1e-9) << shape << ": " << element.name;
+      ++anchors;
+    }
+    EXPECT_EQ(anchors, b.anchors.size()) << shape;
   }
 }
 
