@@ -1,11 +1,13 @@
 #include "simulate_node.hpp"
 
+#include <cstdint>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
 
 #include "artifacts/survey_artifact.hpp"
 #include "geometry/random.hpp"
+#include "network_memory.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 
 namespace plumbline::survey {
@@ -91,6 +93,9 @@ void SimulateSurveyNode::run(Context& context) {
   options.sets = static_cast<int>(*sets);
   options.noise = *noise;
   options.coordinates = *coordinates;
+  std::uint64_t sights = 0;
+  for (const SimulatedSetUp& s : layout.set_ups) sights += s.sees.empty() ? layout.points.size() : s.sees.size();
+  announce_memory(context, 2700 * sights);  // three readings each, as they are, packed and written
   SurveyObservations survey = simulate_survey(layout, options, context.seed());
   for (const std::string& text : *mistakes) plant(parse_mistake(text, survey), layout, survey);
   survey.info.format = "simulated";

@@ -1,6 +1,7 @@
 // What the record of a run is good for: why, diff, export, verify; and the store's upkeep.
 #include <sys/stat.h>
 
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -224,6 +225,21 @@ TEST(History, WhySaysWhichPartOfTheKeyChanged) {
   answer = plumbline({"why", "bb", "out/p"});
   EXPECT_EQ(answer.code, 2);
   EXPECT_TRUE(contains(answer.err, "did you mean 'b'?")) << answer.err;
+}
+
+/// Without a run it is the newest one below out/, whatever the folders are called.
+TEST(History, WhyAsksTheRunThatWasWrittenLast) {
+  const Program plumbline;
+  plumbline.write("p.yaml", chain);
+  for (const std::string name : {"m", "z", "a"}) {
+    ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "out/" + name}).code, 0);
+    // A file system may tell times no finer than seconds.
+    const auto now = fs::last_write_time(plumbline.work() / "out/m/run.jsonl");
+    const int age = name == "m" ? 0 : name == "z" ? 20 : 10;
+    fs::last_write_time(plumbline.work() / "out" / name / "run.jsonl", now + std::chrono::seconds(age));
+  }
+  const Answer answer = plumbline({"why", "b"});
+  EXPECT_TRUE(contains(answer.out, " in out/z/run.jsonl")) << answer.out << answer.err;
 }
 
 TEST(History, DiffComparesNumberByNumber) {

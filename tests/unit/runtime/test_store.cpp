@@ -154,6 +154,26 @@ TEST(Store, SmallOutputsGoIntoTheRecordOfTheRun) {
 }
 
 /// A record is a text that anybody may have written: no name in it leads out of the store.
+/// A record holds contents of several hashes; who asks for one, by all of its hash or by its beginning, gets no other.
+TEST(Store, ContentsAreFoundByTheBeginningOfTheirHash) {
+  const TemporaryFolder folder;
+  const std::string texts[] = {"one content", "another content", "a third"};
+  StoredRun run;
+  {
+    Store store(folder.path() / "store");
+    for (const std::string& text : texts) run.outputs["number"].push_back(store.hold(text.data(), text.size()));
+    store.put_run(std::string(64, 'a'), run);
+  }
+  for (int i = 0; i < 3; ++i) {
+    Store store(folder.path() / "store");  // one that has only the record
+    const std::string& hash = run.outputs["number"][i];
+    EXPECT_EQ(store.blobs_starting_with(hash.substr(0, 8)), std::vector<std::string>{hash});
+    EXPECT_EQ(text_of(store.get(hash)), texts[i]);
+  }
+  const Store store(folder.path() / "store");
+  EXPECT_TRUE(store.blobs_starting_with(std::string(8, '0')).empty());
+}
+
 TEST(Store, ARecordThatNamesAFileElsewhereIsDamaged) {
   const TemporaryFolder folder;
   Store store(folder.path() / "store");
