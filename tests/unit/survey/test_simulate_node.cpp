@@ -8,7 +8,7 @@
 #include "node_harness.hpp"
 
 namespace plumbline::test {
-namespace {
+namespace test_simulate_node {
 
 using survey::ObservationKind;
 
@@ -130,5 +130,5 @@ TEST(SimulateSurveyNode, WhatCannotBePlantedIsRefusedInWords) {
   EXPECT_EQ(fault_of("swop S1 M1 M2").rfind("mistakes: found 'swop S1 M1 M2', expected one that begins with", 0), 0u);
 }
 
-}  // namespace
+}  // namespace test_simulate_node
 }  // namespace plumbline::test
