@@ -4,6 +4,7 @@
 // of an image that cannot be oriented) is PoseNode's.
 #include <Eigen/SVD>
 
+#include "geometry/linear_algebra/decompositions.hpp"
 #include "photo/pose/pose_node.hpp"
 
 using namespace plumbline;
@@ -23,7 +24,7 @@ PoseHypotheses solve(const std::vector<const TagView*>& sample) {
   }
   const Eigen::Vector3d centre = points.rowwise().mean();
   const Eigen::Matrix3Xd centred = points.colwise() - centre;
-  Eigen::Matrix3d axes = Eigen::JacobiSVD<Eigen::Matrix3Xd>(centred, Eigen::ComputeFullU).matrixU();
+  Eigen::Matrix3d axes = linear_algebra::SingularValues(centred, Eigen::ComputeFullU).matrixU();
   if (axes.determinant() < 0) axes.col(2) *= -1;
   const Eigen::Matrix3Xd plane = axes.transpose() * centred;
   Eigen::MatrixXd rows(2 * n, 9);
@@ -33,7 +34,7 @@ PoseHypotheses solve(const std::vector<const TagView*>& sample) {
     rows.row(2 * i) << b.z() * p, none, -b.x() * p;
     rows.row(2 * i + 1) << none, b.z() * p, -b.y() * p;
   }
-  const Eigen::VectorXd h = Eigen::JacobiSVD<Eigen::MatrixXd>(rows, Eigen::ComputeFullV).matrixV().col(8);
+  const Eigen::VectorXd h = linear_algebra::SingularValues(rows, Eigen::ComputeFullV).matrixV().col(8);
   Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(h.data());
   m /= (m(2, 2) < 0 ? -1 : 1) * std::sqrt(m.col(0).norm() * m.col(1).norm());
   const Eigen::Vector3d translation = m.col(2);
