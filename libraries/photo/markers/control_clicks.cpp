@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text/words.hpp"
 #include "photo/markers/control_targets.hpp"
 
 namespace plumbline::markers {
@@ -42,9 +43,9 @@ std::string same_place(const std::vector<Target>& targets, const Target& of, con
 }
 
 std::string names_of(const ColmapModel& model, const std::vector<Measured>& rays) {
-  std::string text;
-  for (size_t k = 0; k < rays.size() && k < 5; ++k) text += (k == 0 ? "" : ", ") + model.images.at(rays[k].image).name;
-  return text + (rays.size() > 5 ? ", ..." : "");
+  std::vector<std::string> names;
+  for (const Measured& ray : rays) names.push_back(model.images.at(ray.image).name);
+  return text::join(names, 5);
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -85,11 +87,7 @@ std::vector<Target> targets_of(const ColmapModel& model, const std::vector<Contr
   }
   const auto tell = [&](const std::set<std::string>& names_, const std::string& what) {
     if (names_.empty()) return;
-    std::string list;
-    size_t shown = 0;
-    for (const auto& n : names_)
-      if (++shown <= 8) list += (list.empty() ? "" : ", ") + n;
-    result.left_out.push_back(what + ": " + list + (names_.size() > 8 ? ", ..." : ""));
+    result.left_out.push_back(what + ": " + text::join({names_.begin(), names_.end()}, 8));
   };
   tell(unknown_images, "measurements in photographs that the model does not hold");
   tell(unknown_points, "measured points that are not in the control file");

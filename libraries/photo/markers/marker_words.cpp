@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
@@ -214,17 +215,17 @@ void explain_images(const MarkerBlock& block, MarkerResult& result) {
   }
   std::vector<bool> placed(block.markers.size(), false);
   for (const auto& marker : result.markers) placed[marker.marker] = true;
-  std::string names;
-  int missing = 0;
+  std::vector<std::string> missing;
   for (size_t m = 0; m < placed.size(); ++m) {
     const bool seen = std::any_of(block.views.begin(), block.views.end(),
                                   [&](const MarkerView& v) { return v.marker == static_cast<int>(m); });
     if (placed[m] || !seen) continue;
-    if (++missing <= 12) names += (names.empty() ? "" : ", ") + block.markers[m].name();
+    missing.push_back(block.markers[m].name());
   }
-  if (missing)
-    result.left_out.push_back((missing == 1 ? "tag " : "tags ") + names + (missing > 12 ? ", ..." : "") +
-                              ": could not be placed from the photographs that show " + (missing == 1 ? "it" : "them"));
+  if (!missing.empty())
+    result.left_out.push_back((missing.size() == 1 ? "tag " : "tags ") + text::join(missing, 12) +
+                              ": could not be placed from the photographs that show " +
+                              (missing.size() == 1 ? "it" : "them"));
 }
 
 void explain_single_tags(const MarkerBlock& block, MarkerResult& result) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "base/text/words.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "photo/markers/survey_frame.hpp"
@@ -15,13 +16,7 @@ namespace {
 
 constexpr double unknown_size = 0.1;  // [m] of a tag whose size nobody said: the survey gives the scale
 
-std::string listed(const std::set<std::string>& names) {
-  std::string text;
-  size_t shown = 0;
-  for (const auto& name : names)
-    if (++shown <= 8) text += (text.empty() ? "" : ", ") + name;
-  return text + (names.size() > 8 ? ", ..." : "");
-}
+std::string listed(const std::set<std::string>& names) { return text::join({names.begin(), names.end()}, 8); }
 
 /// "tag36h11:7" or "7".
 std::string point_of_tag(const Marker& marker, const std::map<std::string, const PointT*>& points) {
