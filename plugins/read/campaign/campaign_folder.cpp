@@ -137,7 +137,8 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (mapping.has("instrument"))
     take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });
   if (mapping.has("date")) take([&] { take_date(mapping, c); });
-  if (wanted("survey")) take([&] { c.survey = resolver.many("survey"); });
+  if (wanted("survey"))
+    take([&] { c.survey = resolver.many("survey"), c.survey_in_order = resolver.in_order("survey"); });
   if (mapping.has("control")) one("control", c.control);
   if (use == CampaignUse::survey) return c;
   if (use == CampaignUse::measured) {

@@ -59,10 +59,11 @@ struct CampaignDescription {
   std::string plates, control, design;  ///< control may be empty: then the survey files hold the datum
   std::string mapping;                  ///< from points to elements of the design; may be empty
   std::vector<std::string> survey;
-  std::string instrument;           ///< name of an instrument profile; may be empty
-  std::string date;                 ///< when it was measured, ISO 8601; may be empty
-  std::string date_remark;          ///< how the date was understood, where somebody might read it otherwise
-  std::vector<std::string> unused;  ///< what is to be left out, though it lies there
+  std::vector<std::string> survey_in_order;  ///< the same as written: epochs, oldest first
+  std::string instrument;                    ///< name of an instrument profile; may be empty
+  std::string date;                          ///< when it was measured, ISO 8601; may be empty
+  std::string date_remark;                   ///< how the date was understood, where somebody might read it otherwise
+  std::vector<std::string> unused;           ///< what is to be left out, though it lies there
 };
 
 /// What is to be done with a campaign, and so what it must hold.

@@ -50,7 +50,13 @@ std::string Resolver::one(const std::string& key) const {
 }
 
 std::vector<std::string> Resolver::files_of(const std::string& key, const YAML::Node& node) const {
-  std::vector<std::string> found;
+  std::vector<std::string> found = in_order(key, node);
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::string> Resolver::in_order(const std::string& key, const YAML::Node& node) const {
+  std::vector<std::string> found, once;
   Problems problems;
   if (node.IsSequence()) {
     for (const YAML::Node& item : node) problems.attempt([&] { add(key, item, found); });
@@ -58,9 +64,10 @@ std::vector<std::string> Resolver::files_of(const std::string& key, const YAML::
     add(key, node, found);
   }
   problems.raise();
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
+  std::set<std::string> known;
+  for (const std::string& file : found)
+    if (known.insert(file).second) once.push_back(file);
+  return once;
 }
 
 void Resolver::add(const std::string& key, const YAML::Node& node, std::vector<std::string>& found) const {

@@ -210,7 +210,7 @@ struct ReadSurveyCampaign : Node {
 
 /// Each file by itself: campaigns of one network at different times.
 struct ReadSurveyEpochs : Node {
-  static constexpr Info info{"read.survey_epochs", "", 1,
+  static constexpr Info info{"read.survey_epochs", "", 2,
                              "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
@@ -222,6 +222,7 @@ struct ReadSurveyEpochs : Node {
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
                                   campaign::CampaignUse::survey, campaign::given_by(added));
+    site.description.survey = site.description.survey_in_order;
     for (const auto& epoch : campaign::read_survey_files(site.description, site.root, site.added, *strict, context))
       epochs.commit(survey::to_artifact(epoch));
   }

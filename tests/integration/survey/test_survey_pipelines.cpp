@@ -177,11 +177,27 @@ TEST(SurveyPipelines, ThreeFilesAreASeries) {
   EXPECT_TRUE(contains(page, "No point moves, and none has moved, beyond chance.")) << page.substr(0, 2000);
   EXPECT_TRUE(contains(page, "<svg"));
   EXPECT_TRUE(contains(page, "<section id=\"point-")) << "a place of its own for each, and a sheet where it is printed";
-  EXPECT_FALSE(contains(page, ">alarm</text>")) << "50 mm would flatten charts of a millimetre";
+  EXPECT_FALSE(contains(page, ">alarm level</text>")) << "50 mm would flatten charts of a millimetre";
   const Answer near = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_5arcsec",
                                  "movements.with.days=[0, 30, 60]", "alarm_level=0.002", "--out", "near"});
   ASSERT_EQ(near.code, 0) << near.err;
-  EXPECT_TRUE(contains(read_file(plumbline.work() / "near/series.html"), ">alarm</text>"));
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "near/series.html"), ">alarm level</text>"));
+}
+
+/// They were taken by their names: april, march, may, and the days given were those of other files, without a word.
+TEST(SurveyPipelines, EpochsAreInTheOrderInWhichTheyAreNamed) {
+  const Program plumbline;
+  for (const auto& [name, seed] : {std::pair("march", 11), {"april", 12}, {"may", 13}})
+    plumbline.write(std::string(name) + ".gsi", job(seed));
+  plumbline.write("campaign.yaml", "plumbline_campaign: 1\nsurvey: [march.gsi, april.gsi, may.gsi]\n");
+  const Answer answer = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_5arcsec",
+                                   "movements.with.days=[0, 31, 61]", "--out", "out"});
+  ASSERT_EQ(answer.code, 0) << answer.err;
+  const Json json = Json::parse(read_file(plumbline.work() / "out/series.json"));
+  EXPECT_EQ(json["epochs"][0]["name"], "march.gsi");
+  EXPECT_EQ(json["epochs"][1]["name"], "april.gsi");
+  EXPECT_TRUE(contains(answer.out, "In their order, with their days: march.gsi 0, april.gsi 31, may.gsi 61."))
+      << answer.out;
 }
 
 /// docs/examples/before.csv as directions and horizontal distances, with circles that were set up `turn` gon on and
