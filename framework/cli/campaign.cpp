@@ -1,4 +1,5 @@
 // plumbline campaign init, campaign check
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -44,10 +45,15 @@ int ask(const char* pipeline, const Options& options, const fs::path& out) {
   if (!fs::is_directory(options.name)) throw UsageError("'" + options.name + "' is no folder");
   Options question = options;
   question.pipeline = pipeline;
-  question.overrides = {"folder=" + options.name};
+  question.overrides.insert(question.overrides.begin(), "folder=" + options.name);
   question.out = out.string();
   question.quiet = true;
   return run(question);
+}
+
+/// What these verbs say themselves; all else is said by the pipeline.
+bool is_german(const Options& options) {
+  return std::find(options.overrides.begin(), options.overrides.end(), "language=de") != options.overrides.end();
 }
 
 void print(const fs::path& file) {
@@ -72,8 +78,11 @@ int campaign_init(const Options& options) {
     throw std::runtime_error("cannot write " + target.string() + ": " + error.message() +
                              "; check the rights on the folder, or work on a copy of it");
   print(scratch.path() / "summary.txt");
-  std::printf("%s is written. Read it, mend what it says, then: plumbline campaign check %s\n", target.c_str(),
-              options.name.c_str());
+  std::printf(is_german(options)
+                  ? "%s ist geschrieben. Lesen, in Ordnung bringen, was dort steht, dann: plumbline campaign check %s "
+                    "language=de\n"
+                  : "%s is written. Read it, mend what it says, then: plumbline campaign check %s\n",
+              target.c_str(), options.name.c_str());
   return 0;
 }
 
@@ -86,8 +95,10 @@ int campaign_check(const Options& options) {
   bool measured_already = false;  // tags, by another program
   for (std::string line; std::getline(stream, line);)
     measured_already = measured_already || line.starts_with("  observations: ");
-  std::printf("Next: plumbline run %s folder=%s\n", measured_already ? "site_observations" : "site_campaign",
-              options.name.c_str());
+  const bool german = is_german(options);
+  std::printf("%s: plumbline run %s folder=%s%s\n", german ? "Als Nächstes" : "Next",
+              measured_already ? "site_observations" : "site_campaign", options.name.c_str(),
+              german ? " language=de" : "");
   return 0;
 }
 

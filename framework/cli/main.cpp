@@ -159,6 +159,7 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
   const auto add_campaign = [&](const char* name, const char* summary, int (*action)(const Options&)) {
     CLI::App& command = *campaign.add_subcommand(name, summary);
     command.add_option("folder", options.name, "the folder of a site")->required()->type_name("FOLDER");
+    command.add_option("override", options.overrides, "language=de: in German")->type_name("KEY=VALUE");
     add_store(command, options);
     commands.push_back({&command, action});
   };

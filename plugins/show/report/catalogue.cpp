@@ -228,6 +228,7 @@ std::optional<std::string> Catalogue::list(std::string_view english, int depth) 
     const std::string_view part = english.substr(begin, end - begin);
     auto said = whole(std::string(part));
     if (!said) said = filled(part, depth + 1, of_its_own, std::numeric_limits<std::size_t>::max());
+    if (!said) said = filled(part, depth + 1, 1, of_its_own, true);  // "p 0.067"
     if (!said) return std::nullopt;
     text += (begin == 0 ? "" : "; ") + *said;
     begin = end + 2;
@@ -250,6 +251,8 @@ std::optional<std::string> Catalogue::find(std::string_view english, int depth) 
   if (auto found = paragraph(english, depth)) return found;
   // "step: 2 of 3 (why); bow: all (why)" is a list before it is one thing that is said of steps.
   if (auto found = list(english, depth)) return found;
+  if (english.ends_with('.'))
+    if (const auto found = list(english.substr(0, english.size() - 1), depth)) return *found + ".";
   if (auto found = single(english, depth)) return found;
   return filled(english, depth, 0, kWeak);
 }
@@ -288,8 +291,8 @@ std::string Catalogue::taken_as(std::string_view taken) const {
   return std::string(taken.substr(0, at)) + (other ? " " + *other : std::string(taken.substr(at)));
 }
 
-std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least,
-                                             std::size_t most) const {
+std::optional<std::string> Catalogue::filled(std::string_view english, int depth, std::size_t least, std::size_t most,
+                                             bool only_numbers) const {
   std::vector<std::size_t> candidates = without_word_;
   for (const std::string_view word : words_of(english))
     if (const auto found = by_word_.find(std::string(word)); found != by_word_.end())
@@ -298,7 +301,12 @@ std::optional<std::string> Catalogue::filled(std::string_view english, int depth
   for (const std::size_t candidate : candidates) {
     const Entry& entry = entries_[candidate];
     Places places;
-    if (entry.letters >= most || entry.letters < least || !fits(entry.english, 0, english, places)) continue;
+    if (entry.letters >= most || entry.letters < least) continue;
+    if (only_numbers && std::any_of(entry.english.begin(), entry.english.end(), [](const Part& part) {
+          return part.kind != Part::Kind::words && part.kind != Part::Kind::number;
+        }))
+      continue;
+    if (!fits(entry.english, 0, english, places)) continue;
     std::string text;
     for (const Part& part : entry.other) {
       if (part.kind == Part::Kind::words) {

@@ -44,8 +44,9 @@ class Catalogue {
   std::optional<std::string> find(std::string_view english, int depth) const;
   /// As it is, but for the end of a list that was cut.
   std::string taken_as(std::string_view taken) const;
-  /// By a sentence with places that has so many letters of its own.
-  std::optional<std::string> filled(std::string_view english, int depth, std::size_t least, std::size_t most) const;
+  /// By a sentence with places that has so many letters of its own; of numbers alone, if asked.
+  std::optional<std::string> filled(std::string_view english, int depth, std::size_t least, std::size_t most,
+                                    bool only_numbers = false) const;
   /// Two sentences or more, each of the catalogue.
   std::optional<std::string> paragraph(std::string_view english, int depth) const;
   /// One sentence, or a clause of the catalogue with a full stop.

@@ -32,6 +32,7 @@
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
 #include "show/report/sheets_node.hpp"
+#include "show/report/spoken_texts.hpp"
 #include "show/report/summary.hpp"
 #include "show/report/surface_page_node.hpp"
 #include "show/report/survey_page_node.hpp"

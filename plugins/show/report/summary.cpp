@@ -13,6 +13,7 @@
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/sections.hpp"
+#include "show/report/spoken_texts.hpp"
 
 namespace plumbline::report {
 
@@ -183,18 +184,6 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
 }
 
 }  // namespace
-
-std::string spoken_lines(const std::string& text) {
-  std::string out;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t start = std::min(line.find_first_not_of(' '), line.size());
-    std::string said = spoken(line.substr(start));
-    for (std::size_t at = 0; (at = said.find("\u00A0", at)) != std::string::npos;) said.replace(at, 2, " ");
-    out += line.substr(0, start) + said + "\n";
-  }
-  return out;
-}
 
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation, const AsBuiltChangesT* changes) {
   std::string text = deviation ? installation_text(*deviation, changes) : "";

@@ -15,7 +15,4 @@ namespace plumbline::report {
 std::string summary_text(const AccuracyT& accuracy, const DeviationT* deviation = nullptr,
                          const AsBuiltChangesT* changes = nullptr);
 
-/// Every line of a text in what is spoken; spaces that a line begins with stay.
-std::string spoken_lines(const std::string& text);
-
 }  // namespace plumbline::report

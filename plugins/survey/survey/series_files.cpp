@@ -52,60 +52,7 @@ void json_field(const char* name, std::string& out, bool first = false) {
   out += "\": ";
 }
 
-/// "E +1.2, H -3.4 mm/year (sigma 0.2, 0.3)" of the axes that are there. What the datum holds (a stable point alone
-/// carries the height) has no uncertainty beside the others': it was not measured, and is no movement of 0.00.
-std::string components(const Eigen::Vector3d& value, const Eigen::Vector3d& sigma, double factor,
-                       const std::string& unit) {
-  constexpr double kHeld = 1e-4;
-  std::string text, sigmas;
-  const double largest = sigma.array().isFinite().select(sigma.array(), 0.0).maxCoeff();
-  for (int k = 0; k < 3; ++k) {
-    if (!std::isfinite(value[k]) || !(sigma[k] > kHeld * largest)) continue;
-    const double size = factor * value[k];
-    text += (text.empty() ? "" : ", ") + std::string(1, "ENH"[k]) + (size < 0 ? " " : " +") + fixed_digits(size, 2);
-    sigmas += (sigmas.empty() ? "" : ", ") + fixed_digits(factor * sigma[k], 2);
-  }
-  return text + " " + unit + " (sigma " + sigmas + ")";
-}
-
-/// ", H since 2025-03-14" of coordinates that another epoch than the point's first measured first.
-std::string later_references(const SeriesPoint& p, const SeriesPoint::At& at, const SeriesText& text) {
-  std::string words;
-  for (size_t k = 0; k < 3; ++k)
-    if (p.reference[k] != p.first && std::isfinite(at.movement[static_cast<Eigen::Index>(k)]))
-      words += ", " + std::string(1, "ENH"[k]) + " since " + text.labels[p.reference[k]];
-  return words;
-}
-
 }  // namespace
-
-double velocity_factor(const SeriesText& text) { return 1000 * (text.unit == "day" ? 365.25 : 1); }
-std::string velocity_unit(const SeriesText& text) { return text.unit == "day" ? "mm/year" : "mm/" + text.unit; }
-
-std::string in_words(const SeriesPoint& p, const SeriesText& text) {
-  std::string words;
-  const auto add = [&](const std::string& what) { words += (words.empty() ? "" : "; ") + what; };
-  const std::vector<const SeriesPoint::At*> latest = p.latest();
-  const auto has_moved = [](const SeriesPoint::At* at) { return at->moved; };
-  const bool moved = std::any_of(latest.begin(), latest.end(), has_moved);
-  const std::string velocity =
-      p.velocity.array().isFinite().any()
-          ? ", " + components(p.velocity, p.velocity_sigma, velocity_factor(text), velocity_unit(text))
-          : "";  // it is shown in a direction that is none of E, N and H
-  if (p.moves) add("moves" + velocity);
-  if (p.uneven() && (p.moves || moved)) add("not evenly");
-  for (const SeriesPoint::At* at : latest)
-    if (at->moved)
-      add("moved since " + text.labels[p.first] + " by " + components(at->movement, at->sigma, 1000, "mm") +
-          later_references(p, *at, text) + (at->epoch == p.at.back().epoch ? "" : ", as of " + text.labels[at->epoch]));
-  if (!moved && std::any_of(p.at.begin(), p.at.end(), [](const auto& at) { return at.moved; }))
-    add("was elsewhere in between");
-  if (const Level alarm = p.latest_alarm(), warning = p.latest_warning(); alarm != Level::below)
-    add(std::string("the alarm level ") + (alarm == Level::reached ? "is reached" : "may be reached"));
-  else if (warning != Level::below)
-    add(std::string("the warning level ") + (warning == Level::reached ? "is reached" : "may be reached"));
-  return words.empty() ? "" : p.id + ": " + words;
-}
 
 std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
   std::string out = "{";

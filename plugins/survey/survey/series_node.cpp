@@ -133,6 +133,7 @@ void EpochSeriesNode::run(Context& context) {
   series.commit(series_file("series.json", "application/json", series_as_json(result, text)));
   table.commit(series_file("series.csv", "text/csv", series_as_csv(result, text)));
   page.commit(series_file("series.html", "text/html", series_as_html(result, text)));
+  verdict.commit(series_file("verdict.txt", "text/plain", series_verdict(result, text)));
 }
 
 }  // namespace plumbline::survey

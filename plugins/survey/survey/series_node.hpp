@@ -8,7 +8,7 @@
 namespace plumbline::survey {
 
 struct EpochSeriesNode : MappedNode {
-  static constexpr Info info{"survey.epoch_series", "", 1,
+  static constexpr Info info{"survey.epoch_series", "", 2,
                              "Adjusts the epochs of a network one by one and finds what stays, what moves, how fast, "
                              "and what reaches a level"};
   List<plumbline::SurveyObservations> epochs{"epochs", frame("frame=?S"), "readings of one epoch each, oldest first"};
@@ -25,7 +25,8 @@ struct EpochSeriesNode : MappedNode {
   Param<double> alpha0{"alpha0", 0.001, "1", between(1e-9, 0.5), "error of the first kind of the test of a point"};
   Out<File> series{"series", "epochs, stable points and every point with its movements, velocity and levels, as JSON"};
   Out<File> table{"table", "one row a point and epoch, as CSV"};
-  Out<File> page{"page", "what moves, and a chart of each point over time, as HTML"};
+  Out<File> page{"page", "what moves, and a chart of each point over time, as HTML in English"};
+  Out<File> verdict{"verdict", "what moves, in a few lines"};
   void run(Context& context) override;
 };
 

@@ -1,4 +1,5 @@
-// The page of a series: a table of what is to be said, and a chart of each point over time.
+// The page of a series: a table of what is to be said, and a chart of each point over time. In English; what is a name
+// says translate="no", so that report.words leaves it as it is.
 #include <algorithm>
 #include <cmath>
 
@@ -14,11 +15,14 @@ using text::xml_escaped;
 
 constexpr const char* kStyle =
     "body{font:15px/1.45 system-ui,sans-serif;max-width:70rem;margin:2rem auto;padding:0 1rem;color:#1a1a1a}"
-    "table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem .7rem;text-align:right;border-bottom:1px solid "
+    ".wide{overflow-x:auto}table{border-collapse:collapse;margin:1rem 0}td,th{padding:.2rem "
+    ".7rem;text-align:right;border-bottom:1px solid "
     "#ddd}td:first-child,th:first-child,.l{text-align:left}.box{border-left:6px solid #2a7d3f;padding:.6rem 1rem;"
     "background:#f2f7f3}.box.bad{border-color:#b3261e;background:#fbf1f0}section{margin:2rem 0;break-inside:avoid}"
     "svg{max-width:100%;height:auto}.n{color:#555}@media print{section{break-before:page}}";
 constexpr const char* kColours[] = {"#1f5fa8", "#2a7d3f", "#b3261e"};
+/// Of an element that holds a name: report.words leaves it.
+constexpr const char* kAsItIs = " translate=\"no\"";
 
 std::string place_in_chart(double value) { return fixed_digits(value, 1); }
 
@@ -42,8 +46,8 @@ class Chart {
                       "stroke=\"#bbb\"/>";
     for (const double v : {-reach_ / 1.1, 0.0, reach_ / 1.1})
       out += line(60, y(v), 700, y(v), "#ddd", "") + label(54, y(v) + 5, fixed_digits(v, 1), "end");
-    out += label(8, 60, "mm", "start") + level(text_.options.warning_level, "warning", "#b26a00") +
-           level(text_.options.alarm_level, "alarm", "#b3261e");
+    out += label(8, 60, "mm", "start") + level(text_.options.warning_level, "warning level", "#b26a00") +
+           level(text_.options.alarm_level, "alarm level", "#b3261e");
     for (size_t k = p_.first; k < text_.times.size(); ++k)
       out += line(x(text_.times[k]), 210, x(text_.times[k]), 215, "#888", "");
     // Names of epochs that would overlap are left out; the first and the last are there.
@@ -54,7 +58,7 @@ class Chart {
       const double at = x(text_.times[k]);
       const bool is_first = k == p_.first, is_last = k + 1 == text_.times.size();
       if (!is_first && !is_last && (at - kWidth / 2 < free_from || at + kWidth / 2 > last - kWidth)) continue;
-      out += label(at, 230, text_.labels[k], is_first ? "start" : is_last ? "end" : "middle");
+      out += label(at, 230, text_.labels[k], is_first ? "start" : is_last ? "end" : "middle", kAsItIs);
       free_from = at + (is_first ? kWidth : kWidth / 2);
     }
     for (int k = 0; k < 3; ++k) out += component(k);
@@ -78,9 +82,10 @@ class Chart {
            "\" y2=\"" + place_in_chart(y2) + "\" stroke=\"" + colour + "\"" +
            (*dash ? " stroke-dasharray=\"" + std::string(dash) + "\"" : "") + "/>";
   }
-  static std::string label(double at_x, double at_y, const std::string& text, const char* anchor) {
+  static std::string label(double at_x, double at_y, const std::string& text, const char* anchor,
+                           const char* more = "") {
     return "<text x=\"" + place_in_chart(at_x) + "\" y=\"" + place_in_chart(at_y) +
-           "\" font-size=\"12\" text-anchor=\"" + anchor + "\">" + xml_escaped(text) + "</text>";
+           "\" font-size=\"12\" text-anchor=\"" + anchor + "\"" + more + ">" + xml_escaped(text) + "</text>";
   }
   std::string component(int k) const {
     const double from = text_.times[p_.reference[k]];
@@ -101,7 +106,7 @@ class Chart {
       out += line(x(from), y(0), x(to), y(1000 * p_.velocity[k] * (to - from)), colour, "5 4");
     }
     return out + "<text x=\"" + std::to_string(710) + "\" y=\"" + std::to_string(40 + 20 * k) +
-           "\" font-size=\"13\" fill=\"" + colour + "\">" + std::string(1, "ENH"[k]) + "</text>";
+           "\" font-size=\"13\" fill=\"" + colour + "\"" + kAsItIs + ">" + std::string(1, "ENH"[k]) + "</text>";
   }
 
   const SeriesPoint& p_;
@@ -116,55 +121,48 @@ std::string anchor_of(const SeriesPoint& p) {
   return id;
 }
 
-std::string html_row(const std::vector<std::string>& cells, const char* tag) {
+/// `first`: of the first cell, which holds a name.
+std::string html_row(const std::vector<std::string>& cells, const char* tag, const char* first = "") {
   std::string out = "<tr>";
-  for (const std::string& cell : cells)
-    out += "<" + std::string(tag) + ">" + xml_escaped(cell) + "</" + std::string(tag) + ">";
+  for (size_t i = 0; i < cells.size(); ++i)
+    out += "<" + std::string(tag) + (i == 0 ? first : "") + ">" + xml_escaped(cells[i]) + "</" + std::string(tag) + ">";
   return out + "</tr>";
 }
 
 std::string movements_of(const SeriesPoint& p, const SeriesText& text) {
   std::string out =
-      "<table>" +
+      "<div class=\"wide\"><table>" +
       html_row({"Epoch", "dE [mm]", "dN [mm]", "dH [mm]", "\u03c3E", "\u03c3N", "\u03c3H", "Test", "Critical"}, "th");
   const auto cell = [](double v) { return std::isfinite(v) ? fixed_digits(1000 * v, 2) : std::string("\u2013"); };
   for (const auto& at : p.at)
     out += html_row(
         {text.labels[at.epoch], cell(at.movement.x()), cell(at.movement.y()), cell(at.movement.z()), cell(at.sigma.x()),
          cell(at.sigma.y()), cell(at.sigma.z()), fixed_digits(at.statistic, 1), fixed_digits(at.critical, 1)},
-        "td");
-  return out + "</table>";
+        "td", kAsItIs);
+  return out + "</table></div>";
 }
 
 }  // namespace
 
 std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
   constexpr size_t kAllShown = 60;  // of points nothing is to be said of
-  std::vector<const SeriesPoint*> told, quiet;
-  for (const SeriesPoint& p : s.points) (in_words(p, text).empty() ? quiet : told).push_back(&p);
-  std::stable_sort(told.begin(), told.end(), [](const SeriesPoint* a, const SeriesPoint* b) {
-    const auto rank = [](const SeriesPoint* p) { return 2 * (p->latest_alarm() != Level::below) + p->moves; };
-    return rank(a) != rank(b) ? rank(a) > rank(b) : a->velocity_statistic > b->velocity_statistic;
-  });
+  std::vector<const SeriesPoint*> quiet;
+  const std::vector<const SeriesPoint*> told = points_told(s, text, quiet);
   std::string out =
-      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Series of epochs</title><style>" +
+      "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+      "content=\"width=device-width\"><title>Series of epochs</title><style>" +
       std::string(kStyle) + "</style></head><body><h1>Series of " + std::to_string(text.labels.size()) + " epochs</h1>";
-  out += "<div class=\"box" + std::string(told.empty() ? "" : " bad") + "\"><strong>" +
-         (told.empty() ? "No point moves, and none has moved, beyond chance."
-                       : std::to_string(told.size()) + (told.size() == 1 ? " point moves, moved or reaches a level."
-                                                                         : " points move, moved or reach a level.")) +
+  out += "<div class=\"box" + std::string(told.empty() ? "" : " bad") + "\"><strong>" + how_many_move(told.size()) +
          "</strong>";
   if (!told.empty()) {
     out += "<ul>";
     for (const SeriesPoint* p : told)
-      out += "<li><a href=\"#" + anchor_of(*p) + "\">" + xml_escaped(p->id) + "</a>" +
-             xml_escaped(in_words(*p, text).substr(p->id.size())) + "</li>";
+      out += "<li><a href=\"#" + anchor_of(*p) + "\"" + kAsItIs + ">" + xml_escaped(p->id) + "</a>: <span>" +
+             xml_escaped(told_of(*p, text)) + "</span></li>";
     out += "</ul>";
   }
-  out += "</div><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>The datum is carried by " +
-         std::to_string(s.stable.size()) +
-         (text.options.stable.empty() ? " points that stay in all epochs: " : " points that were named for it: ") +
-         xml_escaped(join(s.stable, 20)) + ".</p>";
+  out += "</div><p>" + xml_escaped(order_words(text)) + "</p><p>Of the epochs: " + xml_escaped(s.variances) +
+         ".</p><p>" + xml_escaped(datum_words(s, text)) + "</p>";
   if (!s.contradicted.empty())
     out += "<div class=\"box bad\"><strong>Of them moved, against most other points: " +
            xml_escaped(join(s.contradicted, 20)) +
@@ -179,13 +177,11 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
            xml_escaped(join(s.seen_once, 20)) + ".</p>";
   out +=
       "<p class=\"n\">Movements are against the first epoch that measured the coordinate, bars are two standard "
-      "deviations; a "
-      "broken "
-      "line is the velocity where it is significant (error of the first kind " +
+      "deviations; a broken line is the velocity where it is significant (error of the first kind " +
       fixed_digits(100 * text.options.alpha0, 1) + " %).</p>";
   const auto section = [&](const SeriesPoint& p) {
-    out += "<section id=\"" + anchor_of(p) + "\"><h2>" + xml_escaped(p.id) + "</h2>";
-    if (const std::string words = in_words(p, text); !words.empty()) out += "<p>" + xml_escaped(words) + ".</p>";
+    out += "<section id=\"" + anchor_of(p) + "\"><h2" + kAsItIs + ">" + xml_escaped(p.id) + "</h2>";
+    if (!in_words(p, text).empty()) out += "<p>" + xml_escaped(told_of(p, text)) + ".</p>";
     out += Chart(p, text).svg() + movements_of(p, text) + "</section>";
   };
   for (const SeriesPoint* p : told) section(*p);

@@ -53,6 +53,11 @@ TEST(Catalogue, PutsPlacesWhereTheOtherLanguageHasThem) {
 /// Each point of a list has its own numbers; they kept the decimal point. Levels have heights alone.
 TEST(Catalogue, ListsOfKnownPointsHaveTheLanguagesDecimalSign) {
   EXPECT_EQ(
+      german().find("2 known points, as measured minus as known: G1 E +1.2, N -0.3, H +2.1 mm; G2 E -1.0, N +0.4, "
+                    "H +0.1 mm."),
+      "2 bekannte Punkte, gemessen minus bekannt: G1 E +1,2, N -0,3, H +2,1 mm; G2 E -1,0, N +0,4, H +0,1 mm.")
+      << "with the full stop of a line, all before the last point was taken for its name";
+  EXPECT_EQ(
       german().find("3 known points, as measured minus as known: P1.1 E +1.2, N -0.3, H +2.1 mm; P2 E -1.0, N +0.4 mm; "
                     "P3 H -2.5 mm"),
       "3 bekannte Punkte, gemessen minus bekannt: P1.1 E +1,2, N -0,3, H +2,1 mm; P2 E -1,0, N +0,4 mm; P3 H -2,5 mm");
@@ -93,6 +98,18 @@ TEST(German, HasTheSizesOfPhotographs) {
 TEST(Catalogue, UsesOfControlPoints) {
   EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
   EXPECT_EQ(german().find("control, fixed"), "Passpunkt, festgehalten");
+}
+
+/// "{id}: {~note}" took "p 0.067; corner bottom left of F01-P01, right" for a name, and all of it stayed English.
+TEST(Catalogue, AReasonThatBeginsWithItsProbabilityIsAListOfReasons) {
+  const std::string reason =
+      "p 0.067; corner bottom left of F01-P01, right: 0.2 mm, limits -5.0 and 5.0 mm, u 9.44 mm; no single measurement "
+      "decides it; a robot that sets to 0.97 mm would do";
+  const std::string german_reason =
+      "p 0,067; Ecke unten links von F01-P01, rechts: 0,2 mm, Grenzen -5,0 und 5,0 mm, u 9,44 mm; keine einzelne "
+      "Messung entscheidet es; ein Roboter, der auf 0,97 mm setzt, w\u00FCrde gen\u00FCgen";
+  EXPECT_EQ(german().find(reason), german_reason);
+  EXPECT_EQ(german().find("F01-P01: " + reason), "F01-P01: " + german_reason);
 }
 
 /// Two quantities of one rule of surfaces: the second stayed English, as the first's place reached to the last bracket.
