@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/text/words.hpp"
 #include "building/ifc/ifc_appender.hpp"
 #include "building/ifc/ifc_units.hpp"
 #include "building/step/step_writer.hpp"
@@ -63,8 +64,7 @@ class InstallationWriter {
     write_sequence();
     if (!missing_.empty())
       result_.warnings.push_back(std::to_string(missing_.size()) +
-                                 " items are not in the file and have no state there: " + missing_[0] +
-                                 (missing_.size() > 1 ? ", ..." : ""));
+                                 " items are not in the file and have no state there: " + text::join(missing_, 4));
     result_.additions = appender_.take_lines(), result_.instances_added = appender_.count();
     return std::move(result_);
   }

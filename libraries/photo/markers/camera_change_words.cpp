@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/text/words.hpp"
 #include "photo/markers/camera_changes.hpp"
 
 namespace plumbline::markers {
@@ -13,10 +14,9 @@ using Split = CameraChange::Split;
 using What = CameraChange::What;
 
 std::string list_of(const std::vector<int>& members, const std::vector<std::string>& paths) {
-  constexpr std::size_t most = 4;
-  std::string list;
-  for (std::size_t k = 0; k < std::min(most, members.size()); ++k) list += (k ? ", " : "") + paths[members[k]];
-  return list + (members.size() > most ? ", ..." : "");
+  std::vector<std::string> names;
+  for (const int member : members) names.push_back(paths[member]);
+  return text::join(names, 4);
 }
 
 std::string where(const CameraChange& change, const CameraEvidence& evidence) {

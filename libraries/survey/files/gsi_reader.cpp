@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text/words.hpp"
+
 namespace plumbline::survey {
 namespace {
 
@@ -29,11 +31,9 @@ SurveyObservations GsiReader::read() {
   if (decoded_.encoding != text::Encoding::utf8)
     builder_.warn(std::string("text encoding taken as ") + text::name_of(decoded_.encoding));
   if (!other_codes_.empty()) {
-    std::string list;
-    for (std::size_t i = 0; i < std::min(other_codes_.size(), kCodesListed); ++i)
-      list += (i ? ", " : "") + text::quoted(other_codes_[i]);
-    builder_.warn("code blocks that begin no set-up were passed over (codes " + list +
-                  (other_codes_.size() > kCodesListed ? ", ..." : "") +
+    std::vector<std::string> codes;
+    for (const std::string& code : other_codes_) codes.push_back(text::quoted(code));
+    builder_.warn("code blocks that begin no set-up were passed over (codes " + text::join(codes, kCodesListed) +
                   "); if one of them begins a set-up, name it in the reader's station codes");
   }
   if (renamed_ > 0)
@@ -219,9 +219,7 @@ void GsiReader::read_code_block(const GsiBlock& block) {
   const auto rule = std::find_if(options_.station_codes.begin(), options_.station_codes.end(),
                                  [&](const GsiStationCode& candidate) { return candidate.code == text; });
   if (rule == options_.station_codes.end()) {
-    if (std::find(other_codes_.begin(), other_codes_.end(), text) == other_codes_.end() &&
-        other_codes_.size() <= kCodesListed)
-      other_codes_.push_back(text);
+    other_codes_.insert(text);
     return;
   }
   const GsiWord* station = block.find(rule->station_word);

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -75,7 +76,7 @@ class GsiReader {
   Eigen::Vector3d station_coordinates_ = Eigen::Vector3d::Constant(kNotGiven);
   std::size_t renamed_ = 0;
   std::string first_renamed_;
-  std::vector<std::string> other_codes_;
+  std::set<std::string> other_codes_;
   std::vector<int> words_of_sighting_;  // of the last one that was not cut off
 };
 

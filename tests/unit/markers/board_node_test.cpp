@@ -97,6 +97,24 @@ TEST(MarkerStart, SaysOfNoGuessThatItIsContradicted) {
   EXPECT_THAT(said, Not(HasSubstr("principal distance")));
 }
 
+/// A list that was cut with "..." did not say whether one tag was left out of it or ninety.
+TEST(MarkerStart, SaysHowManyNamesAListLeavesOut) {
+  test::NodeHarness node("adjust.marker_start");
+  give(scene(0.1, 3, 6), 1480, node);
+  PlatesT plates;
+  for (int k = 0; k < 30; ++k) {
+    auto plate = std::make_unique<PlateT>();
+    plate->anchor = "A" + std::to_string(k), plate->role = "control", plate->tag_family = "tag36h11";
+    plate->tag_id = 500 + k, plate->tag_size = 0.12, plate->floor = 1;
+    plate->tag_centre_in_plate.setZero(), plate->nominal_rotation.setIdentity();
+    plates.plates.push_back(std::move(plate));
+  }
+  node.input<Points>("points", PointsT());
+  node.input<Plates>("plates", plates);
+  EXPECT_THAT(said_by(node), HasSubstr("it has tag36h11:500, tag36h11:501, tag36h11:502, tag36h11:503, tag36h11:504, "
+                                       "tag36h11:505, tag36h11:506, tag36h11:507 and 22 more, they show"));
+}
+
 TEST(MarkerBoardDistance, IsThreePlainNumbersOrFour) {
   EXPECT_THAT(said_of("0,1,0.3"), Not(HasSubstr("distance")));
   EXPECT_THAT(said_of("0,1,0.3,0.0002"), Not(HasSubstr("distance")));
