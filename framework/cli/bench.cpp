@@ -365,6 +365,8 @@ int bench(const BenchOptions& given) {
   if (!options.archive.empty() && options.task < 0)
     write_archive(options.archive, plan, options.overrides, records, registry, store.file_hashes(), build_facts());
   print_end(options, plan, progress, records, out);
+  for (const std::string& warning : writer ? writer->warnings() : std::vector<std::string>())
+    std::fprintf(stderr, "warning: %s\n", warning.c_str());
   if (progress.cancelled || cancel) {
     std::fprintf(stderr, "cancelled; what was finished is kept and the next run goes on from there\n");
     return 130;

@@ -103,6 +103,7 @@ bool SummaryWriter::write() {
   const auto deliveries = deliver(graph_, store_, result, folder_);
   record.end(result, deliveries);
   if (!result.ok()) std::fprintf(stderr, "%s\n", result.nodes[0].error.c_str());
+  warnings_ = result.nodes[0].warnings;
   bool good = result.ok();
   for (const auto& delivery : deliveries) {
     if (delivery.problem.empty()) continue;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "bench.hpp"
 #include "runtime/graph/graph.hpp"
@@ -27,6 +29,9 @@ class SummaryWriter {
   /// Of the last write(): comparisons that are not decided.
   bool all_decided() const { return open_ == 0; }
 
+  /// Of the last write(): measures that no cell has a value of, mostly misspelt.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
   /// False if something could not be written.
   bool write();
 
@@ -39,6 +44,7 @@ class SummaryWriter {
   const runtime::Graph graph_;
   runtime::OutputFolder folder_;
   double open_ = 1;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace plumbline::cli

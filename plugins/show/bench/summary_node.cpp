@@ -29,6 +29,8 @@ struct BenchSummary : Node {
     context.metric("cells", static_cast<double>(analysis.cells), "1");
     context.metric("failed", static_cast<double>(analysis.failed), "1");
     context.metric("open", static_cast<double>(analysis.open), "1");
+    for (const std::string& words : analysis.unused)
+      if (words.starts_with("measure ")) context.warn(words);  // the program tells what ran nothing by itself
     html.commit(file("bench.html", "text/html", to_html(given, analysis)));
     csv.commit(file("bench.csv", "text/csv", to_csv(given)));
     json.commit(file("bench.json", "application/json", to_json(given, analysis)));

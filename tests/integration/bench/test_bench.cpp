@@ -245,6 +245,7 @@ TEST(Bench, AMeasureThatNoCellHasIsNamed) {
   plumbline.run();
   EXPECT_EQ(plumbline.summary()["unused"][0],
             "measure bias (solver.bais_z) has no value in any finished cell: is it spelt right?");
+  EXPECT_THAT(plumbline.answer.err, HasSubstr("warning: measure bias (solver.bais_z) has no value"));
 }
 
 TEST(Bench, TheTableHasTheTimeOfThePage) {

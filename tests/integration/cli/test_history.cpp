@@ -268,6 +268,22 @@ TEST(History, DiffComparesNumberByNumber) {
   EXPECT_TRUE(contains(answer.err, "no.jsonl:1")) << answer.err;
 }
 
+/// A run that failed was 300 lines of parameters and libraries that the other one has.
+TEST(History, DiffSaysOfWhatDidNotRunThatItDidNotRun) {
+  const Program plumbline;
+  plumbline.write(
+      "p.yaml",
+      "plumbline: 1\nvars: {value: 3}\nnodes:\n  a: {use: story.series, with: {values: [1, \"${value}\"]}}\n"
+      "  b: {use: story.square, in: {number: a.numbers}}\n  c: {use: story.sum, in: {numbers: "
+      "b.square}}\noutputs: {c.json: c.sum}\n");
+  const Answer good = plumbline({"run", "p.yaml", "--out", "good"});
+  ASSERT_EQ(good.code, 0) << good.err;
+  ASSERT_EQ(plumbline({"run", "p.yaml", "value=-3", "--out", "failed"}).code, 1);
+  const Answer answer = plumbline({"diff", "failed", "good"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "c\n  status: skipped -> executed\n3 of 3 nodes differ")) << answer.out;
+}
+
 TEST(History, ExportsATraceAndAnRoCrate) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);
