@@ -118,12 +118,15 @@ std::string invalid_nodes(const runtime::Graph& graph, const runtime::RunResult&
   return names;
 }
 
-/// The last line of a run that is done and must not be used as it is.
-void print_invalid(const std::string& nodes) {
-  if (nodes.empty()) return;
-  const std::string head = "NOT TO BE USED";
-  const std::string text = lines(head + " as it is (exit code 3): see the warnings of " + nodes);
+void print_last(const std::string& head, const std::string& rest) {
+  const std::string text = lines(head + rest);
   std::fprintf(stderr, "%s%s\n", paint_error(Colour::red, head).c_str(), text.substr(head.size()).c_str());
+}
+
+/// The last lines of a run that is done and must not be used as it is, or whose rounds came to their end too early.
+void print_invalid(const std::string& nodes, const std::string& unfinished) {
+  if (!unfinished.empty()) print_last("NOT FINISHED", " (exit code 3): " + unfinished);
+  if (!nodes.empty()) print_last("NOT TO BE USED", " as it is (exit code 3): see the warnings of " + nodes);
 }
 
 /// The last lines of a run that failed: what failed, why, what follows from it in one line, and what to do.
@@ -304,10 +307,10 @@ int run(const Options& options) {
 
   if (!result.rounds.problem.empty())
     std::fprintf(stderr, "%s: the rounds cannot go on: %s\n", graph.file.c_str(), result.rounds.problem.c_str());
-  const bool unfinished = graph.rounds.most > 0 && result.ok() && !result.rounds.finished;
-  if (unfinished)
-    std::fprintf(stderr, "%s: warning: not finished after %zu of at most %zu rounds: %s\n", graph.file.c_str(),
-                 result.rounds.rounds, graph.rounds.most, result.rounds.text.c_str());
+  std::string unfinished;
+  if (graph.rounds.most > 0 && result.ok() && !result.rounds.finished)
+    unfinished =
+        fmt::format("after {} of at most {} rounds: {}", result.rounds.rounds, graph.rounds.most, result.rounds.text);
   bool delivered = true, lost = false;  // lost: what a node gave could not be written
   for (size_t i = 0; i < deliveries.size(); ++i) {
     const runtime::Delivery& delivery = deliveries[i];
@@ -319,7 +322,8 @@ int run(const Options& options) {
   if (options.json)
     print_json_end(out);
   else if (!options.quiet)
-    print_summary(graph, result, deliveries, out), print_verdict(deliveries, out, invalid.empty() ? 0 : 2),
+    print_summary(graph, result, deliveries, out),
+        print_verdict(deliveries, out, invalid.empty() && unfinished.empty() ? 0 : 2),
         print_result(graph, result, deliveries, out / "run.jsonl");
   std::fflush(stdout);
   print_failure(graph, result, deliveries);
@@ -329,8 +333,8 @@ int run(const Options& options) {
     return 130;
   }
   if (!result.ok() || !delivered) return result.not_converged() && !lost ? 4 : 1;
-  print_invalid(invalid);
-  return !invalid.empty() || unfinished ? 3 : 0;
+  print_invalid(invalid, unfinished);
+  return !invalid.empty() || !unfinished.empty() ? 3 : 0;
 }
 
 }  // namespace plumbline::cli

@@ -103,6 +103,10 @@ TEST(SpokenResults, RoundsOfTheLoop) {
     for (const char* file : {"out/next.txt", "out/summary.txt", "out/installation.txt"})
       expect_german_file(plumbline, file);
     EXPECT_TRUE(contains(answer.out, " Paneelen hängen und sind bestätigt")) << answer.out;
+    if (std::string(more) == "most=1") {
+      EXPECT_EQ(answer.code, 3);
+      EXPECT_TRUE(contains(answer.err, "\nNOT FINISHED (exit code 3): after 1 of at most 1 rounds: ")) << answer.err;
+    }
   }
 }
 
