@@ -229,6 +229,20 @@ TEST(ObservedPoints, ScatterAsTheirCovarianceSays) {
   EXPECT_NEAR(top / trials / 13e-6, 1, margin);
 }
 
+/// Coordinates that were observed are the approximate ones as well: nothing has to be searched for.
+TEST(ObservedPoints, AreObservedWhereTheyAreSaidToBe) {
+  const Campaign campaign = small_campaign(2, 1);
+  const auto points = observe_points(campaign, 0.001, 0.002, 5);
+  const auto survey = as_observed_coordinates(points, point_covariance(points, 0.001, 0.002));
+  ASSERT_EQ(survey.coordinates.size(), 1u);
+  ASSERT_EQ(survey.points.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(survey.points[i].id, points[i].anchor->id);
+    EXPECT_EQ(survey.points[i].coordinates, points[i].position);
+    EXPECT_EQ(survey.coordinates[0].values.segment<3>(static_cast<Eigen::Index>(3 * i)), points[i].position);
+  }
+}
+
 TEST(SimulatedCampaign, StopsWhenAsked) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(write_images(small_campaign(1, 1), folder.path(), [](std::size_t) { return false; }),

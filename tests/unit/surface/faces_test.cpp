@@ -139,7 +139,11 @@ TEST(Faces, ThePlaneOfPointsNeedsSomeoneWhoLooksAtIt) {
     } catch (const std::runtime_error& error) {
       EXPECT_NE(std::string(error.what()).find("'seen_from'"), std::string::npos) << error.what();
     }
-  EXPECT_LT(face_through(points, {{1, -5, 1}}, 0.05).faces[0].plane.axes(1, 2), -0.99);
+  const PanelFace face = face_through(points, {{1, -5, 1}}, 0.05).faces[0];
+  EXPECT_LT(face.plane.axes(1, 2), -0.99);
+  EXPECT_NEAR(face.width, 2 + 2 * 0.05, 1e-3) << "as far as the points, and a margin on both sides";
+  EXPECT_NEAR(face.height, 3 + 2 * 0.05, 1e-3);
+  EXPECT_LT((face.plane.origin - Eigen::Vector3d(1, 0, 1.5)).norm(), 1e-2);
   EXPECT_GT(face_through(points, {{1, 5, 1}}, 0.05).faces[0].plane.axes(1, 2), 0.99);
 }
 
