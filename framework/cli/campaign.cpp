@@ -62,6 +62,15 @@ void print(const fs::path& file) {
     std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
 }
 
+/// The pipeline that a summary of init_campaign names as the one the folder is whole for; none: "".
+std::string runs_as_it_is(const fs::path& summary) {
+  const std::string command = ": plumbline run ";
+  std::ifstream stream(summary);
+  for (std::string line; std::getline(stream, line);)
+    if (const size_t at = line.find(command); at != std::string::npos) return line.substr(at + command.size());
+  return {};
+}
+
 }  // namespace
 
 int campaign_init(const Options& options) {
@@ -78,11 +87,19 @@ int campaign_init(const Options& options) {
     throw std::runtime_error("cannot write " + target.string() + ": " + error.message() +
                              "; check the rights on the folder, or work on a copy of it");
   print(scratch.path() / "summary.txt");
-  std::printf(is_german(options)
-                  ? "%s ist geschrieben. Lesen, in Ordnung bringen, was dort steht, dann: plumbline campaign check %s "
-                    "language=de\n"
-                  : "%s is written. Read it, mend what it says, then: plumbline campaign check %s\n",
-              target.c_str(), options.name.c_str());
+  const bool german = is_german(options);
+  const std::string whole = runs_as_it_is(scratch.path() / "summary.txt");
+  std::printf(german ? "%s ist geschrieben.\n" : "%s is written.\n", target.c_str());
+  if (!whole.empty())
+    std::printf(german ? "Damit läuft schon: plumbline run %s folder=%s language=de\n"
+                       : "As it is, this runs: plumbline run %s folder=%s\n",
+                whole.c_str(), options.name.c_str());
+  std::printf(german ? "%s in Ordnung bringen, was dort steht, dann: plumbline campaign check %s language=de\n"
+                     : "%s mend what it says, then: plumbline campaign check %s\n",
+              !whole.empty()
+                  ? (german ? "Für eine Baustelle mit Fotos von Marken" : "For a site with photographs of tags")
+                  : (german ? "Lesen," : "Read it,"),
+              options.name.c_str());
   return 0;
 }
 

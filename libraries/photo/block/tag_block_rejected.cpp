@@ -54,7 +54,7 @@ void name_wrong_control(const TagBlock& given, TagBlockOptions options, TagBlock
     for (const RejectedControl& rejected : without.rejected_control)
       result.warnings.push_back(fmt::format(
           "the control of {} contradicts the photographs and the other control by {:.1f}, {:.1f}, {:.1f} "
-          "mm and is kept; robust_control=true leaves it out",
+          "mm and is kept; robust_control=true of the adjustment (block.with.robust_control=true) leaves it out",
           given.plates[rejected.plate].anchor, 1e3 * rejected.off.x(), 1e3 * rejected.off.y(), 1e3 * rejected.off.z()));
   } catch (const std::runtime_error& error) {
     result.warnings.emplace_back(error.what());

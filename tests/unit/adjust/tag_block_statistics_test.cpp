@@ -277,7 +277,9 @@ TEST(RobustControl, NamesWhatContradictsWhereItIsKept) {
   ASSERT_EQ(warnings.size(), 1u);
   const std::string anchor = synthetic.block.plates[synthetic.block.control.plates[5]].anchor;
   EXPECT_THAT(warnings[0], HasSubstr("the control of " + anchor + " contradicts"));
-  EXPECT_THAT(warnings[0], HasSubstr("is kept; robust_control=true leaves it out"));
+  EXPECT_THAT(
+      warnings[0],
+      HasSubstr("is kept; robust_control=true of the adjustment (block.with.robust_control=true) leaves it out"));
   EXPECT_TRUE(block::adjust_tag_block(synthetic.block, plain_options()).rejected_control.empty());
 }
 
