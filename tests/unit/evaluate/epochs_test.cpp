@@ -390,5 +390,22 @@ TEST(AsBuiltEpochs, TheRecordIsReadBackAsItWasWritten) {
   std::filesystem::remove_all(folder);
 }
 
+/// What was in order and still is would bury what changed; what was in order and has moved is told.
+TEST(AsBuiltEpochs, TheRecordTellsWhatChangedOrMovedAndNothingElse) {
+  AsBuiltChangesT changes;
+  changes.compared = true;
+  const auto add = [&](const char* id, ChangeKind kind, bool moved) {
+    auto change = std::make_unique<AsBuiltChangeT>();
+    change->kind = "anchor", change->id = id, change->change = kind, change->moved = moved;
+    changes.changes.push_back(std::move(change));
+  };
+  add("still in order", ChangeKind::in_order, false), add("in order, moved", ChangeKind::in_order, true);
+  add("mended", ChangeKind::mended, false), add("opened", ChangeKind::opened, false);
+  const std::string text = epoch_json({}, changes);
+  for (const char* told : {"in order, moved", "mended", "opened"})
+    EXPECT_NE(text.find("\"" + std::string(told) + "\""), std::string::npos) << told;
+  EXPECT_EQ(text.find("still in order"), std::string::npos);
+}
+
 }  // namespace epochs_test
 }  // namespace plumbline::judgement
