@@ -19,6 +19,10 @@ struct PanelMotion {
 /// centimetre). `fixings` and `centre` in one frame [m], at least one fixing.
 PanelMotion fit_panel(const std::vector<Eigen::Vector3d>& fixings, const Eigen::Vector3d& centre);
 
+/// A point that lies so near to the line about which a panel's turn is open is told by what holds it there [m]: a turn
+/// of 10 mm on a metre moves it by half a millimetre. The same for who judges panels and who plans them.
+inline constexpr double kOpenArm = 0.05;
+
 /// Unless said otherwise, how far from a panel's box an anchor may be and still count as one of its fixings [m].
 inline constexpr double kPanelReach = 0.3;
 

@@ -21,6 +21,7 @@ const char* property_of(const std::string& part) {
                                                            {"anchor", "Anchor"},
                                                            {"missing_anchor", "MissingAnchor"},
                                                            {"one_anchor", "OneAnchor"},
+                                                           {"anchors_in_line", "AnchorsInLine"},
                                                            {"facade", "Facade"},
                                                            {"not_judged", "NotJudged"},
                                                            {"doubt", "Doubt"}};

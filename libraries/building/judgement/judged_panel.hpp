@@ -88,12 +88,16 @@ class JudgedPanel {
       // The turn about the fixings' line is open: what it would move may not be asked.
       const Eigen::Vector3d line = line_of_fixings();
       const Eigen::Vector3d arm = line.cross(point - fixings_[0]);
-      if (std::abs(arm.dot(direction)) > 0.05) return {};
+      if (std::abs(arm.dot(direction)) > kOpenArm) return {};
     }
     Eigen::MatrixXd rows(3, 6);
     rows << Eigen::Matrix3d::Identity(), -skew(point - centre_);
     return direction.transpose() * rows * motion_.pose;
   }
+
+  /// Two anchors, or more in one line, tell five of the six ways in which a stiff body moves. Whether the sixth, a turn
+  /// about that line, moves a corner that is held against a limit. Known after fill().
+  bool turn_is_open() const { return turn_is_open_; }
 
   const judgement::DifferenceSet& part() const { return part_; }
   const PanelCase& panel() const { return panel_; }
@@ -213,9 +217,11 @@ class JudgedPanel {
       corner->design = at(right, up, high.z());
       corner->movement.setConstant(nan);
       Eigen::Vector3d moved = Eigen::Vector3d::Zero();
-      for (const Eigen::Vector3d& direction : {axes_.right, axes_.up, axes_.out}) {
+      for (const auto& [direction, tolerance] :
+           {std::pair{axes_.right, &sideways_}, {axes_.up, &vertical_}, {axes_.out, &outward_}}) {
         const Eigen::RowVectorXd row = movement(corner->design, direction);
         moved += (row.size() == 0 ? nan : row.dot(part_.difference)) * direction;
+        if (row.size() == 0 && motion_.rotations == 2 && !std::isnan(tolerance->value)) turn_is_open_ = true;
       }
       if (moved.allFinite()) corner->movement = moved;
       if (const Eigen::RowVectorXd row = movement(corner->design, axes_.out); row.size() != 0)
@@ -235,7 +241,7 @@ class JudgedPanel {
   Eigen::Vector3d centre_;
   PanelMotion motion_;
   Tolerance vertical_, sideways_, outward_, out_of_place_, in_plane_, joint_;
-  bool skip_out_ = false, skip_along_ = false, left_out_ = false;
+  bool skip_out_ = false, skip_along_ = false, left_out_ = false, turn_is_open_ = false;
 };
 
 }  // namespace plumbline::judgement

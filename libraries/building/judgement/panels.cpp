@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/figures.hpp"
@@ -82,7 +83,15 @@ class Decision {
   double usage_ = -1;
 };
 
-void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviationT*>& anchors) {
+/// At best UNDECIDED, at no tolerance better: something that it is held against nobody measured.
+void hold(PanelDeviationT& out, const char* by, const std::string& why) {
+  if (out.verdict < ToleranceVerdict::undecided)
+    out.verdict = ToleranceVerdict::undecided, out.decided_by = by, out.reason = why;
+  out.tau_pass = std::numeric_limits<double>::infinity();
+}
+
+/// `open_turn`: its anchors are in one line, and how it is turned about that moves corners that are judged.
+void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviationT*>& anchors, bool open_turn) {
   // All its lengths at once, and the one that speaks for it.
   const ToleranceVerdict together = out.verdict;
   out.verdict = ToleranceVerdict::not_measured;
@@ -114,16 +123,19 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
     out.verdict = ToleranceVerdict::undecided, out.decided_by = "facade",
     out.reason = out.facade && out.facade->out.allFinite() ? "not decided: " + out.facade->note
                                                            : "not judged: nothing says which way it faces";
-  if (!out.missing.empty() && out.verdict < ToleranceVerdict::undecided)
-    out.verdict = ToleranceVerdict::undecided, out.decided_by = "missing_anchor",
-    out.reason = "anchor " + out.missing.front() + " was not measured";
+  if (!out.missing.empty()) hold(out, "missing_anchor", "anchor " + out.missing.front() + " was not measured");
   // Its tilt, and what its corners do, nobody measured.
-  const bool one_place = !out.fixings.empty() && out.tilt && std::isnan(out.tilt->value);
-  if (one_place && out.verdict < ToleranceVerdict::undecided)
-    out.verdict = ToleranceVerdict::undecided, out.decided_by = "one_anchor",
-    out.reason =
-        "its place is known from anchor " + out.fixings.front()->anchor + " alone: how it is turned is not known";
-  if (!out.missing.empty() || one_place) out.tau_pass = std::numeric_limits<double>::infinity();
+  if (!out.fixings.empty() && out.tilt && std::isnan(out.tilt->value)) {
+    hold(out, "one_anchor",
+         "its place is known from anchor " + out.fixings.front()->anchor + " alone: how it is turned is not known");
+    out.pass_probability = nan;
+  }
+  if (open_turn) {
+    hold(out, "anchors_in_line",
+         "its " + std::to_string(out.fixings.size()) +
+             " anchors are in one line: how it is turned about that is not known, nor how far its corners are out");
+    out.pass_probability = nan;
+  }
 }
 
 }  // namespace
@@ -140,6 +152,7 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
   std::map<std::size_t, std::size_t> position;
   for (std::size_t i = 0; i < deviations.size(); ++i) position[deviations.anchors[i]] = i;
   std::vector<std::unique_ptr<PanelDeviationT>> nowhere;  // face nowhere that is known
+  std::set<const PanelDeviationT*> open_turns;
   std::vector<JudgedPanel> panels;
   panels.reserve(inputs.panels.size());
   for (const PanelCase& panel : inputs.panels) {
@@ -156,6 +169,7 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
     if (panel.facade.known()) {
       panels.emplace_back(panel, inputs, deviations.subset(own), options);
       panels.back().fill(*out);
+      if (panels.back().turn_is_open()) open_turns.insert(out.get());
       result.push_back(std::move(out));
     } else {
       fill_unknown(*out);
@@ -166,7 +180,7 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
   for (auto& panel : nowhere) result.push_back(std::move(panel));
   std::map<std::string, const AnchorDeviationT*> anchors;
   for (const auto& anchor : judged) anchors[anchor->id] = anchor.get();
-  for (auto& panel : result) decide(*panel, anchors);
+  for (auto& panel : result) decide(*panel, anchors, open_turns.count(panel.get()) > 0);
   return result;
 }
 

@@ -138,6 +138,10 @@ Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
     task.todo = "Measure a second place of it, or see with a level how it is turned.";
     return task;
   }
+  if (panel.decided_by == "anchors_in_line") {
+    task.todo = "Measure a place of it beside the line of its anchors, or see with a level how it is turned about it.";
+    return task;
+  }
   if (!panel.facade || !panel.facade->confirmed) {
     task.todo = "Say which way its facade faces before anything is shimmed.";
     return task;

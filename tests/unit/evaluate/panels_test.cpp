@@ -117,7 +117,34 @@ TEST(Panels, OneAnchorAloneShowsNoPanelToBeInPlace) {
   EXPECT_TRUE(std::isinf(deviation.panels[0]->tau_pass)) << "at no tolerance";
   inputs.model.positions[0].y() -= 9 * mm;
   EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::fail) << "what is out is out";
-  EXPECT_EQ(judge_deviations(facade(2), {}).panels[0]->verdict, ToleranceVerdict::pass);
+}
+
+/// Two points tell five of the six ways in which a stiff body moves. The plan of its brackets holds such a panel too
+/// (Gate.TwoBracketsDoNotTellATurnAboutTheirLine).
+TEST(Panels, AnchorsInOneLineShowNoPanelToBeInPlace) {
+  const auto judged = [](const DeviationInputs& inputs) { return std::move(judge_deviations(inputs, {}).panels[0]); };
+  const auto two = judged(facade(2));
+  EXPECT_EQ(two->verdict, ToleranceVerdict::undecided);
+  EXPECT_EQ(two->decided_by, "anchors_in_line");
+  EXPECT_EQ(two->reason,
+            "its 2 anchors are in one line: how it is turned about that is not known, nor how far its corners are out");
+  EXPECT_TRUE(std::isinf(two->tau_pass)) << "at no tolerance";
+  EXPECT_TRUE(std::isnan(two->pass_probability)) << "of what is asked, a part is known";
+  EXPECT_EQ(judged(facade(4))->verdict, ToleranceVerdict::pass);
+  EXPECT_EQ(judged(facade(3))->verdict, ToleranceVerdict::pass);
+  DeviationInputs out = facade(2);
+  for (Eigen::Vector3d& p : out.model.positions) p.y() -= 9 * mm;
+  EXPECT_EQ(judged(out)->verdict, ToleranceVerdict::fail) << "what is out is out";
+  // All that is asked of a strip along its anchors is known.
+  DeviationInputs strip = facade(2);
+  strip.panels[0].low.x() = -0.04, strip.panels[0].high.x() = 0.04;
+  EXPECT_EQ(judged(strip)->verdict, ToleranceVerdict::pass) << judged(strip)->reason;
+  strip.panels[0].high.x() = 0.06;
+  EXPECT_EQ(judged(strip)->verdict, ToleranceVerdict::undecided);
+  // Heights alone: a turn about a vertical line changes none.
+  DeviationInputs heights = facade(2);
+  heights.panels[0].tolerances = {{Axis::vertical, {5 * mm, "rule"}}};
+  EXPECT_EQ(judged(heights)->verdict, ToleranceVerdict::pass) << judged(heights)->reason;
 }
 
 TEST(Panels, UnmeasuredAnchorsAreLeftOutAndAPanelWithoutAnyIsNotListed) {
@@ -186,7 +213,8 @@ TEST(Panels, ATiltIsHeldAgainstTheMiddleOfTwoSides) {
     for (std::size_t i = 0; anchors == 4 && i < 4; ++i) inputs.model.positions[i].y() += saddle[i] * mm;
     const DeviationT result = judge_deviations(inputs, {});
     const PanelDeviationT& p = *result.panels[0];
-    EXPECT_EQ(p.verdict, ToleranceVerdict::pass) << anchors << ": " << p.decided_by << ": " << p.reason;
+    EXPECT_EQ(p.tilt->verdict, ToleranceVerdict::pass) << anchors << ": " << p.decided_by << ": " << p.reason;
+    EXPECT_EQ(p.verdict, anchors == 4 ? ToleranceVerdict::pass : ToleranceVerdict::undecided) << p.reason;
     EXPECT_NEAR(p.tilt->tolerance, 2.5 * mm, 1e-12);
     move(inputs, Eigen::Vector3d::Zero(), {4e-3, 0, 0});
     EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->tilt->verdict, ToleranceVerdict::fail);
