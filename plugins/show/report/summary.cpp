@@ -8,6 +8,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/surface_words.hpp"
+#include "building/ifc/temperature_words.hpp"
 #include "building/judgement/epochs.hpp"
 #include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
@@ -173,6 +174,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; report.html lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
   for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
+  if (const std::string words = ifc::temperature_words(deviation); !words.empty()) text += "Note: " + words + "\n";
   text += row("Anchors and panels pass from a probability of {:.4g} % on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));
   if (deviation.pass_together > 0)

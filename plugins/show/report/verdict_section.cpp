@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "building/ifc/doubt_words.hpp"
+#include "building/ifc/temperature_words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
 #include "show/report/sections.hpp"
@@ -195,6 +196,8 @@ void write_warnings(Markup& html, const ReportInput& input) {
     }
   }
   warnings.insert(warnings.end(), input.accuracy.warnings.begin(), input.accuracy.warnings.end());
+  if (input.deviation)
+    if (const std::string words = ifc::temperature_words(*input.deviation); !words.empty()) warnings.push_back(words);
   if (warnings.empty()) return;
   Scope box(html, "div", {{"class", "warnings"}});
   html.element("h2", "Before you rely on this");
