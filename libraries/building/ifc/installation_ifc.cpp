@@ -23,6 +23,9 @@ namespace {
 
 using step::reference;
 
+/// Of a bracket that no panel hangs on.
+constexpr const char* kNotNeeded = "NOT_NEEDED";
+
 const char* gate_label(GateDecision gate) {
   return gate == GateDecision::go ? "GO" : gate == GateDecision::no_go ? "NO_GO" : "HOLD";
 }
@@ -46,9 +49,9 @@ class InstallationWriter {
   }
 
   AsBuiltIfc write() {
-    states_ = appender_.enumeration(
-        "ASB_InstallationStatus",
-        {"PLANNED", "RELEASED", "EXECUTING", "EXECUTED", "RELOCALISED", "VERIFIED", "REWORK", "REJECTED", "STALE"});
+    states_ =
+        appender_.enumeration("ASB_InstallationStatus", {"PLANNED", "RELEASED", "EXECUTING", "EXECUTED", "RELOCALISED",
+                                                         "VERIFIED", "REWORK", "REJECTED", "STALE", kNotNeeded});
     gates_ = appender_.enumeration("ASB_Gate", {"GO", "HOLD", "NO_GO"});
     std::vector<std::string> tasks;
     for (const auto& item : state_.items) {
@@ -58,7 +61,7 @@ class InstallationWriter {
         continue;
       }
       write_state(*item, element->second);
-      tasks.push_back(reference(write_task(*item, element->second)));
+      if (!is_idle(*item)) tasks.push_back(reference(write_task(*item, element->second)));
     }
     if (!tasks.empty()) write_summary(tasks);
     write_sequence();
@@ -80,10 +83,17 @@ class InstallationWriter {
     return panels_.count(item.id) ? panels_.at(item.id)->guid : std::string();
   }
 
+  /// A bracket on which no panel hangs, and that nobody was asked to set: it has a place, and no work.
+  bool is_idle(const LoopItemT& item) const {
+    const auto bracket = brackets_.find(item.id);
+    return item.kind == "bracket" && item.status == ItemStatus::planned && bracket != brackets_.end() &&
+           bracket->second->use == BracketUse::nothing;
+  }
+
   void write_state(const LoopItemT& item, InstanceId element) {
     PropertySet set(appender_);
     set.label("Epoch", options_.epoch);
-    set.choice("Status", label_of(item.status), states_,
+    set.choice("Status", is_idle(item) ? kNotNeeded : label_of(item.status), states_,
                item.kind == "bracket" ? "VERIFIED: measured where it was to be set"
                                       : "VERIFIED: seen to hang, and measured within its limits");
     set.label("Why", item.why);

@@ -201,6 +201,7 @@ class StateReader {
     auto actual = std::make_unique<ActualT>();
     actual->item = item.id, actual->job = job_.id, actual->revision = item.revision;
     actual->by = said.by, actual->at = said.at, actual->outcome = said.status == "FINISHED" ? "done" : "failed";
+    actual->source = source_ + ":" + std::to_string(said.line);
     actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
     const auto result = ordered_json::parse(said.result, nullptr, false);
     if (result.is_object()) {

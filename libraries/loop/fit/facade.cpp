@@ -97,7 +97,7 @@ void check_panel(const Panel& panel, std::size_t brackets, std::vector<std::stri
       faults.push_back("panel " + panel.id + " hangs twice on bracket number " + std::to_string(hook.bracket));
   }
   for (int k = 0; k < 3; ++k)
-    if (!(panel.limits[k] > 0))
+    if (!(panel.limits[k] + panel.limits.back(k) > 0))
       faults.push_back("panel " + panel.id + ": the tolerance " + kDirections[k] + " is " +
                        std::to_string(1e3 * panel.limits[k]) + " mm; expected more than 0");
 }

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -37,6 +38,7 @@ struct Bracket {
   std::string basis;   ///< hash of its own measurement by the last campaign; empty: of `deviation`
   int campaigns = 0;   ///< that `deviation` rests on; 0: not combined
   Eigen::Vector3d difference_sigma = Eigen::Vector3d::Zero();  ///< to the place of campaigns before [m]; 0: unknown
+  bool holds_unplanned = false;  ///< a panel of the design hangs on it, or may, that is none of Facade::panels
   bool measured() const { return deviation.allFinite(); }
 };
 
@@ -46,10 +48,15 @@ struct Hook {
   std::array<bool, 3> holds = {true, true, true};  ///< right, up, out
 };
 
-/// Limits of a panel's corners [m].
+/// Limits of a panel's corners [m]: how far along each direction, and how far back; nan: as far.
 struct CornerLimits {
   double right = 0.005, up = 0.005, out = 0.005;
+  double left = kUnknown, down = kUnknown, in = kUnknown;
   double operator[](int direction) const { return direction == 0 ? right : direction == 1 ? up : out; }
+  double back(int direction) const {
+    const double own = direction == 0 ? left : direction == 1 ? down : in;
+    return std::isnan(own) ? (*this)[direction] : own;
+  }
 };
 
 struct Panel {
@@ -62,6 +69,7 @@ struct Panel {
   CornerLimits limits;
   std::vector<std::string> depends_on;  ///< ids of panels that hang first
   bool installed = false;
+  std::string open;  ///< why it cannot be GO whatever its probability, in words; empty: nothing is known against it
 };
 
 /// Sides of a panel as seen from outside.

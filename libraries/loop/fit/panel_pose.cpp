@@ -6,6 +6,7 @@
 #include <set>
 
 #include "geometry/linear_algebra/decompositions.hpp"
+#include "geometry/panel_fit.hpp"
 #include "geometry/vectors.hpp"
 
 namespace plumbline::loop {
@@ -18,7 +19,10 @@ Eigen::Matrix<double, 1, 6> PanelPose::movement(const Panel& panel, const Eigen:
 }
 
 bool PanelPose::tells(const Eigen::Matrix<double, 1, 6>& row) const {
-  return open.cols() == 0 || (row * open).norm() < 0.05;
+  if (open.cols() == 0) return true;
+  const double moved = (row * open).norm();
+  const double turn = open.cols() == 1 ? open.col(0).tail<3>().norm() : 0;  // [rad] times arm
+  return moved < (turn > 0.5 ? kOpenArm * turn / arm : 0.05);
 }
 
 PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
@@ -63,7 +67,7 @@ void add_corners(const Facade& facade, std::size_t j, const PanelPose& pose, std
       }
       JudgedValue value;
       value.panel = j, value.corner = corner, value.direction = k;
-      value.low = -panel.limits[k], value.high = panel.limits[k];
+      value.low = -panel.limits.back(k), value.high = panel.limits[k];
       value.rows = {{j, row}};
       if (k == 2) value.edges = {{5 * j + 4, 1.0}};
       values.push_back(std::move(value));

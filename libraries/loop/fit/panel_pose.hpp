@@ -26,7 +26,9 @@ struct PanelPose {
   /// 1 x 6: movement of a point of the panel along a direction.
   Eigen::Matrix<double, 1, 6> movement(const Panel& panel, const Eigen::Vector3d& point,
                                        const Eigen::Vector3d& direction) const;
-  /// Whether the hooks tell a value with this row: moves less than 0.05 for a unit of any open twist.
+  /// Whether the hooks tell a value with this row. Where a turn about a line is all that is open, as with two brackets:
+  /// it lies within kOpenArm of that line, as the judgement has it; else it moves less than 0.05 for a unit of any open
+  /// twist.
   bool tells(const Eigen::Matrix<double, 1, 6>& row) const;
 };
 

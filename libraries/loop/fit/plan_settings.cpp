@@ -245,7 +245,9 @@ void note_what_is_missing(const Facade& facade, Fit& fit) {
   for (std::size_t b = 0; b < used.size(); ++b)
     if (!used[b])
       fit.notes.push_back("bracket " + facade.brackets[b].id +
-                          " holds no panel that the design names: it has no setting of its own");
+                          (facade.brackets[b].holds_unplanned
+                               ? " holds a panel that is not planned: it has no setting before that is"
+                               : " holds no panel of the design: nothing is to be set on it"));
   note_what_is_too_uncertain(facade, fit);
 }
 

@@ -151,6 +151,17 @@ bool all_hang(const Facade& facade, const JudgedValue& judged) {
                      [&](const auto& row) { return facade.panels[row.first].installed; });
 }
 
+/// "up and out": along which some corner moves in a way that the hooks do not tell.
+std::string untold_directions(const Panel& panel, const PanelPose& pose) {
+  std::string words;
+  for (int k = 2; k >= 0; --k)
+    if (std::any_of(panel.corners.begin(), panel.corners.end(), [&](const Eigen::Vector3d& corner) {
+          return !pose.tells(pose.movement(panel, corner, panel.axes.col(k)));
+        }))
+      words += (words.empty() ? "" : " and ") + std::string(kDirections[k]);
+  return words;
+}
+
 /// The obstacle, and its words; none and empty if there is none.
 std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fit, std::size_t j) {
   const Panel& panel = facade.panels[j];
@@ -161,13 +172,10 @@ std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fi
       missing += (missing.empty() ? "" : ", ") + facade.brackets[hook.bracket].id;
   if (!missing.empty()) return {Obstacle::not_measured, "not measured: " + missing + "; measure it, then plan again"};
   if (panel.hooks.size() == 1) return {Obstacle::one_bracket, "hangs on one bracket: how it turns is open"};
-  if (fit.poses[j].open.cols() > 0) {
-    for (int corner = 0; corner < 4; ++corner)
-      for (int k = 0; k < 3; ++k)
-        if (!fit.poses[j].tells(fit.poses[j].movement(panel, panel.corners[corner], panel.axes.col(k))))
-          return {Obstacle::not_told, std::string("its hooks do not tell how far its corners move ") + kDirections[k] +
-                                          ": a hook more, or one that holds more"};
-  }
+  if (const std::string untold = untold_directions(panel, fit.poses[j]); !untold.empty())
+    return {Obstacle::not_told,
+            "its hooks do not tell how far its corners move " + untold + ": a hook more, or one that holds more"};
+  if (!panel.open.empty()) return {Obstacle::not_judged, panel.open};
   return {};
 }
 

@@ -28,6 +28,7 @@ enum class Obstacle {
   not_measured,  ///< one of its brackets
   one_bracket,   ///< how it turns is open
   not_told,      ///< its hooks do not tell how far its corners move
+  not_judged,    ///< something was asked of it that nobody could judge (Panel::open)
 };
 
 struct PanelGate {

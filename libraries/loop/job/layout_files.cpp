@@ -203,11 +203,12 @@ ActualsT read_actuals_json(const std::string& text, const std::string& source) {
   std::size_t index = 0;
   std::map<std::string, int> ignored;
   for (const Json& entry : parsed["items"]) {
-    const std::string place = source + ": items[" + std::to_string(index++) + "]: ";
+    const std::string place = source + ": items[" + std::to_string(index++) + "]";
     try {
       out.items.push_back(actual_of(entry, ignored));
+      out.items.back()->source = source + " items[" + std::to_string(index - 1) + "]";
     } catch (const std::runtime_error& error) {
-      out.refused.push_back(place + error.what());
+      out.refused.push_back(place + ": " + error.what());
     }
   }
   note_unknown_of_file(parsed, source, ignored);

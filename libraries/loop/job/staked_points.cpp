@@ -151,9 +151,8 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
       look_at_units(line.text, line.number, source);
       continue;
     }
-    const auto refuse = [&](const std::string& why) {
-      out.refused.push_back(source + ":" + std::to_string(line.number) + ": " + why);
-    };
+    const std::string place = source + ":" + std::to_string(line.number);
+    const auto refuse = [&](const std::string& why) { out.refused.push_back(place + ": " + why); };
     const auto split = text::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
     const std::vector<std::string_view> cells(split.begin(), split.end());
     // A first point with one coordinate that cannot be read is no head.
@@ -181,7 +180,7 @@ ActualsT read_staked(const std::string& text, LayoutFormat format, const std::st
       continue;
     }
     auto actual = std::make_unique<ActualT>();
-    actual->item = name, actual->outcome = "done", actual->by = source;
+    actual->item = name, actual->outcome = "done", actual->by = source, actual->source = place;
     actual->measured = {*at[0], *at[1], *at[2]};
     actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
     if (columns.date < cells.size()) actual->at = std::string(text::trim(cells[columns.date]));

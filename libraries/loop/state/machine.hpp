@@ -51,6 +51,9 @@ struct MachineOptions {
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
                                        std::vector<std::string>* doubted = nullptr, const std::string& now = {});
 
+/// Takes the words of reports that were refused, "staked.csv:7: why", into the state, as of the round that is made.
+void note_refused(LoopStateT& state, const std::vector<std::string>& refused);
+
 /// Why a round cannot be at `now` (ISO 8601 with zone): something was released after it. Empty: it can.
 std::string time_doubt(const LoopStateT& state, const std::string& now);
 

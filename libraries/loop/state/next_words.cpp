@@ -12,7 +12,7 @@ namespace {
 
 /// Lists of ids and, where each has a reason of its own, lines.
 struct Floor {
-  std::vector<std::string> set, hang, measure;
+  std::vector<std::string> set, hang, measure, idle, left_out;
   std::vector<std::string> lines;
 };
 
@@ -47,6 +47,10 @@ void add(const LoopItemT& item, Floor& floor, Counts& counts) {
       if (is_panel)
         floor.lines.push_back(item.id + (item.why.rfind("waits", 0) == 0 ? " " : " waits: ") + item.why),
             ++counts.waiting;
+      else if (item.why == kHoldsNothing)
+        floor.idle.push_back(item.id);
+      else if (item.why == kHoldsUnplanned)
+        floor.left_out.push_back(item.id);
       break;
     default:
       break;
@@ -114,12 +118,18 @@ std::string next_words(const LoopStateT& state) {
   text += "next: " + step_words(state, counts) + "\n";
   for (const std::string& doubt : state.doubts) text += "the measurement is in doubt: " + doubt + "\n";
   for (const std::string& control : state.moved_control) text += "check the control: " + control + " moved\n";
+  for (const auto& refused : state.refused)
+    if (refused->round == state.round) text += "not taken: " + refused->report + ": " + refused->why + "\n";
   for (const auto& [number, floor] : floors) {
     const std::string begin = "floor " + std::to_string(number) + ": ";
     if (!floor.set.empty()) text += begin + "set " + text::join(floor.set) + "\n";
     if (!floor.hang.empty()) text += begin + "hang " + text::join(floor.hang) + "\n";
     if (!floor.measure.empty()) text += begin + "measure " + text::join(floor.measure) + "\n";
     for (const std::string& line : floor.lines) text += begin + line + "\n";
+    if (!floor.left_out.empty())
+      text += begin + "the panels on " + text::join(floor.left_out) + " are not planned: installation.txt says why\n";
+    if (!floor.idle.empty())
+      text += begin + "no panel hangs on " + text::join(floor.idle) + ": nothing is to be set there\n";
   }
   return text + untold_words(state);
 }

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
+#include "building/ifc/temperature_words.hpp"
 #include "loop/state/bracket_places.hpp"
 #include "loop/state/hash.hpp"
 #include "loop/state/rounds_estimate.hpp"
@@ -27,7 +29,7 @@ std::string own_basis(const Facade& facade, std::size_t index) {
 }
 
 std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const std::string& guid, const Fit& fit,
-                                                  std::size_t index) {
+                                                  std::size_t index, bool is_used) {
   const Bracket& bracket = facade.brackets[index];
   auto out = std::make_unique<BracketSettingT>();
   out->id = bracket.id, out->guid = guid, out->floor = bracket.floor;
@@ -38,6 +40,7 @@ std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const st
   out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
   out->fixed = bracket.fixed, out->basis = own_basis(facade, index);
   out->difference_sigma = bracket.difference_sigma, out->campaigns = bracket.campaigns;
+  out->use = is_used ? BracketUse::panel : bracket.holds_unplanned ? BracketUse::not_planned : BracketUse::nothing;
   return out;
 }
 
@@ -77,6 +80,7 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
                   : gate.obstacle == Obstacle::no_bracket   ? PanelObstacle::no_bracket
                   : gate.obstacle == Obstacle::not_measured ? PanelObstacle::not_measured
                   : gate.obstacle == Obstacle::one_bracket  ? PanelObstacle::one_bracket
+                  : gate.obstacle == Obstacle::not_judged   ? PanelObstacle::not_said  // held stays held
                                                             : PanelObstacle::hooks_do_not_tell;
   out->p_in = gate.p_in, out->reason = gate.reason;
   if (gate.decided_by >= 0) out->decided_by = fit.judged[gate.decided_by].words(facade);
@@ -103,8 +107,12 @@ std::string basis_of(const Facade& facade) {
 InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std::vector<PanelGate>& gates,
                                 const PlanNames& names) {
   InstallationPlanT out;
+  std::set<std::size_t> used;
+  for (const Panel& panel : facade.panels)
+    for (const Hook& hook : panel.hooks) used.insert(hook.bracket);
   for (std::size_t b = 0; b < facade.brackets.size(); ++b)
-    out.brackets.push_back(bracket_artifact(facade, names.brackets.empty() ? "" : names.brackets[b], fit, b));
+    out.brackets.push_back(
+        bracket_artifact(facade, names.brackets.empty() ? "" : names.brackets[b], fit, b, used.count(b) > 0));
   for (const std::size_t j : installation_order(facade.panels)) {
     out.panels.push_back(panel_artifact(facade, names.panels.empty() ? "" : names.panels[j], fit, gates[j], j));
     if (facade.panels[j].installed) continue;
@@ -234,6 +242,7 @@ std::string installation_words(const InstallationPlanT& plan) {
   part("Taken of who sets brackets",
        {fmt::format("{:.2f} mm each bracket and direction (setting_sigma), {:.2f} mm common to a floor (station_sigma)",
                     1e3 * plan.setting_sigma, 1e3 * plan.station_sigma)});
+  if (const std::string words = ifc::temperature_words(plan); !words.empty()) part("What the plan leaves out", {words});
   return text;
 }
 

@@ -9,6 +9,7 @@
 #include "loop/state/control_change.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/floor_moves.hpp"
+#include "loop/state/next_words.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -48,8 +49,19 @@ void Round::run() {
     for (auto& item : state_.items)
       if (item->status != ItemStatus::executed) note_basis(*item);
   }
+  tell_unused();
   note_control(state_);
   state_.basis = plan_.basis;
+}
+
+void Round::tell_unused() {
+  for (const auto& bracket : plan_.brackets) {
+    LoopItemT& item = *this->item("bracket", bracket->id);
+    if (item.status != ItemStatus::planned) continue;
+    if (item.why == kHoldsNothing || item.why == kHoldsUnplanned) item.why.clear();
+    if (bracket->use == BracketUse::nothing) item.why = kHoldsNothing;
+    if (bracket->use == BracketUse::not_planned) item.why = kHoldsUnplanned;
+  }
 }
 
 LoopItemT* Round::item(const std::string& kind, const std::string& id) const {

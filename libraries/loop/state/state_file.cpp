@@ -18,8 +18,8 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// Of version 2 control and readings are not known; of version 3 not on which control single items rest; of version 4
-/// not where panels were measured themselves.
-constexpr int kVersion = 5, kOldest = 2;
+/// not where panels were measured themselves; of version 5 not which reports were refused.
+constexpr int kVersion = 6, kOldest = 2;
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -160,6 +160,9 @@ std::string state_json(const LoopStateT& state) {
   out["control"] = json_of(state.control), out["readings"] = state.readings;
   out["controls"] = Json::array();
   for (const auto& set : state.controls) out["controls"].push_back(json_of(set->marks));
+  out["refused"] = Json::array();
+  for (const auto& refused : state.refused)
+    out["refused"].push_back({{"round", refused->round}, {"report", refused->report}, {"why", refused->why}});
   if (state.estimate) out["estimate"] = json_of(*state.estimate);
   // As it is read back: what is no UTF-8 was replaced on the way.
   out = Json::parse(dumped(out));
@@ -214,6 +217,12 @@ LoopStateT read_state_json(const std::string& text, const std::string& source) {
     if (json.contains("estimate")) state.estimate = estimate_of(json["estimate"]);
     json.at("journal").get_to(state.journal);
     for (const Json& item : json.at("items")) state.items.push_back(item_of(item));
+    for (const Json& refused : json.value("refused", Json::array())) {
+      auto out = std::make_unique<RefusedReportT>();
+      refused.at("round").get_to(out->round), refused.at("report").get_to(out->report);
+      refused.at("why").get_to(out->why);
+      state.refused.push_back(std::move(out));
+    }
     if (version != kOldest) take_what_it_rests_on(json, state);
     check_items(state);
     return state;

@@ -6,9 +6,12 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/bare_name.hpp"
 #include "base/text/words.hpp"
+#include "build/loop/panel_limits.hpp"
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/packed_symmetric.hpp"
+#include "geometry/panel_fit.hpp"
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
@@ -70,6 +73,7 @@ class Builder {
       in_.guids.push_back(anchor->guid);
       in_.facade.brackets.push_back(std::move(bracket));
     }
+    tell_names_alike();
     if (facing == 0) throw std::runtime_error(unconfirmed_words(deviation_));
     if (!unknown.empty())
       throw std::runtime_error("no rule of 'brackets' selects " + text::join(unknown, 8) +
@@ -112,6 +116,9 @@ class Builder {
       panel.axes = axes_of(judged->facade.get());
       if (!panel.axes.allFinite()) {
         in_.notes.push_back("panel " + panel.id + ": which way it faces is not confirmed: it is not planned");
+        for (const std::string& id : anchors_of(*judged))
+          if (const auto at = bracket_at_.find(id); at != bracket_at_.end())
+            in_.facade.brackets[at->second].holds_unplanned = true;
         continue;
       }
       for (const auto& corner : judged->corners) {
@@ -122,7 +129,7 @@ class Builder {
         panel.corners[k] = corner->design;
       }
       panel.centre = 0.25 * (panel.corners[0] + panel.corners[1] + panel.corners[2] + panel.corners[3]);
-      panel.limits = {judged->sideways->tolerance, judged->vertical->tolerance, judged->out_of_plane->tolerance};
+      panel.limits = limits_of(*judged), panel.open = not_judged_of(deviation_, *judged);
       add_hooks(*judged, panel);
       panel_at_[judged->guid] = in_.facade.panels.size();
       in_.panel_guids.push_back(judged->guid);
@@ -132,6 +139,10 @@ class Builder {
       if (element->is_panel && !id_of_.count(guid) && !wholes_.count(guid))
         in_.notes.push_back("panel " + (element->name.empty() ? guid : element->name) +
                             " of the design hangs on no measured anchor: it is not planned");
+    for (const auto& request : deviation_.requests)
+      if (!request->not_judged.empty() && request->panels > 0)
+        in_.notes.push_back("not judged: " + request->asked + ": " + request->not_judged);
+    find_unplanned();
   }
 
   void add_joints() {
@@ -142,8 +153,9 @@ class Builder {
         if ((!upward && said->side != "right") || !panel_at_.count(said->panel)) continue;
         const std::size_t a = panel_at_.at(judged->guid), b = panel_at_.at(said->panel);
         if (upward) in_.facade.panels[b].depends_on.push_back(in_.facade.panels[a].id);
-        if (!(said->change->tolerance > 0)) continue;
-        in_.facade.joints.push_back(joint_of(a, b, upward, said->design, said->change->tolerance));
+        const JointLimits limits = joint_limits(*judged, *said, judged_.at(said->panel));
+        if (!(limits.wider + limits.narrower > 0)) continue;
+        in_.facade.joints.push_back(joint_of(a, b, upward, said->design, limits));
       }
     wait_for_what_is_not_planned();
     for (const auto& [panel, before] : rules_.after) add_dependence(panel, before);
@@ -156,6 +168,16 @@ class Builder {
   FacadeInput take() { return std::move(in_); }
 
  private:
+  /// Reports tell them apart; a person, or a tool that makes no difference between F and f, may not.
+  void tell_names_alike() {
+    std::map<std::string, std::string> known;
+    for (const Bracket& bracket : in_.facade.brackets)
+      if (const auto [at, is_new] = known.try_emplace(text::bare_name(bracket.id), bracket.id); !is_new)
+        in_.notes.push_back("brackets " + at->second + " and " + bracket.id +
+                            " have one name but for case, separators or leading zeros: who sets them may take one for "
+                            "the other; give one of them another name");
+  }
+
   /// The covariance of the measured anchors if control were known: that of the readings alone. What is left is the same
   /// for all campaigns on that control, and a little more: control as it was adjusted with these readings.
   void add_own(const Eigen::MatrixXd& all, const std::map<std::string, Eigen::Index>& point,
@@ -202,19 +224,38 @@ class Builder {
 
   void name_panels() {
     std::map<std::string, int> count;
-    for (const auto& panel : deviation_.panels) ++count[panel->name];
+    for (const auto& panel : deviation_.panels) ++count[panel->name], judged_[panel->guid] = panel.get();
     for (const auto& panel : deviation_.panels)
       id_of_[panel->guid] = panel->name.empty() || count[panel->name] > 1 ? panel->guid : panel->name;
     for (const auto& [guid, element] : elements_)
       if (element->is_panel) wholes_.insert(element->parent_guid);
   }
 
-  void add_hooks(const PanelDeviationT& judged, Panel& panel) {
+  static std::vector<std::string> anchors_of(const PanelDeviationT& judged) {
     std::vector<std::string> ids;
     for (const auto& fixing : judged.fixings) ids.push_back(fixing->anchor);
     ids.insert(ids.end(), judged.missing.begin(), judged.missing.end());
+    return ids;
+  }
+
+  /// Brackets at a panel of the design that is not planned, because nobody measured an anchor of it or two are at one
+  /// place: they are needed, though not by this plan.
+  void find_unplanned() {
+    std::vector<const DesignElementT*> left_out;
+    for (const auto& [guid, element] : elements_)
+      if (element->is_panel && !panel_at_.count(guid) && !wholes_.count(guid)) left_out.push_back(element);
+    for (Bracket& bracket : in_.facade.brackets)
+      for (const DesignElementT* panel : left_out) {
+        const bool has_box = panel->box_low.allFinite() && panel->box_high.allFinite();
+        const Eigen::Vector3d place = panel->placement.inverse() * bracket.design;
+        if (!has_box || distance_from_box(panel->box_low, panel->box_high, place) <= kPanelReach)
+          bracket.holds_unplanned = true;
+      }
+  }
+
+  void add_hooks(const PanelDeviationT& judged, Panel& panel) {
     std::vector<Eigen::Vector3d> places;
-    for (const std::string& id : ids)
+    for (const std::string& id : anchors_of(judged))
       if (const auto at = bracket_at_.find(id); at != bracket_at_.end()) {
         panel.hooks.push_back({at->second, {}});
         places.push_back(in_.facade.brackets[at->second].design);
@@ -226,7 +267,7 @@ class Builder {
     }
   }
 
-  Joint joint_of(std::size_t a, std::size_t b, bool upward, double width, double tolerance) const {
+  Joint joint_of(std::size_t a, std::size_t b, bool upward, double width, const JointLimits& limits) const {
     const Panel &of_a = in_.facade.panels[a], &of_b = in_.facade.panels[b];
     Joint joint;
     joint.a = a, joint.b = b;
@@ -245,8 +286,8 @@ class Builder {
       joint.on_a[which] = edge(of_a.corners[3]);
       joint.on_b[which] = edge(of_b.corners[0]);
     }
-    joint.nominal = width, joint.least = width - tolerance, joint.most = width + tolerance;
-    joint.step_most = rules_.step_tolerance > 0 ? rules_.step_tolerance : tolerance;
+    joint.nominal = width, joint.least = width - limits.narrower, joint.most = width + limits.wider;
+    joint.step_most = rules_.step_tolerance > 0 ? rules_.step_tolerance : 0.5 * (limits.wider + limits.narrower);
     return joint;
   }
 
@@ -321,6 +362,7 @@ class Builder {
   std::vector<const AnchorDeviationT*> anchors_;  ///< by bracket
   std::map<std::string, const DesignElementT*> elements_;
   std::map<std::string, std::size_t> bracket_at_, panel_at_;  ///< by anchor id, by GlobalId
+  std::map<std::string, const PanelDeviationT*> judged_;      ///< by GlobalId
   std::map<std::string, std::string> id_of_;
   std::set<std::string> wholes_;
   std::vector<ifc::Property> properties_;

@@ -32,6 +32,7 @@ void UpdateState::run(Context& context) {
     for (const std::string& line : actuals.refused) context.warn(line);
     for (const std::string& objection : objections) context.warn(objection);
     for (const std::string& doubt : doubted) context.warn(doubt);
+    note_refused(state, actuals.refused), note_refused(state, objections);
     taken += actuals.items.size() - objections.size(), refused += actuals.refused.size() + objections.size();
   }
   if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");

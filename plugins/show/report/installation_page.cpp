@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "building/ifc/temperature_words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
@@ -13,32 +14,6 @@
 namespace plumbline::report {
 
 namespace {
-
-const std::vector<std::pair<ItemStatus, const char*>>& states_in_order() {
-  static const std::vector<std::pair<ItemStatus, const char*>> states = {
-      {ItemStatus::verified, "VERIFIED"}, {ItemStatus::relocalised, "RELOCALISED"},
-      {ItemStatus::executed, "EXECUTED"}, {ItemStatus::executing, "EXECUTING"},
-      {ItemStatus::released, "RELEASED"}, {ItemStatus::planned, "PLANNED"},
-      {ItemStatus::rework, "REWORK"},     {ItemStatus::stale, "STALE"},
-      {ItemStatus::rejected, "REJECTED"}};
-  return states;
-}
-
-std::string word_of(ItemStatus status) {
-  for (const auto& [state, word] : states_in_order())
-    if (state == status) return word;
-  return "?";
-}
-
-/// Dark to light from done to open, orange for what a person must look at: told apart without colours by their order.
-const char* colour_of(const std::string& state) {
-  static const std::map<std::string, const char*> colours = {
-      {"VERIFIED", "#0072b2"},  {"RELOCALISED", "#4f9fcf"}, {"EXECUTED", "#8fc1e3"},
-      {"EXECUTING", "#b7d7ee"}, {"RELEASED", "#009e73"},    {"PLANNED", "#d9d9d9"},
-      {"REWORK", "#e69f00"},    {"STALE", "#e69f00"},       {"REJECTED", "#d55e00"}};
-  const auto found = colours.find(state);
-  return found == colours.end() ? "#999999" : found->second;
-}
 
 struct FloorWork {
   std::vector<std::string> set, hang, measure, look, wait;
@@ -123,6 +98,11 @@ void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT
   for (const std::string& control : state.moved_control)
     lines.push_back(control + " moved: nothing there is verified or released before somebody has looked at it");
   for (const std::string& doubt : plan.doubts) lines.push_back("The measurement is not to be trusted: " + doubt);
+  if (const auto refused = std::count_if(state.refused.begin(), state.refused.end(),
+                                         [&](const auto& report) { return report->round == state.round; });
+      refused > 0)
+    lines.push_back(count(static_cast<int>(refused), "report was", "reports were") +
+                    " not taken in this round: the table of reports below says why");
   for (const std::string& words : plan.relaxations) lines.push_back(words);
   for (const auto& item : state.items)
     if (item->status == ItemStatus::rejected || nobody_saw(*item)) lines.push_back(item->id + ": " + item->why);
@@ -146,33 +126,14 @@ void write_waiting(Markup& html, const LoopStateT& state) {
 
 }  // namespace
 
-std::vector<LoopChange> changes_of(const LoopStateT& state) {
-  std::vector<LoopChange> changes;
-  for (const std::string& text : state.journal) {
-    const auto line = nlohmann::json::parse(text, nullptr, false);
-    if (!line.is_object()) continue;
-    const auto word = [&](const char* key) { return line.value(key, std::string()); };
-    changes.push_back({line.value("round", 0), word("kind"), word("item"), word("from"), word("to"), word("by"),
-                       word("at"), word("why")});
-  }
-  return changes;
-}
-
-std::vector<std::map<std::string, int>> states_by_round(const LoopStateT& state, const std::vector<LoopChange>& changes,
-                                                        const std::string& kind) {
-  std::map<std::string, std::string> now;
+std::set<std::string> idle_brackets(const InstallationPlanT& plan, const LoopStateT& state) {
+  std::set<std::string> bare, idle;
+  for (const auto& bracket : plan.brackets)
+    if (bracket->use == BracketUse::nothing) bare.insert(bracket->id);
   for (const auto& item : state.items)
-    if (item->kind == kind) now[item->id] = "PLANNED";
-  std::vector<std::map<std::string, int>> rounds;
-  std::size_t next = 0;
-  for (int round = 0; round < std::max(1, state.round); ++round) {
-    for (; next < changes.size() && changes[next].round <= round; ++next)
-      if (changes[next].kind == kind) now[changes[next].item] = changes[next].to;
-    std::map<std::string, int> counts;
-    for (const auto& [id, word] : now) ++counts[word];
-    rounds.push_back(std::move(counts));
-  }
-  return rounds;
+    if (item->kind == "bracket" && item->status == ItemStatus::planned && bare.count(item->id) > 0)
+      idle.insert(item->id);
+  return idle;
 }
 
 void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& state,
@@ -211,57 +172,6 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
 }
 
 namespace {
-
-void draw_rounds(Markup& html, const std::vector<std::map<std::string, int>>& rounds, const std::string& what) {
-  const double chart_width = 900, chart_height = 240, left_edge = 60, bottom = 200, top = 16;
-  int most = 1;
-  for (const auto& counts : rounds) {
-    int sum = 0;
-    for (const auto& [state, n] : counts) sum += n;
-    most = std::max(most, sum);
-  }
-  Scope svg = drawing(html, chart_width, chart_height, what + " by state after each round");
-  const double step = (chart_width - left_edge - 10) / static_cast<double>(rounds.size());
-  const Scale y{0, static_cast<double>(most), bottom, top};
-  for (const double tick : ticks(0, most, 4)) {
-    line(html, left_edge, y(tick), chart_width - 10, y(tick), "grid");
-    label(html, left_edge - 8, y(tick) + 4, fixed(tick, 0), "tick", "end");
-  }
-  for (std::size_t r = 0; r < rounds.size(); ++r) {
-    double sum = 0;
-    for (const auto& [state, word] : states_in_order()) {
-      const auto found = rounds[r].find(word);
-      if (found == rounds[r].end()) continue;
-      const double x = left_edge + step * static_cast<double>(r) + 0.1 * step;
-      html.empty("rect", {{"x", px(x)},
-                          {"y", px(y(sum + found->second))},
-                          {"width", px(0.8 * step)},
-                          {"height", px(y(sum) - y(sum + found->second))},
-                          {"fill", colour_of(word)}});
-      sum += found->second;
-    }
-    if (rounds.size() <= 30 || r % 5 == 0)
-      label(html, left_edge + step * (static_cast<double>(r) + 0.5), bottom + 18, std::to_string(r + 1), "tick",
-            "middle");
-  }
-  label(html, 0.5 * chart_width, chart_height - 4, "round", "tick", "middle");
-}
-
-void write_state_legend(Markup& html, const std::vector<std::map<std::string, int>>& rounds) {
-  std::set<std::string> used;
-  for (const auto& counts : rounds)
-    for (const auto& [state, n] : counts) used.insert(state);
-  Scope p(html, "p", {{"class", "note"}});
-  for (const auto& [state, word] : states_in_order()) {
-    if (!used.count(word)) continue;
-    html.element(
-        "span",
-        {{"style", std::string("display:inline-block;width:0.9em;height:0.9em;margin:0 0.3em 0 0.8em;background:") +
-                       colour_of(word)}},
-        "");
-    html.text(word);
-  }
-}
 
 void write_reworks(Markup& html, const std::vector<LoopChange>& changes) {
   html.element("h3", "What was done again or given to a person, and why");
@@ -316,21 +226,54 @@ void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT
 
 void write_rounds(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
   const std::vector<LoopChange> changes = changes_of(state);
+  const std::set<std::string> idle = idle_brackets(plan, state);
   Scope part(html, "section", {{"id", "rounds"}});
   html.element("h2", "The loop so far");
   for (const auto& [kind, heading] : {std::pair{"panel", "Panels"}, {"bracket", "Brackets"}}) {
-    const auto rounds = states_by_round(state, changes, kind);
+    const bool brackets = kind == std::string("bracket");
+    const auto rounds = states_by_round(state, changes, kind, brackets ? idle : std::set<std::string>());
     html.element("h3", std::string(heading) + " by state after each round");
     draw_rounds(html, rounds, heading);
     write_state_legend(html, rounds);
+    if (brackets && !idle.empty())
+      html.element("p", {{"class", "note"}},
+                   "Not counted: " + std::to_string(idle.size()) +
+                       " on which no panel hangs. Nothing is to be set there: " + some_of({idle.begin(), idle.end()}) +
+                       ".");
   }
   write_reworks(html, changes);
   write_heights(html, plan, state);
+  if (const std::string words = ifc::temperature_words(plan); !words.empty())
+    html.element("p", {{"class", "note"}}, words);
+}
+
+void write_refused(Markup& html, const LoopStateT& state) {
+  if (state.refused.empty()) return;
+  constexpr std::size_t kShown = 200;
+  Scope part(html, "section", {{"id", "refused"}});
+  html.element("h2", "Reports that were not taken");
+  html.element("p",
+               "They changed nothing. Mend the file and run the round again with the same words: what was done and is "
+               "not reported looks like a bracket that somebody moved. Of a round before, measure the item.");
+  {
+    Scope wide(html, "div", {{"class", "wide"}});
+    Scope table(html, "table", {{"class", "sortable"}});
+    table_head(html, {"Round", left("Report"), left("What is wrong, and what to do")});
+    Scope body(html, "tbody");
+    for (std::size_t i = 0; i < std::min(kShown, state.refused.size()); ++i) {
+      const RefusedReportT& refused = *state.refused[state.refused.size() - 1 - i];
+      table_row(html, {std::to_string(refused.round), left(refused.report), sentence(refused.why)});
+    }
+  }
+  if (state.refused.size() > kShown)
+    html.element("p", {{"class", "note"}},
+                 std::to_string(state.refused.size() - kShown) + " more, older ones: state.json has all.");
 }
 
 void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
   std::map<std::pair<std::string, std::string>, const LoopItemT*> items;
   for (const auto& item : state.items) items[{item->kind, item->id}] = item.get();
+  const std::set<std::string> idle = idle_brackets(plan, state);
   Scope part(html, "section", {{"id", "items"}});
   html.element("h2", "Panels and brackets");
   {
@@ -344,7 +287,7 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
       if (found == items.end()) continue;
       const LoopItemT& item = *found->second;
       const char* gate = panel->gate == GateDecision::go ? "GO" : panel->gate == GateDecision::no_go ? "NO_GO" : "HOLD";
-      table_row(html, {verbatim(panel->id), floor_word(panel->floor), left(word_of(item.status)), left(gate),
+      table_row(html, {verbatim(panel->id), floor_word(panel->floor), left(state_word(item.status)), left(gate),
                        std::isfinite(panel->p_in) ? fixed(panel->p_in, 3) : std::string(unknown),
                        sentence(panel->decided_by), std::to_string(item.reworks), sentence(item.why)});
     }
@@ -359,7 +302,8 @@ void write_items(Markup& html, const InstallationPlanT& plan, const LoopStateT& 
     if (found == items.end() || bracket->axes.size() != 3) continue;
     const LoopItemT& item = *found->second;
     const Eigen::Vector3d off = bracket->measured - bracket->design;
-    table_row(html, {verbatim(bracket->id), floor_word(bracket->floor), left(word_of(item.status)),
+    table_row(html, {verbatim(bracket->id), floor_word(bracket->floor),
+                     left(idle.count(bracket->id) > 0 ? "NOT NEEDED" : state_word(item.status)),
                      signed_mm(bracket->axes[0].dot(off), 1), signed_mm(bracket->axes[1].dot(off), 1),
                      signed_mm(bracket->axes[2].dot(off), 1), signed_mm(item.setting.x(), 1),
                      signed_mm(item.setting.y(), 1), signed_mm(item.setting.z(), 1),

@@ -36,6 +36,7 @@ void ReportInstallation::run(Context&) {
       if (control_check) write_control_warning(html, control);
     }
     write_next(html, planned, reached, by_floor);
+    write_refused(html, reached);
     write_rounds(html, planned, reached);
     write_items(html, planned, reached);
     if (network) write_network(html, network_page(network.unpack()), control_check ? &control : nullptr);

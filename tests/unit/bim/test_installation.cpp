@@ -1,6 +1,7 @@
 // The state of an execution loop in IFC and BCF: valid against the schemas, and what it says is what the state says.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -103,6 +104,24 @@ TEST_P(InstallationFile, RoundsOfDifferentNamesStandInOneFile) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemas, InstallationFile, testing::Values("IFC2X3", "IFC4", "IFC4X3"));
+
+/// An anchor beside the panels has a state, and no task that would stay open for ever.
+TEST(Installation, ABracketThatNoPanelHangsOnIsNoTask) {
+  Site site("IFC4");
+  const auto idle = std::find_if(site.state.items.begin(), site.state.items.end(),
+                                 [](const auto& item) { return item->kind == "bracket"; });
+  (*idle)->status = ItemStatus::planned;
+  for (const auto& bracket : site.plan.brackets)
+    bracket->use = bracket->id == (*idle)->id ? BracketUse::nothing : BracketUse::panel;
+  const std::string bytes = site.written();
+  const step::File file(bytes, "t.ifc");
+  EXPECT_EQ(tasks_of(file).count("Set bracket " + (*idle)->id), 0u);
+  EXPECT_EQ(tasks_of(file).size(), site.state.items.size() - 1);
+  EXPECT_NE(bytes.find("(IFCLABEL('NOT_NEEDED'))"), std::string::npos);
+  EXPECT_EQ(check_ifc(file).size(), 0u);
+  (*idle)->status = ItemStatus::verified;  // somebody set it all the same
+  EXPECT_EQ(site.written().find("(IFCLABEL('NOT_NEEDED'))"), std::string::npos);
+}
 
 TEST(Installation, WhatIsNotInTheFileIsNamed) {
   Site site("IFC4");

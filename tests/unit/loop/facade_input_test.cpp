@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "loop/fit/plan_settings.hpp"
+#include "loop/gate/gate.hpp"
 
 namespace plumbline::loop {
 namespace facade_input_test {
@@ -133,6 +134,99 @@ TEST(FacadeInput, APanelWaitsForTheOneBelowAlsoWhereThatOneIsNotPlanned) {
   }
   rules.standing = {"Lwo"};
   EXPECT_NE(fault_of(input, rules).find("'standing' names 'Lwo', which is no panel of the design"), std::string::npos);
+}
+
+TEST(FacadeInput, NamesThatDifferInCaseAloneAreTold) {
+  Input input = two_facades();
+  EXPECT_TRUE(facade_of(input.deviation, input.model, input.design, nullptr, {}).notes.empty());
+  input.deviation.anchors[4]->id = input.model.points[4]->id = input.deviation.panels[1]->fixings[0]->anchor = "SOUTH0";
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  ASSERT_EQ(made.notes.size(), 1u);
+  EXPECT_EQ(made.notes[0].find("brackets South0 and SOUTH0 have one name but for case"), 0u) << made.notes[0];
+}
+
+/// '4 mm' as text is no tolerance: nobody may hang a panel by the 5 mm that are assumed instead.
+TEST(FacadeInput, WhatWasAskedOfPanelsAndCouldNotBeJudgedHoldsThem) {
+  Input input = two_facades();
+  for (auto& panel : input.deviation.panels) {
+    for (const char* axis : {"out_of_plane", "vertical"}) {
+      panel->limits.push_back(std::make_unique<PanelLimitT>());
+      PanelLimitT& limit = *panel->limits.back();
+      limit.axis = axis, limit.above = limit.below = 0.005;
+      limit.source = panel->name == "South" ? "default" : "class=IfcPlate: out_of_plane=5mm, vertical=5mm";
+    }
+  }
+  auto request = std::make_unique<JudgementRequestT>();
+  request->asked = "Pset_Tolerance.OrthogonalTolerance '4 mm'", request->not_judged = "it is text";
+  input.deviation.requests.push_back(std::move(request));
+  const auto gates = [&] {
+    const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+    return judge_plan(made.facade, plan_settings(made.facade));
+  };
+  EXPECT_EQ(gates()[0].verdict, GateVerdict::go) << "of anchors: brackets are set to what panels need";
+  input.deviation.requests[0]->panels = 1;
+  EXPECT_EQ(gates()[0].verdict, GateVerdict::hold);
+  EXPECT_EQ(gates()[0].reason.find("not judged: Pset_Tolerance.OrthogonalTolerance '4 mm': it is text; a rule"), 0u)
+      << gates()[0].reason;
+  EXPECT_EQ(gates()[1].verdict, GateVerdict::go) << "a rule says all that it is held against";
+  input.deviation.requests[0]->not_judged = "nothing here measures it";
+  EXPECT_EQ(gates()[0].verdict, GateVerdict::go) << "its flatness is not how it hangs";
+}
+
+/// The value of a judged length is held against one side of its tolerance; what is planned may come to lie on the
+/// other.
+TEST(FacadeInput, ATolerancesTwoSidesAndTheStricterOfTwoPanelsCount) {
+  Input input;
+  add_panel(input, "A", {0, 0, 0}, {0, -1, 0});
+  add_panel(input, "B", {2.02, 0, 0}, {0, -1, 0});
+  for (std::size_t i = 0; i < 3 * input.model.points.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 1e-7 : 0.0);
+  const auto limit = [&](std::size_t panel, const char* axis, double above, double below) {
+    auto made = std::make_unique<PanelLimitT>();
+    made->axis = axis, made->above = above, made->below = below;
+    input.deviation.panels[panel]->limits.push_back(std::move(made));
+  };
+  limit(0, "horizontal", 0.004, 0.004), limit(0, "vertical", 0.005, 0.002), limit(0, "out_of_plane", 0, 0.006);
+  limit(0, "joint", 0.010, 0.004), limit(1, "joint", 0.003, 0.008), limit(1, "horizontal", 0.007, 0.007);
+  auto joint = std::make_unique<PanelJointT>();
+  joint->panel = joint->name = "B", joint->side = "right", joint->design = 0.020, joint->change = within(0.010);
+  input.deviation.panels[0]->joints.push_back(std::move(joint));
+  const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  ASSERT_TRUE(faults_of(made.facade).empty()) << faults_of(made.facade)[0];
+  const Fit fit = plan_settings(made.facade);
+  const double low[] = {-0.004, -0.002, -0.006}, high[] = {0.004, 0.005, 0};
+  for (const JudgedValue& value : fit.judged)
+    if (value.quantity == Quantity::corner && value.panel == 0) {
+      EXPECT_EQ(value.low, low[value.direction]) << value.direction;
+      EXPECT_EQ(value.high, high[value.direction]) << value.direction;
+    }
+  EXPECT_EQ(made.facade.panels[1].limits.out, 0.007) << "that along the facade where none is said";
+  ASSERT_EQ(made.facade.joints.size(), 1u);
+  EXPECT_NEAR(made.facade.joints[0].most, 0.023, 1e-12);
+  EXPECT_NEAR(made.facade.joints[0].least, 0.016, 1e-12);
+}
+
+/// Needed and not planned is something else than not needed.
+TEST(FacadeInput, ABracketAtAPanelThatIsNotPlannedIsNoBracketWithoutPanel) {
+  Input input = two_facades();
+  input.deviation.panels.pop_back();  // East: nobody measured it, or two panels are at its place
+  FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  EXPECT_FALSE(made.facade.brackets[4].holds_unplanned) << "the design has no panel there";
+  auto element = std::make_unique<DesignElementT>();
+  element->guid = element->name = "East", element->is_panel = true;
+  element->position.setZero(), element->box_low = {19.9, 4.9, -0.1}, element->box_high = {20.1, 7.1, 2.1};
+  input.design.elements.push_back(std::move(element));
+  made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  for (std::size_t b = 0; b < 8; ++b) EXPECT_EQ(made.facade.brackets[b].holds_unplanned, b >= 4) << b;
+  const Fit fit = plan_settings(made.facade);
+  EXPECT_EQ(std::count(fit.notes.begin(), fit.notes.end(),
+                       "bracket East0 holds a panel that is not planned: it has no setting before that is"),
+            1);
+  // Likewise where which way it faces is not confirmed.
+  input = two_facades();
+  input.deviation.panels[1]->facade->confirmed = false;
+  made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  for (std::size_t b = 0; b < 8; ++b) EXPECT_EQ(made.facade.brackets[b].holds_unplanned, b >= 4) << b;
 }
 
 TEST(FacadeInput, BracketsOfUnknownTypeAndUnknownPanelsAreNamed) {

@@ -63,6 +63,35 @@ TEST(Gate, WhatWasNotMeasuredHolds) {
   EXPECT_NE(gates[1].reason.find("not measured: F01-C03-R2"), std::string::npos) << gates[1].reason;
 }
 
+/// As the judgement of such a panel is undecided (Panels.AnchorsInOneLineShowNoPanelToBeInPlace), by the same measure.
+TEST(Gate, TwoBracketsDoNotTellATurnAboutTheirLine) {
+  Facade facade = random_facade({1, 1}, 3, 0.001, 0.0002, 0);
+  Panel& panel = facade.panels[0];
+  ASSERT_EQ(panel.hooks.size(), 4u);
+  std::vector<Hook> top;
+  for (const Hook& hook : panel.hooks)
+    if (hook.holds[1]) top.push_back(hook);
+  ASSERT_EQ(top.size(), 2u);
+  panel.hooks = top;
+  PanelGate gate = judge_plan(facade, plan_settings(facade))[0];
+  EXPECT_EQ(gate.verdict, GateVerdict::hold);
+  EXPECT_EQ(gate.obstacle, Obstacle::not_told);
+  EXPECT_NE(gate.reason.find("how far its corners move out and up: a hook more"), std::string::npos) << gate.reason;
+  // A strip along them, wide or narrow, as the judgement has it.
+  const double height = panel.axes.col(1).dot(facade.brackets[top[0].bracket].design);
+  const double depth = panel.axes.col(2).dot(facade.brackets[top[0].bracket].design);
+  for (const double half : {0.04, 0.06}) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      Eigen::Vector3d& corner = panel.corners[k];
+      corner += (height + (k < 2 ? -half : half) - panel.axes.col(1).dot(corner)) * panel.axes.col(1);
+      corner += (depth - panel.axes.col(2).dot(corner)) * panel.axes.col(2);
+    }
+    panel.centre = 0.25 * (panel.corners[0] + panel.corners[1] + panel.corners[2] + panel.corners[3]);
+    gate = judge_plan(facade, plan_settings(facade))[0];
+    EXPECT_EQ(gate.obstacle, half < 0.05 ? Obstacle::none : Obstacle::not_told) << half << ": " << gate.reason;
+  }
+}
+
 TEST(Gate, NothingIsGoBelowWhatCanBeMeasured) {
   TowerOptions options{1, 2};
   options.tolerance = 0.0004;

@@ -40,6 +40,27 @@ TEST(NextWords, SaysHowFarItIsAndWhatComesNext) {
       << next_words(state);
 }
 
+/// Of three files nobody would find the line by the item alone.
+TEST(Reports, WhatIsRefusedSaysWhereItWasRead) {
+  LoopStateT state;
+  next_plan(state, make_plan("first"), {});
+  ActualsT actuals = done({"b0", "b9"}, 1);
+  actuals.items[1]->source = "a.json items[4]";
+  EXPECT_EQ(apply_actuals(state, actuals)[0].find("report on b9 by robot-1 (a.json items[4]): no bracket or panel"),
+            0u);
+  actuals.items[1]->by = "staked.csv", actuals.items[1]->source = "staked.csv:7";
+  EXPECT_EQ(apply_actuals(state, actuals)[1].find("report on b9 (staked.csv:7): no bracket or panel"), 0u);
+  note_refused(state, {"report on b9 (staked.csv:7): no bracket or panel of this name is known"});
+  EXPECT_EQ(next_words(state).find("not taken"), std::string::npos) << "the round is not over";
+  note_refused(state, {"a.json: items[15]: has no 'item'"});
+  EXPECT_EQ(state.refused[1]->report, "a.json: items[15]");
+  EXPECT_EQ(state.refused[1]->why, "has no 'item'");
+  close_round(state);
+  EXPECT_NE(next_words(state).find("not taken: report on b9 (staked.csv:7): no bracket or panel"), std::string::npos);
+  close_round(state);
+  EXPECT_EQ(next_words(state).find("not taken"), std::string::npos) << "of the round before";
+}
+
 std::string refusal(const std::function<void(LoopStateT&, ActualT&)>& change, const std::string& now = {}) {
   LoopStateT state;
   MachineOptions options;

@@ -42,6 +42,29 @@ TEST(Rounds, ABracketThatThisPlanRejectsCarriesNoPanel) {
   EXPECT_EQ(item(state, "p0").status, ItemStatus::planned) << item(state, "p0").why;
 }
 
+/// Work that nobody will ever do is not shown as waiting.
+TEST(Rounds, ABracketThatNoPanelHangsOnIsToldSo) {
+  LoopStateT state;
+  InstallationPlanT plan = make_plan("first");
+  for (const auto& bracket : plan.brackets) bracket->use = BracketUse::panel;
+  for (const auto& [id, use] : {std::pair{"k0", BracketUse::nothing}, {"k1", BracketUse::not_planned}}) {
+    plan.brackets.push_back(std::make_unique<BracketSettingT>(*plan.brackets[0]));
+    plan.brackets.back()->id = id, plan.brackets.back()->use = use;
+  }
+  InstallationPlanT later = plan;
+  next_plan(state, plan);
+  EXPECT_EQ(item(state, "k0").status, ItemStatus::planned);
+  EXPECT_EQ(item(state, "k0").why, "no panel hangs on it: nothing is to be set");
+  EXPECT_EQ(item(state, "k1").why, "the panel on it is not planned: installation.txt says why");
+  EXPECT_EQ(item(state, "b2").why, "");
+  const std::string words = next_words(state);
+  EXPECT_NE(words.find("floor 1: no panel hangs on k0: nothing is to be set there\n"), std::string::npos) << words;
+  EXPECT_NE(words.find("floor 1: the panels on k1 are not planned"), std::string::npos) << words;
+  later.basis = "second", later.brackets.back()->use = BracketUse::panel;
+  next_plan(state, later);
+  EXPECT_EQ(item(state, "k1").why, "") << "its panel is planned now";
+}
+
 TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
   LoopStateT state;
   next_plan(state, make_plan("first"));

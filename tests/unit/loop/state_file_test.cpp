@@ -21,6 +21,7 @@ LoopStateT some_state() {
   recall(state, {"CP3"}, "control point CP3 moved");
   close_round(state);
   state.readings = {"00aa", "11bb"};
+  note_refused(state, {"staked.csv:7: the coordinates of 'b2' are no numbers"});
   item(state, "p0").place = {1.5, 2.5, 3.25, 0.001, 0.001, 0.002}, item(state, "p0").told_from = 0.0051;
   state.control.push_back(std::make_unique<ControlMarkT>());
   state.controls.push_back(std::make_unique<ControlSetT>());
@@ -51,6 +52,10 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
   EXPECT_EQ(state_json(read), state_json(state));
   EXPECT_EQ(read.moved_control, state.moved_control);
   EXPECT_EQ(read.readings, state.readings);
+  ASSERT_EQ(read.refused.size(), 1u);
+  EXPECT_EQ(read.refused[0]->round, 2);
+  EXPECT_EQ(read.refused[0]->report, "staked.csv:7");
+  EXPECT_EQ(read.refused[0]->why, "the coordinates of 'b2' are no numbers");
   ASSERT_EQ(read.control.size(), 1u);
   EXPECT_EQ(read.control[0]->place, state.control[0]->place);
   ASSERT_EQ(read.controls.size(), 1u);

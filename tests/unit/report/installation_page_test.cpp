@@ -60,6 +60,55 @@ TEST(InstallationPage, WhatAPanelWaitsForStandsOnTheFirstScreen) {
   EXPECT_EQ(page.find("p2: waits"), std::string::npos);
 }
 
+std::string rest_of(const InstallationPlanT& plan, const LoopStateT& state) {
+  return render_page("Loop", [&](Markup& html) {
+    write_refused(html, state), write_rounds(html, plan, state), write_items(html, plan, state);
+  });
+}
+
+std::size_t occurrences(const std::string& text, const std::string& what) {
+  std::size_t n = 0;
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+/// Check anchors beside the facade are no work that waits.
+TEST(InstallationPage, ABracketThatNoPanelHangsOnIsNotPlanned) {
+  InstallationPlanT plan;
+  LoopStateT state = with_verified_panel();
+  for (const auto& [id, use] : {std::pair{"b0", BracketUse::panel}, {"k0", BracketUse::nothing}}) {
+    plan.brackets.push_back(std::make_unique<BracketSettingT>());
+    BracketSettingT& bracket = *plan.brackets.back();
+    bracket.id = id, bracket.use = use, bracket.design.setZero(), bracket.measured.setZero(), bracket.sigma.setZero();
+    bracket.axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
+    state.items.push_back(std::make_unique<LoopItemT>());
+    state.items.back()->id = id, state.items.back()->kind = "bracket", state.items.back()->setting.setZero();
+  }
+  std::string page = rest_of(plan, state);
+  EXPECT_EQ(idle_brackets(plan, state), std::set<std::string>{"k0"});
+  EXPECT_EQ(occurrences(page, "NOT NEEDED"), 1u) << page;
+  EXPECT_NE(page.find("Not counted: 1 on which no panel hangs. Nothing is to be set there: k0."), std::string::npos);
+  EXPECT_EQ(states_by_round(state, {}, "bracket", {"k0"})[0].at("PLANNED"), 1);
+  plan.brackets[1]->use = BracketUse::not_planned;
+  EXPECT_EQ(occurrences(rest_of(plan, state), "NOT NEEDED"), 0u) << "its panel is to be planned still";
+}
+
+/// Who reads the page does not read the terminal.
+TEST(InstallationPage, ReportsThatWereNotTakenStandOnIt) {
+  LoopStateT state = with_verified_panel();
+  EXPECT_EQ(rest_of({}, state).find("Reports that were not taken"), std::string::npos);
+  for (const int round : {1, 2}) {
+    state.refused.push_back(std::make_unique<RefusedReportT>());
+    state.refused.back()->round = round, state.refused.back()->report = "staked.csv:7, round " + std::to_string(round);
+    state.refused.back()->why = "the coordinates of 'b2' are no numbers";
+  }
+  state.round = 2;
+  const std::string page = rest_of({}, state);
+  EXPECT_LT(page.find("staked.csv:7, round 2"), page.find("staked.csv:7, round 1")) << "the last first";
+  EXPECT_NE(next_of({}, state).find("1\u00A0report was not taken in this round"), std::string::npos)
+      << next_of({}, state);
+}
+
 TEST(InstallationPage, WhoeverIsToSeeAPanelHangIsCounted) {
   LoopStateT state = with_verified_panel();
   state.items[0]->status = ItemStatus::relocalised, state.items[0]->seen = false;

@@ -95,6 +95,31 @@ TEST(German, HasTheSizesOfPhotographs) {
 }
 
 /// What a control point of targets is used as.
+TEST(German, WhatTenKelvinDoAndReportsThatWereNotTaken) {
+  const Speaking german(speech_of("de", "mm"));
+  const auto said = [](const std::string& english) {
+    std::string text = spoken(english);
+    for (std::size_t at = 0; (at = text.find("\u00A0", at)) != std::string::npos;) text.replace(at, 2, " ");
+    return text;
+  };
+  EXPECT_EQ(
+      said("The model knows no temperature: 10 K make the 60.0 m of height between these anchors 6.0 mm longer or "
+           "shorter, and their 30.0 m of width 3.0 mm (concrete, 1e-5 a kelvin by EN 1991-1-5); the smallest "
+           "tolerance is 5.0 mm; the median standard deviation of a height is 0.40 mm"),
+      "Das Modell kennt keine Temperatur: 10 K machen die 60,0 m Höhe zwischen diesen Ankern um 6,0 mm länger "
+      "oder kürzer, und ihre 30,0 m Breite um 3,0 mm (Beton, 1e-5 je Kelvin nach EN 1991-1-5); die kleinste "
+      "Toleranz ist 5,0 mm; der Median der Standardabweichungen der Höhen ist 0,40 mm");
+  EXPECT_EQ(said("report on F01-C01-R1 by robot-1 (a.json: items[4])"),
+            "Bericht über F01-C01-R1 von robot-1 (a.json: items[4])");
+  EXPECT_EQ(said("no bracket or panel of this name is known; but for case, separators or leading zeros it is B2"),
+            "keine Konsole und kein Paneel dieses Namens ist bekannt; bis auf Groß- und Kleinschreibung, Trennzeichen "
+            "oder führende Nullen ist es B2");
+  EXPECT_EQ(said("its 2 anchors are in one line: how it is turned about that is not known, nor how far its corners are "
+                 "out"),
+            "seine 2 Anker liegen in einer Linie: wie es um sie gedreht ist, ist nicht bekannt, auch nicht, wie weit "
+            "seine Ecken außen stehen");
+}
+
 TEST(Catalogue, UsesOfControlPoints) {
   EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
   EXPECT_EQ(german().find("control, fixed"), "Passpunkt, festgehalten");

@@ -1,0 +1,63 @@
+// What a panel and its joints are held against, as the judgement has it: of a tolerance with two sides both. The
+// tolerance beside a judged value says that of the side on which the value lies, and what is planned may lie on the
+// other.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "artifacts/deviation.hpp"
+#include "loop/fit/facade.hpp"
+
+namespace plumbline::loop {
+
+/// Null where nothing is asked along that axis.
+inline const PanelLimitT* limit_along(const PanelDeviationT& judged, const char* axis) {
+  for (const auto& limit : judged.limits)
+    if (limit->axis == axis && std::isfinite(limit->above)) return limit.get();
+  return nullptr;
+}
+
+inline CornerLimits limits_of(const PanelDeviationT& judged) {
+  CornerLimits limits{judged.sideways->tolerance, judged.vertical->tolerance, judged.out_of_plane->tolerance};
+  if (const PanelLimitT* sideways = limit_along(judged, "horizontal"))
+    limits.right = limits.out = sideways->above, limits.left = limits.in = sideways->below;
+  if (const PanelLimitT* height = limit_along(judged, "vertical"))
+    limits.up = height->above, limits.down = height->below;
+  if (const PanelLimitT* outward = limit_along(judged, "out_of_plane"))
+    limits.out = outward->above, limits.in = outward->below;
+  return limits;
+}
+
+/// What was asked of panels and could not be judged, where this one may be meant: something of its place is held
+/// against what was assumed. Which panels are meant the judgement counts and does not name. What nothing here measures
+/// (its flatness) stops no panel from being hung. Empty: nothing.
+inline std::string not_judged_of(const DeviationT& deviation, const PanelDeviationT& judged) {
+  const bool assumed = !limit_along(judged, "out_of_plane") ||
+                       std::any_of(judged.limits.begin(), judged.limits.end(), [](const auto& limit) {
+                         return limit->axis != "joint" && limit->source.starts_with("default");
+                       });
+  for (const auto& request : deviation.requests)
+    if (!request->not_judged.empty() && request->not_judged != "nothing here measures it" && request->panels > 0 &&
+        request->asked.starts_with("Pset_Tolerance") && assumed)
+      return "not judged: " + request->asked + ": " + request->not_judged +
+             "; a rule of tolerances for panels says what counts";
+  return {};
+}
+
+/// How much wider and narrower than by design a joint may be [m].
+struct JointLimits {
+  double wider = 0, narrower = 0;
+};
+
+/// Each panel has its own limits of one joint: it keeps those of both. `other` may be null.
+inline JointLimits joint_limits(const PanelDeviationT& judged, const PanelJointT& said, const PanelDeviationT* other) {
+  JointLimits limits{said.change->tolerance, said.change->tolerance};
+  if (const PanelLimitT* own = limit_along(judged, "joint")) limits = {own->above, own->below};
+  if (const PanelLimitT* theirs = other ? limit_along(*other, "joint") : nullptr)
+    limits.wider = std::fmin(limits.wider, theirs->above), limits.narrower = std::fmin(limits.narrower, theirs->below);
+  return limits;
+}
+
+}  // namespace plumbline::loop
