@@ -7,6 +7,14 @@
 
 namespace plumbline::test {
 
+/// For `extra`, in IFC4: a third anchor of the panel, above the line of the other two, which alone do not tell how it
+/// turns about that line.
+inline const std::string kThirdAnchor =
+    "#500=IFCCARTESIANPOINT((3000.,0.,900.));\r\n#501=IFCAXIS2PLACEMENT3D(#500,$,$);\r\n"
+    "#502=IFCLOCALPLACEMENT(#34,#501);\r\n"
+    "#503=IFCMECHANICALFASTENER('23vctVUKr0kugbFTf53O9L',#5,'F2-C3',$,'M20',#502,#55,'T3',$,$,.ANCHORBOLT.);\r\n"
+    "#504=IFCRELCONTAINEDINSPATIALSTRUCTURE('3bvctVUKr0kugbFTf53O9L',#5,$,$,(#503),#36);";
+
 /// `extra` are further instances, from #500 on. `length_unit` is the instance of the length unit (#11).
 inline std::string small_building(const std::string& schema, const std::string& extra = "",
                                   const std::string& length_unit = "#11=IFCSIUNIT(*,.LENGTHUNIT.,.MILLI.,.METRE.);") {

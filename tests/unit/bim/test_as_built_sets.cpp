@@ -231,6 +231,10 @@ const std::map<std::string, Properties> expected = {
       {"AnchorsPassed", "101"},
       {"AnchorsUndecided", "102"},
       {"Risk", "0.0625"},
+      {"Temperature",
+       "The model knows no temperature: 10 K make the 3.5 m of height between these anchors 0.3 mm longer or shorter, "
+       "and their 2.0 m of width 0.2 mm (concrete, 1e-5 a kelvin by EN 1991-1-5); the smallest tolerance is 5.0 mm; "
+       "the median standard deviation of a height is 0.10 mm"},
       {"Verdict", "UNDECIDED"}}},
 };
 

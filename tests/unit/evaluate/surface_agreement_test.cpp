@@ -20,7 +20,7 @@ namespace surface_agreement_test {
 bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 struct SurfaceCase {
-  std::string bytes = plumbline::test::small_building("IFC4");
+  std::string bytes = plumbline::test::small_building("IFC4", plumbline::test::kThirdAnchor);
   ifc::Design design = ifc::read_design(step::File(bytes, "t.ifc"), {});
   std::string panel;
   DeviationT deviation;

@@ -281,7 +281,7 @@ TEST(CameraChange, IsNamedWithItsPhotographs) {
   ASSERT_TRUE(
       change_of([](int k, const auto&) { return Own{k == 1 || k == 2 || k == 7 || k == 11 || k == 19 ? 1.02 : 1.0}; },
                 words, as_two));
-  EXPECT_THAT(words, HasSubstr("(IMG_1.JPG, IMG_2.JPG, IMG_7.JPG, IMG_11.JPG, ...)"));
+  EXPECT_THAT(words, HasSubstr("(IMG_1.JPG, IMG_2.JPG, IMG_7.JPG, IMG_11.JPG and 1 more)"));
 }
 
 /// Of a board whose points carry no numbers a mirrored picture is one of a board, too.
@@ -474,12 +474,13 @@ TEST(CameraChanges, EveryChangeHasItsWords) {
   EXPECT_EQ(split(Split::every, 4), "in every fourth photograph" + list);
   EXPECT_EQ(split(Split::some, 0), "in 4 photographs" + list);
   change.second.push_back(8);
-  EXPECT_EQ(split(Split::some, 0), "in 5 photographs (a4, a5, a6, a7, ...)");
+  EXPECT_EQ(split(Split::some, 0), "in 5 photographs (a4, a5, a6, a7 and 1 more)");
   change.split = Split::upside_down;
-  EXPECT_EQ(said(What::turned, {1, 2}, {0.5, 0.25}, true),
-            "in the 5 photographs that are held upside down against the others (a4, a5, a6, a7, ...) the principal "
-            "point lies elsewhere by 1.0 ± 0.5, 2.0 ± 0.2 px: pictures that a program turned by 180 degrees, or a "
-            "board or tags that are not as the model has them");
+  EXPECT_EQ(
+      said(What::turned, {1, 2}, {0.5, 0.25}, true),
+      "in the 5 photographs that are held upside down against the others (a4, a5, a6, a7 and 1 more) the principal "
+      "point lies elsewhere by 1.0 ± 0.5, 2.0 ± 0.2 px: pictures that a program turned by 180 degrees, or a "
+      "board or tags that are not as the model has them");
   for (const auto which : {Split::from_on, Split::drift, Split::every, Split::some, Split::upside_down}) {
     change.split = which;
     EXPECT_EQ(divides(change), which != Split::drift);
