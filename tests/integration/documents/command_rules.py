@@ -99,7 +99,6 @@ def rules(data):
         (r"plumbline bench (benchmarks/paper/rendered.yaml).*",
          rf'plumbline bench \1 --scenario "single floor" --scenario "JPEG quality 50" {RENDERED}'),
         (r"plumbline bench (benchmarks/paper/detectors.yaml).*", rf'plumbline bench \1 --scenario ideal {RENDERED}'),
-        (r"plumbline bench (benchmarks/paper/campaign.yaml).*", r'plumbline bench \1 --scenario "single floor" --scenario "full height, readings of a total station" floors=1 images_per_floor=4 --seeds 1 --out out/campaign'),
         (r"plumbline bench (benchmarks/surfaces/depth_kinds.yaml).*",
          r"plumbline bench \1 --seeds 1 columns=2 rows=1 photographs=3 site.with.width=500 site.with.height=340 --out out/kinds"),
         (r"plumbline bench (benchmarks/\S+\.yaml).*", r"plumbline bench \1 --seeds 1 --out out/paper"),
