@@ -9,6 +9,7 @@
 
 #include "base/text/text.hpp"
 #include "building/ifc/selection_rule.hpp"
+#include "building/judgement/tolerance_request.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -126,7 +127,7 @@ void add_design(const ifc::Property& property, Tolerances& tolerances, Open& ope
                     value = property.text.empty() ? "" : " '" + property.text + "'";
   const auto axis = names.find(property.name);
   if (axis == names.end()) {
-    open.emplace(std::pair(name + value, "nothing here measures it"),
+    open.emplace(std::pair(name + value, std::string(kNothingMeasuresIt)),
                  Axis::joint);  // of no anchor: no rule takes its place
     return;
   }

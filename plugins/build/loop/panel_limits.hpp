@@ -8,6 +8,7 @@
 #include <string>
 
 #include "artifacts/deviation.hpp"
+#include "building/judgement/tolerance_request.hpp"
 #include "loop/fit/facade.hpp"
 
 namespace plumbline::loop {
@@ -39,8 +40,8 @@ inline std::string not_judged_of(const DeviationT& deviation, const PanelDeviati
                          return limit->axis != "joint" && limit->source.starts_with("default");
                        });
   for (const auto& request : deviation.requests)
-    if (!request->not_judged.empty() && request->not_judged != "nothing here measures it" && request->panels > 0 &&
-        request->asked.starts_with("Pset_Tolerance") && assumed)
+    if (!request->not_judged.empty() && request->not_judged != judgement::kNothingMeasuresIt && request->panels > 0 &&
+        judgement::is_property_of_tolerance(request->asked) && assumed)
       return "not judged: " + request->asked + ": " + request->not_judged +
              "; a rule of tolerances for panels says what counts";
   return {};

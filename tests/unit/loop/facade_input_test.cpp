@@ -169,6 +169,8 @@ TEST(FacadeInput, WhatWasAskedOfPanelsAndCouldNotBeJudgedHoldsThem) {
   EXPECT_EQ(gates()[0].reason.find("not judged: Pset_Tolerance.OrthogonalTolerance '4 mm': it is text; a rule"), 0u)
       << gates()[0].reason;
   EXPECT_EQ(gates()[1].verdict, GateVerdict::go) << "a rule says all that it is held against";
+  input.deviation.requests[0]->asked = "Pset_tolerance.OrthogonalTolerance '4 mm'";
+  EXPECT_EQ(gates()[0].verdict, GateVerdict::hold) << "however the set is written";
   input.deviation.requests[0]->not_judged = "nothing here measures it";
   EXPECT_EQ(gates()[0].verdict, GateVerdict::go) << "its flatness is not how it hangs";
 }
