@@ -7,17 +7,17 @@
 #include <limits>
 #include <numbers>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::ifc {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-double median(std::vector<double> values) {
+/// Of those that are known.
+double median_known(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return kNone;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(std::move(values));
 }
 
 /// Extent along a direction [m].
@@ -46,7 +46,7 @@ std::string temperature_words(const std::vector<Eigen::Vector3d>& places, double
   if (places.empty()) return {};
   const double height = extent(places, Eigen::Vector3d::UnitZ()), width = width_of(places);
   const double up = 10 * kConcretePerKelvin * height, along = 10 * kConcretePerKelvin * width;
-  const double sigma = median(std::move(sigmas)), effect = std::max(up, along);
+  const double sigma = median_known(std::move(sigmas)), effect = std::max(up, along);
   if (!(effect > kToldShare * tolerance) && !(effect > kToldSigmas * sigma)) return {};
   std::string text = fmt::format(
       "The model knows no temperature: 10 K make the {:.1f} m of height between these anchors {:.1f} mm longer or "
