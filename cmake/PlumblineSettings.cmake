@@ -56,20 +56,25 @@ if(PLUMBLINE_UNITY)
   foreach(name plumbline_headers plumbline_headers_thin)
     add_library(${name} OBJECT ${CMAKE_CURRENT_LIST_DIR}/precompiled.cpp)
     target_link_libraries(${name} PRIVATE plumbline_settings Eigen3::Eigen)
-    target_precompile_headers(${name} PRIVATE <Eigen/Cholesky> <Eigen/Eigenvalues> <Eigen/Geometry> <algorithm> <array> <charconv> <cmath>
+    target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/libraries)
+    target_precompile_headers(${name} PRIVATE <geometry/linear_algebra/eigen_once.hpp> <algorithm> <array> <charconv> <cmath>
       <filesystem> <fmt/core.h> <fstream> <functional> <map> <memory> <mutex> <numeric> <optional> <set> <sstream> <stdexcept> <string> <vector>)
   endforeach()
   target_compile_options(plumbline_headers_thin PRIVATE ${PLUMBLINE_THIN_OPTIONS})
 endif()
 
 # plumbline_precompile(TARGET [THIN])
-# Gives a library or plugin the precompiled headers of its options; tests' libraries have options of their own.
+# Gives a library or plugin the precompiled headers of its options; tests' libraries have options of their own. The headers leave Eigen's
+# kernels to plumbline_linear_algebra.
 function(plumbline_precompile target)
   cmake_parse_arguments(ARG "THIN" "" "" ${ARGN})
   if(NOT PLUMBLINE_UNITY OR CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/tests/")
     return()
   endif()
   # GCC 12 warns of texts that are put together where <string> is precompiled (its bug 105651 and kin): of what is not there.
+  if(NOT "${target}" STREQUAL "plumbline_linear_algebra")
+    target_link_libraries(${target} PRIVATE plumbline_linear_algebra)
+  endif()
   target_compile_options(${target} PRIVATE -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
   if(ARG_THIN)
     target_precompile_headers(${target} REUSE_FROM plumbline_headers_thin)
@@ -112,7 +117,7 @@ function(plumbline_add_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
-  target_link_libraries(${name} PRIVATE ${ARG_LINK} plumbline_test_paths plumbline_settings GTest::gtest_main)
+  target_link_libraries(${name} PRIVATE ${ARG_LINK} plumbline_linear_algebra plumbline_test_paths plumbline_settings GTest::gtest_main)
   target_compile_options(${name} PRIVATE ${PLUMBLINE_THIN_OPTIONS})
   target_precompile_headers(${name} REUSE_FROM plumbline_test_headers)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
