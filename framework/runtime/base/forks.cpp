@@ -3,7 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
+#include <fstream>
 
 #include "runtime/base/running_nodes.hpp"
 
@@ -19,6 +21,14 @@ bool goes_on(pid_t child) {
   return waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid == 0;
 }
 
+/// Of this thread, none if the kernel does not list them.
+std::vector<pid_t> children_now() {
+  std::vector<pid_t> children;
+  std::ifstream list("/proc/thread-self/children");
+  for (pid_t child = 0; list >> child;) children.push_back(child);
+  return children;
+}
+
 }  // namespace
 
 ForkWatch::ForkWatch() : process_(getpid()), outer_(watch) { watch = this; }
@@ -27,6 +37,8 @@ ForkWatch::~ForkWatch() { watch = outer_; }
 void ForkWatch::note(pid_t child) {
   if (child > 0 && watch) watch->children_.push_back(child);
 }
+
+bool ForkWatch::looks() { return watch != nullptr; }
 
 void ForkWatch::end_if_this_is_a_copy() const {
   if (getpid() != process_) leave_at_once(1);
@@ -41,8 +53,18 @@ std::string ForkWatch::end_what_is_left() const {
     left += (left.empty() ? "" : ", ") + std::to_string(child);
   }
   return left.empty() ? ""
-                      : "it ended while what it had forked went on (process " + left +
+                      : "it ended while a process that it had started went on (process " + left +
                             ") and might still have written what it gave; wait for it before the end";
+}
+
+NewChildren::NewChildren() {
+  if (ForkWatch::looks()) before_ = children_now();
+}
+
+void NewChildren::note() const {
+  if (!ForkWatch::looks()) return;
+  for (const pid_t child : children_now())
+    if (std::find(before_.begin(), before_.end(), child) == before_.end()) ForkWatch::note(child);
 }
 
 }  // namespace plumbline::runtime

@@ -1,4 +1,4 @@
-// Processes that a node forks in the program itself.
+// Processes that a node starts in the program itself: with fork(), posix_spawn() or popen().
 #pragma once
 
 #include <sys/types.h>
@@ -8,7 +8,7 @@
 
 namespace plumbline::runtime {
 
-/// Sees the fork()s of this thread as long as it lives. Scopes nest; the innermost counts.
+/// Sees what this thread starts as long as it lives. Scopes nest; the innermost counts.
 class ForkWatch {
  public:
   ForkWatch();
@@ -20,16 +20,29 @@ class ForkWatch {
   /// with the run's files open.
   void end_if_this_is_a_copy() const;
 
-  /// Ends the processes that were forked and that nobody waited for. What they were, as a sentence; empty: none.
+  /// Ends the processes that were started and that nobody waited for. What they were, as a sentence; empty: none.
   std::string end_what_is_left() const;
 
-  /// Of every fork() in this process.
+  /// Of every process that this one starts.
   static void note(pid_t child);
+  /// Whether anybody looks.
+  static bool looks();
 
  private:
   const pid_t process_;
   ForkWatch* const outer_;
   std::vector<pid_t> children_;
+};
+
+/// Children that this thread gets while it lives, by what the kernel lists (/proc/thread-self/children). Looks only if
+/// somebody watches.
+class NewChildren {
+ public:
+  NewChildren();
+  void note() const;
+
+ private:
+  std::vector<pid_t> before_;
 };
 
 }  // namespace plumbline::runtime

@@ -1,14 +1,17 @@
-// _exit(), the exec family and fork(), as a node may call them; these stand in the place of libc's own for all that is
-// loaded into the program. The first two leave the process without a word: no handler of exit() runs, and the exit code
-// may be 0. In the process that runs the node they name it; in one that it has forked they do what they always do. What
-// is forked is noted (forks.hpp), and so are threads (thread_watch.hpp), and that the locale of the process is set.
+// _exit(), the exec family, fork(), posix_spawn() and popen(), as a node may call them; these stand in the place of
+// libc's own for all that is loaded into the program. The first two leave the process without a word: no handler of
+// exit() runs, and the exit code may be 0. In the process that runs the node they name it; in one that it has forked
+// they do what they always do. What is forked or spawned is noted (forks.hpp), and so are threads (thread_watch.hpp),
+// and that the locale of the process is set.
 #include <dlfcn.h>
 #include <locale.h>
 #include <pthread.h>
+#include <spawn.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cstdarg>
+#include <cstdio>
 #include <cstdlib>
 
 #include "runtime/base/forks.hpp"
@@ -31,12 +34,26 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 pid_t (*const real_fork)() = next<pid_t()>("fork");
+using Spawn = int(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*, char* const*,
+                  char* const*);
+Spawn *const real_spawn = next<Spawn>("posix_spawn"), *const real_spawnp = next<Spawn>("posix_spawnp");
+FILE* (*const real_popen)(const char*, const char*) = next<FILE*(const char*, const char*)>("popen");
 using WithEnvironment = int(const char*, char* const*, char* const*);
 WithEnvironment* const real_execve = next<WithEnvironment>("execve");
 WithEnvironment* const real_execvpe = next<WithEnvironment>("execvpe");
 int (*const real_fexecve)(int, char* const*, char* const*) = next<int(int, char* const*, char* const*)>("fexecve");
 int (*const real_execveat)(int, const char*, char* const*, char* const*,
                            int) = next<int(int, const char*, char* const*, char* const*, int)>("execveat");
+
+int spawn_noted(Spawn* real, pid_t* child, const char* program, const posix_spawn_file_actions_t* files,
+                const posix_spawnattr_t* attributes, char* const* arguments, char* const* environment) {
+  pid_t started = 0;
+  const int error = real(&started, program, files, attributes, arguments, environment);
+  if (error) return error;
+  plumbline::runtime::ForkWatch::note(started);
+  if (child) *child = started;
+  return 0;
+}
 
 /// The arguments of an execl(), which end with a null pointer.
 struct Words {
@@ -67,6 +84,25 @@ PLUMBLINE_FOR_ALL pid_t fork() noexcept {
   const pid_t child = real_fork();
   plumbline::runtime::ForkWatch::note(child);
   return child;
+}
+
+PLUMBLINE_FOR_ALL int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* files,
+                                  const posix_spawnattr_t* attributes, char* const* arguments,
+                                  char* const* environment) {
+  return spawn_noted(real_spawn, child, path, files, attributes, arguments, environment);
+}
+
+PLUMBLINE_FOR_ALL int posix_spawnp(pid_t* child, const char* file, const posix_spawn_file_actions_t* files,
+                                   const posix_spawnattr_t* attributes, char* const* arguments,
+                                   char* const* environment) {
+  return spawn_noted(real_spawnp, child, file, files, attributes, arguments, environment);
+}
+
+PLUMBLINE_FOR_ALL FILE* popen(const char* command, const char* mode) {
+  const plumbline::runtime::NewChildren children;  // which one it is libc keeps to itself
+  FILE* const stream = real_popen(command, mode);
+  if (stream) children.note();
+  return stream;
 }
 
 PLUMBLINE_FOR_ALL int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),

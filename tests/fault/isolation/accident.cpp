@@ -2,6 +2,7 @@
 #include <fenv.h>
 #include <locale.h>
 #include <poll.h>
+#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -82,14 +83,31 @@ void leave_thread(const std::string& how) {
   if (how == "leave_pool") std::thread(pool).detach();
 }
 
+/// A program that goes on for half a minute, or one that it waits for.
+void start_program(const std::string& how) {
+  if (how == "popen") {
+    if (!popen("sleep 30", "r")) throw std::runtime_error("cannot start sleep");
+    return;
+  }
+  const bool waits = how == "spawn_and_wait";
+  std::string program = "sleep", seconds = waits ? "0.01" : "30";
+  char* const words[] = {program.data(), seconds.data(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, "sleep", nullptr, nullptr, words, environ)) throw std::runtime_error("cannot start sleep");
+  if (!waits) return;
+  waitpid(child, nullptr, 0);
+  if (FILE* const stream = popen("exit 3", "r"); !stream || WEXITSTATUS(pclose(stream)) != 3)
+    throw std::runtime_error("popen() and pclose() are not those of libc");
+}
+
 struct Accident : Node {
   static constexpr Info info{"accident.happens", "", 1, "Ends its process in the way that is asked for"};
   Optional<Number> in{"number", "passed on if nothing happens"};
   Param<std::string> how{
       "how", "not",
       one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw", "shout", "meet", "alone",
-             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "write_input", "leave_thread",
-             "leave_grandchild", "leave_pool", "leave_soon"),
+             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "spawn", "popen", "spawn_and_wait",
+             "write_input", "leave_thread", "leave_grandchild", "leave_pool", "leave_soon"),
       "what happens"};
   Param<std::string> place{"place", "", "folder to meet in"};
   Param<int> mebibytes{"mebibytes", 0, between(0, 4096), "memory to take first"};
@@ -132,6 +150,7 @@ struct Accident : Node {
       if (child == 0) return out.commit(number(-1));
       waitpid(child, nullptr, 0);
     }
+    if (how->rfind("spawn", 0) == 0 || *how == "popen") start_program(*how);
     if (how->rfind("leave_", 0) == 0) leave_thread(*how);
     if (*how == "write_input") {
       plumbline_bytes bytes{};

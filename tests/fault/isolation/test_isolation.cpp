@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include "isolated_run.hpp"
@@ -173,10 +174,20 @@ TEST_F(Isolation, MemoryIsAnnouncedToTheOneBudget) {
 
 /// A child that nobody waited for might write on, and one that returns would be the program twice, with the same record
 /// and the same outputs; in a process of its own no less than in the program.
-TEST_F(Isolation, WhatANodeForksEndsWithIt) {
+TEST_F(Isolation, WhatANodeStartsEndsWithIt) {
   for (const bool apart : {false, true}) {
-    run("  a: {use: accident.happens, with: {how: fork}}\n", apart);
-    EXPECT_TRUE(contains(node("a").error, "what it had forked went on (process ")) << apart << node("a").error;
+    for (const std::string how : {"fork", "spawn", "popen"}) {
+      run("  a: {use: accident.happens, with: {how: " + how + "}}\n", apart);
+      const std::string& error = node("a").error;
+      EXPECT_TRUE(contains(error, "a process that it had started went on (process ")) << how << apart << error;
+      const auto at = error.find("(process ");
+      if (at == std::string::npos) continue;
+      const int left = std::stoi(error.substr(at + std::strlen("(process ")));
+      EXPECT_FALSE(std::filesystem::exists("/proc/" + std::to_string(left))) << how << apart;
+    }
+    run("  a: {use: accident.happens, with: {how: spawn_and_wait, mebibytes: " + std::to_string(3 + apart) + "}}\n",
+        apart);
+    EXPECT_EQ(node("a").status, NodeStatus::executed) << apart << node("a").error;
     run("  a: {use: accident.happens, with: {how: fork_and_return, mebibytes: " + std::to_string(1 + apart) +
             "}}\n  b: {use: accident.happens, in: {number: a.number}}\n",
         apart);
