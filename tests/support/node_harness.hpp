@@ -97,6 +97,7 @@ class NodeHarness {
   void run() {
     outputs_.clear();
     error_.clear();
+    announced_ = 0;
     const plumbline_host host = make_host();
     if (kind_.node->run(&host, kind_.node)) throw NodeFailed(error_.empty() ? "(no message)" : error_);
     check_outputs();
@@ -156,6 +157,8 @@ class NodeHarness {
   }
   const std::vector<std::string>& warnings() const { return warnings_; }
   double metric(const std::string& name) const { return metrics_.at(name); }
+  /// Bytes of memory that the last run announced, also one that failed.
+  uint64_t announced() const { return announced_; }
 
  private:
   static NodeHarness& self(void* context) { return *static_cast<NodeHarness*>(context); }
@@ -212,7 +215,10 @@ class NodeHarness {
         return nullptr;
       }
     };
-    host.reserve_memory = [](void*, uint64_t) { return 0; };
+    host.reserve_memory = [](void* c, uint64_t bytes) {
+      self(c).announced_ += bytes;
+      return 0;
+    };
     return host;
   }
 
@@ -252,7 +258,7 @@ class NodeHarness {
   std::vector<std::string> warnings_;
   std::set<std::string> texts_;  // keeps what the host hands out as const char*
   std::string error_;
-  uint64_t seed_ = 1;
+  uint64_t seed_ = 1, announced_ = 0;
   std::unique_ptr<std::atomic<long>> asks_ = std::make_unique<std::atomic<long>>(0);  // by any thread
   long stop_after_ = std::numeric_limits<long>::max();
   std::unique_ptr<TemporaryFolder> folder_ = std::make_unique<TemporaryFolder>();

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <system_error>
 
 #include "artifacts/file.hpp"
 #include "artifacts/image_block.hpp"
@@ -12,6 +15,7 @@
 #include "photo/block/control_list.hpp"
 #include "photo/block/image_block_folder.hpp"
 #include "photo/block/photomodeler_files.hpp"
+#include "plumbline/folder_files.hpp"
 #include "plumbline/node.hpp"
 #include "target_block_artifacts.hpp"
 
@@ -28,6 +32,27 @@ inline void tell_left_out(const ReadBlock& read, Context& context) {
   for (const auto& warning : read.warnings) context.warn(warning);
 }
 
+/// Bytes of a file, or of all files of a folder that may belong to a block. 0 if it is not there: its reader says so.
+inline std::uint64_t bytes_of_blocks(const std::filesystem::path& place) {
+  std::error_code none;
+  if (const auto size = std::filesystem::file_size(place, none); !none) return size;
+  if (!std::filesystem::is_directory(place, none)) return 0;
+  std::uint64_t bytes = 0;
+  for (const std::string& file : list_files(place).files) {
+    const std::string end = std::filesystem::path(file).extension().string();
+    for (const char* of_blocks : {".txt", ".bal", ".phc", ".obc", ".eor", ".ior", ".scale"})
+      if (end == of_blocks) bytes += bytes_of_blocks(place / file);
+  }
+  return bytes;
+}
+
+/// The text of a block, its numbers and the artifact: 118 MB were taken for a file of 15 MB.
+inline void announce_reading(Context& context, const std::filesystem::path& place) {
+  constexpr std::uint64_t a_byte = 8, worth_announcing = 64'000'000;
+  if (const std::uint64_t bytes = a_byte * bytes_of_blocks(place); bytes > worth_announcing)
+    context.reserve_memory(bytes);
+}
+
 struct ReadAicon : Node {
   static constexpr Info info{"read.aicon", "", 1,
                              "Reads an AICON block: image and object coordinates, orientations, distances"};
@@ -36,6 +61,7 @@ struct ReadAicon : Node {
   Out<ImageBlock> block{"block", frame("frame=block"), "measurements with approximate values"};
 
   void run(Context& context) override {
+    announce_reading(context, folder->path);
     AiconBlock files = read_aicon_folder(folder->path);
     const ReadBlock read{std::move(files.block), files.measurements_read, std::move(files.left_out)};
     tell_left_out(read, context);
@@ -64,6 +90,7 @@ struct ReadPhotoModeler : Node {
   Out<ImageBlock> block{"block", frame("frame=block"), "measurements with approximate values"};
 
   void run(Context& context) override {
+    announce_reading(context, file->path);
     ReadBlock read = read_photomodeler_export(file->path, size_of_images(*image_size));
     if (!control->path.empty()) add_control(control->path, *check, read);
     drop_unusable(read);
@@ -84,6 +111,7 @@ struct ReadBal : Node {
   Out<ImageBlock> block{"block", frame("frame=block"), "measurements with approximate values"};
 
   void run(Context& context) override {
+    announce_reading(context, file->path);
     ReadBlock read = read_bal_file(file->path, *pixel_pitch);
     if (!control->path.empty()) add_control(control->path, *check, read);
     drop_unusable(read);
@@ -126,6 +154,7 @@ struct ReadImageBlock : Node {
   OutList<ImageTags> tags{"tags", "tags in the images: none, blocks of these programs have targets only"};
 
   void run(Context& context) override {
+    announce_reading(context, folder->path);
     const ReadBlock read = read_image_block(folder->path, *project, control->path, *check, size_of_images(*image_size));
     tell_left_out(read, context);
     block.commit(target_block_artifact(read));

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <Eigen/Eigenvalues>
+#include <array>
+#include <fstream>
 
 #include "artifacts/block.hpp"
 #include "artifacts/camera_artifact.hpp"
@@ -487,6 +489,29 @@ TEST(AdjustColmapNode, RefusesMeasuredTargetsInWords) {
   NodeHarness node("adjust.colmap");
   node.input<ImageBlock>("block", ImageBlockT());
   EXPECT_THAT(failure(node), HasSubstr("use adjust.schur or adjust.ceres"));
+}
+
+/// Said before anything is read, so that a file that is refused tells it as well: eight bytes for one.
+TEST(ReadBlockNodes, WhatReadingALargeFileTakesIsAnnounced) {
+  const auto announced = [](const char* kind, const char* parameter, const std::string& name, size_t bytes) {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / name;
+    std::ofstream(file) << std::string(bytes, '\n');
+    NodeHarness node(kind);
+    node.set(parameter, (std::string(parameter) == "file" ? file : folder.path()).string());
+    EXPECT_THROW(node.run(), NodeFailed) << kind;
+    return node.announced();
+  };
+  constexpr size_t large = 9'000'000;
+  const std::vector<std::array<const char*, 3>> readers = {{"read.bal", "file", "problem.bal"},
+                                                           {"read.photomodeler", "file", "a-pmexport.txt"},
+                                                           {"read.aicon", "folder", "block.phc"},
+                                                           {"read.image_block", "folder", "a-pmexport.txt"}};
+  for (const auto& [kind, parameter, name] : readers) {
+    EXPECT_EQ(announced(kind, parameter, name, large), 8 * large) << kind;
+    EXPECT_EQ(announced(kind, parameter, name, 1000), 0u) << kind << ": not worth waiting for";
+  }
+  EXPECT_EQ(announced("read.image_block", "folder", "photograph.jpg", large), 0u) << "is not read";
 }
 
 class ImageBlockNodes : public testing::TestWithParam<std::string> {};

@@ -118,5 +118,22 @@ TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
   EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
 }
 
+/// Before the page is made, so that a block that is not that of the measurements tells it as well.
+TEST(BlockPages, WhatThePageOfManyTargetsTakesIsAnnounced) {
+  const auto announced = [](size_t measurements) {
+    ImageBlockT measured;
+    measured.measurements.resize(measurements);
+    NodeHarness node("report.target_block");
+    BlockT block;
+    block.statistics = std::make_unique<StatisticsT>();
+    node.input<Block>("block", block);
+    node.input<ImageBlock>("measured", measured);
+    EXPECT_THROW(node.run(), test::NodeFailed);
+    return node.announced();
+  };
+  EXPECT_EQ(announced(25'000), 25'000u * 2600u);
+  EXPECT_EQ(announced(1000), 0u);
+}
+
 }  // namespace block_pages_test
 }  // namespace plumbline::report

@@ -130,5 +130,38 @@ TEST(SimulateSurveyNode, WhatCannotBePlantedIsRefusedInWords) {
   EXPECT_EQ(fault_of("swop S1 M1 M2").rfind("mistakes: found 'swop S1 M1 M2', expected one that begins with", 0), 0u);
 }
 
+/// 2.5 kB a sight were taken for 60 000; what takes less than 64 MB is not waited for.
+TEST(SimulateSurveyNode, AnnouncesWhatItTakes) {
+  const auto announced = [](int set_ups) {
+    PointsT markers;
+    survey::SurveyObservations planned;
+    for (int k = 0; k < 1000; ++k) {
+      auto point = std::make_unique<PointT>();
+      point->id = "M" + std::to_string(k), point->position = {0.1 * k, 20, 1};
+      markers.points.push_back(std::move(point));
+    }
+    for (int k = 0; k < set_ups; ++k) {
+      survey::Point station;
+      station.id = "S" + std::to_string(k), station.coordinates = Eigen::Vector3d(4 * k, 0, 1.5);
+      planned.points.push_back(station);
+      planned.set_ups.push_back({station.id, station.id, 0, {}});
+      for (int m = 0; m < 1000; ++m) {
+        survey::Observation sight;
+        sight.set_up = k, sight.from = station.id, sight.to = "M" + std::to_string(m);
+        planned.observations.push_back(sight);
+      }
+    }
+    NodeHarness node("simulate.survey");
+    node.input<Points>("markers", markers);
+    node.input<SurveyObservations>("set_ups", survey::to_artifact(planned));
+    node.run();
+    EXPECT_EQ(survey::from_artifact(node.output<SurveyObservations>("observations")).observations.size(),
+              3000u * static_cast<size_t>(set_ups));
+    return node.announced();
+  };
+  EXPECT_EQ(announced(25), 25'000u * 2700u);
+  EXPECT_EQ(announced(2), 0u);
+}
+
 }  // namespace test_simulate_node
 }  // namespace plumbline::test
