@@ -106,8 +106,12 @@ void EvaluateLengths::run(Context& context) {
   if (measured.empty()) throw std::runtime_error("no reference point with the role '" + *use + "' is in the model");
   context.metric("lengths", count, "1");
   if (count == 0) {  // one withheld at a time, as when each is left out once
-    context.warn("no two reference points with the role '" + *use +
-                 "' are in the model: there is no length to compare");
+    context.warn(measured.size() < 2 ? "no two reference points with the role '" + *use +
+                                           "' are in the model: there is no length to compare"
+                                     : "none of the lengths between the " + std::to_string(measured.size()) +
+                                           " reference points with the role '" + *use +
+                                           "' that are in the model is as long as shortest says: there is no length "
+                                           "to compare");
     return errors.commit(out);
   }
   context.metric("longest", longest, "m");

@@ -12,6 +12,7 @@
 
 #include "../bim/facing.hpp"
 #include "building/judgement/deviation.hpp"
+#include "record.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
 
@@ -143,6 +144,32 @@ TEST(StakeOut, BeginsWithTheAnchorThatThePageBeginsWith) {
   fail_by(0, 0.0065), fail_by(4, -0.0081);
   const std::string table = stake_out_csv(deviation);
   EXPECT_EQ(table.substr(0, table.find(';')), "F3C1");
+}
+
+/// All files of one building with everything in it: what is in them is recomputed in parts, and held here as a whole.
+TEST(MetricsFiles, AreTheRecordedOnes) {
+  Options options;
+  options.drift_on_control = true;
+  AccuracyT accuracy = evaluate_accuracy(everything(), options);
+  accuracy.adjustment = std::make_unique<AdjustmentSummaryT>();
+  accuracy.adjustment->datum = "control", accuracy.adjustment->weighting = "lambda", accuracy.adjustment->lambda = 1e4;
+  accuracy.adjustment->statistics = std::make_unique<StatisticsT>();
+  StatisticsT& statistics = *accuracy.adjustment->statistics;
+  statistics.observations = 120, statistics.unknowns = 40, statistics.degrees_of_freedom = 80;
+  statistics.sigma0 = 1.25;
+  accuracy.registration = std::make_unique<RegistrationSummaryT>();
+  accuracy.registration->statistics = std::make_unique<StatisticsT>(statistics);
+  accuracy.registration->down_weighted = 2,
+  accuracy.registration->residual_covariance = {1e-6, 2e-7, 3e-7, 4e-6, 5e-7, 9e-6};
+  accuracy.registration->residual_covariance_unbiased = {2e-6, 3e-7, 4e-7, 5e-6, 6e-7, 8e-6};
+  const DeviationT deviation = built();
+  const auto expect = [](const std::string& name, const std::string& text) {
+    plumbline::test::expect_recorded("unit/evaluate/recorded/" + name + ".txt", plumbline::test::with_few_digits(text));
+  };
+  expect("metrics_json", json::parse(metrics_json(accuracy, &deviation)).dump(1, ' '));
+  expect("metrics_csv", metrics_csv(accuracy, &deviation));
+  expect("junit", junit_xml(accuracy, &deviation));
+  expect("stake_out", stake_out_csv(deviation));
 }
 
 TEST(MetricsFiles, AnAxisWithoutToleranceIsNotCalledNotMeasured) {
