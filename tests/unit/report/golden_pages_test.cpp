@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <regex>
 
 #include "example.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -18,31 +17,8 @@
 namespace plumbline::report {
 namespace golden_pages_test {
 
-/// Numbers with a decimal point to five significant digits: what another compiler may round otherwise is not held.
-std::string with_few_digits(const std::string& text) {
-  static const std::regex number("-?\\d+\\.\\d+(?:e[-+]?\\d+)?");
-  std::string result;
-  size_t done = 0;
-  for (std::sregex_iterator at(text.begin(), text.end(), number); at != std::sregex_iterator(); ++at) {
-    const auto begin = static_cast<size_t>(at->position());
-    result += text.substr(done, begin - done) + plumbline::test::digits(std::stod(at->str()));
-    done = begin + static_cast<size_t>(at->length());
-  }
-  return result + text.substr(done);
-}
-
-/// A line an element, without scripts and styles.
-std::string elements_of(std::string html) {
-  for (const std::string tag : {"script", "style"})
-    for (std::size_t at = 0; (at = html.find("<" + tag, at)) != std::string::npos;)
-      html.erase(at, html.find("</" + tag + ">", at) + tag.size() + 3 - at);
-  html = std::regex_replace(html, std::regex("</[a-z0-9]+>"), "");
-  html = std::regex_replace(html, std::regex("<"), "\n<");
-  return with_few_digits(html) + "\n";
-}
-
 void expect_page(const std::string& name, const std::string& html) {
-  plumbline::test::expect_recorded("unit/report/pages/" + name + ".txt", elements_of(html));
+  plumbline::test::expect_recorded("unit/report/pages/" + name + ".txt", plumbline::test::elements_of(html));
 }
 
 TEST(GoldenPages, BuildingOfTwoFloors) {
