@@ -2,6 +2,7 @@
 // hung that would not hang right, was not measured or rests on a measurement in doubt.
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 #include "artifacts/design.hpp"
 #include "artifacts/deviation.hpp"
@@ -294,6 +295,45 @@ TEST_P(Planner, GivesTheSameBitsTwice) {
   NodeHarness a = prepared(Site(0.004)), b = prepared(Site(0.004));
   a.run(), b.run();
   for (const char* port : {"plan", "table", "words"}) EXPECT_EQ(a.output_bytes(port), b.output_bytes(port)) << port;
+}
+
+/// Which of them a parameter sets is seen by what it changes, and by what it leaves as it is.
+TEST_P(Planner, ErrorsThatAPlanTakesAreThoseOfTheirNames) {
+  const Site site(0.002, 0.0003, 3);
+  const auto uncertainty = [](const InstallationPlanT& plan, const std::string& quantity) {
+    double sum = 0;
+    for (const auto& length : plan.lengths)
+      if (length->quantity == quantity) sum += length->u;
+    return sum;
+  };
+  const InstallationPlanT before = planned(site);
+  ASSERT_GT(uncertainty(before, "gap"), 0);
+  ASSERT_GT(uncertainty(before, "step"), 0);
+  for (const auto& [parameter, of, not_of] :
+       {std::tuple("edge_sigma", "gap", "step"), std::tuple("face_sigma", "step", "gap")}) {
+    if (!prepared(site).has_parameter(parameter, "0.004")) continue;
+    const InstallationPlanT after = planned(site, {{parameter, "0.004"}});
+    EXPECT_GT(uncertainty(after, of), 2 * uncertainty(before, of)) << parameter;
+    EXPECT_EQ(uncertainty(after, not_of), uncertainty(before, not_of)) << parameter;
+  }
+  const InstallationPlanT told =
+      planned(site, {{"setting_sigma", "0.0007"}, {"station_sigma", "0.0011"}, {"guard_factor", "1.5"}});
+  EXPECT_EQ(told.setting_sigma, 0.0007);
+  EXPECT_EQ(told.station_sigma, 0.0011);
+  EXPECT_EQ(told.guard_factor, 1.5);
+  const std::vector<std::pair<std::string, std::string>> accidents = {
+      {"slip_share", "slip_sigma"}, {"knock_share", "knock_sigma"}, {"control_share", "control_sigma"}};
+  for (const auto& [share, own] : accidents) {
+    const auto p = [&, &share = share](const std::string& sigma, const char* size) {
+      return panel(planned(site, {{share, "0.1"}, {sigma, size}}), "P0").p_in;
+    };
+    if (!prepared(site).has_parameter(share, "0.1")) continue;
+    EXPECT_LT(p(own, "0.05"), p(own, "0.0001") - 0.03) << own;
+    for (const auto& [ignored, other] : accidents) {
+      if (other == own) continue;
+      EXPECT_EQ(p(other, "0.05"), p(other, "0.0001")) << other << " with " << share;
+    }
+  }
 }
 
 TEST_P(Planner, EveryParameterHasItsEffect) {

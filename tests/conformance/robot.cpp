@@ -2,6 +2,7 @@
 // report on each item once.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/file.hpp"
@@ -154,6 +155,76 @@ TEST_P(Robot, EveryParameterHasItsEffect) {
     };
   };
   EXPECT_EQ(parameters_at_fault({situation("", ""), situation("slip_share", "1")}), "");
+}
+
+// ---------------------------------------------------------------------------------- the models of robots that come
+// along
+
+/// Where b0, b1 and b2 go by one kind of robot without errors of its own but for those that are set, in one job.
+struct Done {
+  std::vector<Vector3d> moved;
+  ActualsT reports;
+  double faults = 0;
+  Done(const char* kind, const std::map<std::string, std::string>& settings, uint64_t seed = 1) {
+    NodeHarness node(kind);
+    node.input<File>("job", make_job()), node.input<Points>("truth", make_truth());
+    for (const char* none : {"repeatability", "station_sigma", "slip_share", "hand_sigma", "division"})
+      if (node.has_parameter(none, "0")) node.set(none, "0");
+    for (const auto& [name, value] : settings) node.set(name, value);
+    node.seed(seed), node.run();
+    const PointsT after = node.output<Points>("truth"), before = make_truth();
+    for (size_t i = 0; i < 3; ++i) moved.push_back(after.points[i]->position - before.points[i]->position);
+    reports = node.output<Actuals>("actuals"), faults = node.metric("faults");
+  }
+};
+
+void expect_moved(const Done& done, const Vector3d& b0, const Vector3d& b1, const std::string& how) {
+  EXPECT_LT((done.moved[0] - b0).norm(), 1e-12) << how << ": " << done.moved[0].transpose();
+  EXPECT_LT((done.moved[1] - b1).norm(), 1e-12) << how << ": " << done.moved[1].transpose();
+  EXPECT_EQ(done.moved[2], Vector3d(0, 0, 0)) << how;
+}
+
+/// In the frame of the site: asked are 4 mm up and 6 mm out of a facade that faces -y, and 3 mm to the left.
+TEST(SimulatedRobots, EachFaultIsThatOfItsName) {
+  const Vector3d b0(0, -0.006, 0.004), b1(-0.003, 0, 0), none(0, 0, 0), aside(0.008, 0, 0);
+  const auto with = [](const std::string& fault) { return Done("simulate.robots", {{fault, "1"}}); };
+  expect_moved(Done("simulate.robots", {}), b0, b1, "no fault");
+  EXPECT_EQ(Done("simulate.robots", {}).faults, 0);
+  expect_moved(with("did_nothing"), none, none, "did_nothing");
+  expect_moved(with("off_8mm"), b0 + aside, b1 + aside, "off_8mm");
+  expect_moved(with("wrong_side"), -b0, -b1, "wrong_side");
+  expect_moved(with("wrong_item"), none, b0, "wrong_item: b1 is set as b0 was to be, and nobody hangs on p0");
+  expect_moved(with("skipped"), none, none, "skipped");
+  expect_moved(with("old_revision"), b0, b1, "old_revision");
+  for (const char* fault : {"did_nothing", "skipped", "old_revision"}) EXPECT_EQ(with(fault).faults, 3) << fault;
+  for (const char* fault : {"off_8mm", "wrong_side", "wrong_item"}) EXPECT_EQ(with(fault).faults, 2) << fault;
+  for (const auto& report : with("skipped").reports.items) EXPECT_EQ(report->outcome, "skipped");
+  for (const auto& report : with("did_nothing").reports.items) EXPECT_EQ(report->outcome, "done") << "and says it was";
+  for (const auto& report : with("old_revision").reports.items) EXPECT_EQ(report->revision, 1);
+}
+
+/// Root mean square of what is off, each direction; a station's is common to all brackets of a floor.
+TEST(SimulatedRobots, ErrorsAreOfTheirSizeAndTheirKind) {
+  const Vector3d asked[] = {{0, -0.006, 0.004}, {-0.003, 0, 0}};
+  const auto rms = [&](const char* kind, const std::map<std::string, std::string>& settings) {
+    double own = 0, apart = 0;
+    for (uint64_t seed = 1; seed <= 100; ++seed) {
+      const Done done(kind, settings, seed);
+      const Vector3d first = done.moved[0] - asked[0], second = done.moved[1] - asked[1];
+      own += (first.squaredNorm() + second.squaredNorm()) / 600, apart += (first - second).squaredNorm() / 300;
+    }
+    return std::pair(std::sqrt(own), std::sqrt(apart));
+  };
+  const auto repeated = rms("simulate.robots", {{"repeatability", "0.001"}});
+  EXPECT_NEAR(repeated.first, 0.001, 0.00015);
+  EXPECT_NEAR(repeated.second, 0.001 * std::sqrt(2.0), 0.0002);
+  const auto station = rms("simulate.robots", {{"station_sigma", "0.001"}});
+  EXPECT_NEAR(station.first, 0.001, 0.0002);
+  EXPECT_LT(station.second, 1e-12) << "of one floor";
+  EXPECT_NEAR(rms("simulate.robots", {{"slip_share", "1"}, {"slip_sigma", "0.004"}}).first, 0.004, 0.0006);
+  EXPECT_NEAR(rms("simulate.fitters", {{"hand_sigma", "0.002"}}).first, 0.002, 0.0003);
+  const Done rounded("simulate.fitters", {{"division", "0.005"}});  // 4 and 6 mm are 5, 3 mm are 5
+  expect_moved(rounded, {0, -0.005, 0.005}, {-0.005, 0, 0}, "division");
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Robot);

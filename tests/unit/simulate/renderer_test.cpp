@@ -10,6 +10,7 @@
 #include "photo/detect/tag_detector.hpp"
 #include "photo/images/grey_image.hpp"
 #include "plate_raster.hpp"
+#include "record.hpp"
 
 namespace plumbline::simulate {
 namespace renderer_test {
@@ -288,6 +289,41 @@ TEST(Renderer, AScaffoldHidesTheTagsThatItsGeometrySays) {
     hidden += all.size() - free.size();
   }
   EXPECT_GE(hidden, 3u);
+}
+
+/// Means of squares of 100 pixels, and of the colours of each band, of a photograph with all that a photograph may
+/// have.
+TEST(Renderer, APhotographIsTheRecordedOne) {
+  BuildingOptions options{.floors = 2};
+  options.flaws = optics_of("real");
+  const Building b = make_building(options, 4);
+  const SimulatedCamera camera = small_camera(4);
+  const RigidTransform pose = plan_camera_stations(b, camera, {}, 4)[2].camera_from_building;
+  RenderOptions how;
+  how.haze = 0.1, how.light_gradient = 0.3, how.exposure = 0.9, how.perturbations = options.flaws, how.seed = 9;
+  const Renderer renderer(b, camera, pose, how, make_obstruction(b, {2.5, 1.2, 0.1}, 4));
+  const GreyImage image = render(renderer);
+  std::string text;
+  for (int top = 0; top < image.height; top += 100) {
+    for (int left = 0; left < image.width; left += 100) {
+      double sum = 0;
+      for (int y = top; y < top + 100; ++y)
+        for (int x = left; x < left + 100; ++x) sum += image.pixels[static_cast<std::size_t>(y) * image.width + x];
+      text += std::to_string(std::lround(sum / 10000)) + " ";
+    }
+    text += "\n";
+  }
+  Renderer::Band band;
+  const auto mean = [](const std::vector<std::uint8_t>& values) {
+    double sum = 0;
+    for (const std::uint8_t value : values) sum += value;
+    return std::to_string(std::lround(sum / static_cast<double>(values.size())));
+  };
+  for (int k = 0; k < renderer.bands(); k += 10) {
+    renderer.render(k, band);
+    text += "band " + std::to_string(k) + ": " + mean(band.blue) + " " + mean(band.red) + "\n";
+  }
+  test::expect_recorded("unit/simulate/recorded/photograph.txt", text);
 }
 
 TEST(Renderer, HazeLowersTheContrastAndLostPlatesAreGone) {

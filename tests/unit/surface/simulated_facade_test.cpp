@@ -1,0 +1,90 @@
+// simulate.facade: orientations err as their joint covariance says, and panels hang as far off as was asked.
+#include <cmath>
+
+#include "artifacts/camera.hpp"
+#include "artifacts/design.hpp"
+#include "artifacts/poses.hpp"
+#include "artifacts/surfaces.hpp"
+#include "geometry/packed_symmetric.hpp"
+#include "node_harness.hpp"
+
+namespace simulated_facade_test {
+
+using namespace plumbline;
+using namespace plumbline::test;
+
+using Settings = std::vector<std::pair<std::string, std::string>>;
+
+/// As few and as small photographs as there may be.
+NodeHarness site(const Settings& settings, std::uint64_t seed = 1) {
+  NodeHarness node("simulate.facade");
+  for (const auto& [name, value] : Settings{{"columns", "2"},
+                                            {"rows", "1"},
+                                            {"photographs", "2"},
+                                            {"width", "200"},
+                                            {"height", "200"},
+                                            {"panel_width", "0.5"},
+                                            {"panel_height", "0.4"}})
+    node.set(name, value);
+  for (const auto& [name, value] : settings) node.set(name, value);
+  node.seed(seed), node.run();
+  return node;
+}
+
+TEST(SimulatedFacade, OrientationsErrAsTheirJointCovarianceSays) {
+  const Settings errors = {{"rotation_sigma", "0.002"}, {"centre_sigma", "0.003"}, {"common_sigma", "0.008"}};
+  const PosesT exact =
+      site({{"rotation_sigma", "0"}, {"centre_sigma", "0"}, {"common_sigma", "0"}}).output<Poses>("poses");
+  constexpr int kTrials = 40;
+  double sum = 0, alone = 0;
+  for (int seed = 1; seed <= kTrials; ++seed) {
+    const PosesT poses = site(errors, static_cast<std::uint64_t>(seed)).output<Poses>("poses");
+    const Eigen::MatrixXd all = unpack_symmetric(poses.joint_covariance, 25, "test");  // two poses, one camera
+    Eigen::VectorXd off(12);
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index k = 0; k < 2; ++k) {
+      const RigidTransform& found = poses.poses[k]->cam_from_world;
+      const RigidTransform& truth = exact.poses[k]->cam_from_world;
+      const Eigen::AngleAxisd turn(found.rotation * truth.rotation.conjugate());
+      off.segment<3>(6 * k) = turn.angle() * turn.axis();
+      off.segment<3>(6 * k + 3) = found.translation - truth.translation;
+      for (Eigen::Index i = 0; i < 6; ++i) rows.push_back(8 * k + i);
+      const Eigen::MatrixXd own = unpack_symmetric(poses.poses[k]->covariance, 6, "test");
+      alone += off.segment<6>(6 * k).dot(own.ldlt().solve(off.segment<6>(6 * k)));
+    }
+    const Eigen::MatrixXd joint = all(rows, rows);
+    sum += off.dot(joint.ldlt().solve(off));
+  }
+  // Chi-square of 480 degrees of freedom over them: 99.9 %.
+  EXPECT_NEAR(sum / (12 * kTrials), 1, 0.21);
+  EXPECT_NEAR(alone / (12 * kTrials), 1, 0.3);
+}
+
+TEST(SimulatedFacade, PanelsHangAsFarOffAsWasAsked) {
+  // One of them alone is not none: the others' figures stay what they are.
+  const auto of = [](const Settings& settings) {
+    Settings all = {{"offset_sigma", "0"}, {"tilt_sigma", "0"}, {"bow_sigma", "0"},    {"place_sigma", "0"},
+                    {"columns", "20"},     {"rows", "10"},      {"panel_width", "0.5"}};
+    all.insert(all.end(), settings.begin(), settings.end());
+    const NodeHarness node = site(all);
+    const SurfacesT planted = node.output<Surfaces>("planted");
+    const DesignT design = node.output<Design>("design");
+    EXPECT_EQ(planted.panels.size(), 200u);
+    double offset = 0, tilt = 0, bow = 0, place = 0;
+    for (size_t i = 0; i < planted.panels.size(); ++i) {
+      const auto& panel = *planted.panels[i];
+      offset += panel.offset * panel.offset / 200;
+      tilt += panel.tilt.squaredNorm() / 400, bow += panel.form.head<2>().squaredNorm() / 400;
+      place += (panel.face->origin - design.elements[i]->position).squaredNorm() / 400;
+    }
+    return std::array{std::sqrt(offset), std::sqrt(tilt), std::sqrt(bow), std::sqrt(place)};
+  };
+  const std::array<const char*, 4> names = {"offset_sigma", "tilt_sigma", "bow_sigma", "place_sigma"};
+  for (size_t k = 0; k < 4; ++k) {
+    const auto found = of({{names[k], "0.002"}});
+    for (size_t other = 0; other < 4; ++other)
+      EXPECT_NEAR(found[other], other == k ? 0.002 : 0, other == k ? 0.0004 : 1e-9) << names[k] << " " << names[other];
+  }
+}
+
+}  // namespace simulated_facade_test
