@@ -1,6 +1,9 @@
 // plan.survey, survey.compare_epochs and survey.check_control as a host runs them, with survey.adjust before them.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "artifacts/file.hpp"
 #include "artifacts/plates.hpp"
@@ -10,7 +13,10 @@
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_plan.hpp"
+#include "geometry/statistics.hpp"
 #include "node_harness.hpp"
+#include "parameter_effects.hpp"
+#include "record.hpp"
 #include "simulated_network.hpp"
 
 namespace plumbline::test {
@@ -43,12 +49,13 @@ FileT file_of(const std::string& text) {
   return file;
 }
 
-NodeHarness planned(const std::string& layout) {
+NodeHarness planned(const std::string& layout, const std::map<std::string, std::string>& settings = {}) {
   NodeHarness reader("read.layout");
   reader.input<File>("file", file_of(layout));
   reader.run();
   NodeHarness plan("plan.survey");
   plan.set("profile", "total_station_1arcsec");
+  for (const auto& [name, value] : settings) plan.set(name, value);
   plan.input<Points>("markers", reader.output<Points>("markers"));
   plan.input<Plates>("plates", reader.output<Plates>("plates"));
   plan.input<SurveyObservations>("set_ups", reader.output<SurveyObservations>("set_ups"));
@@ -72,6 +79,68 @@ TEST(PlanNode, NamesTheBrokenRuleAndTheSightThatMendsIt) {
   EXPECT_EQ(plan.drifts.size(), 2u);
   ASSERT_EQ(node.warnings().size(), 1u);
   EXPECT_EQ(node.warnings()[0], "set-ups per marker: seen from fewer than 2 set-ups: F2-C3-R2");
+}
+
+/// Each limit with its rule and in the unit that the rule says.
+TEST(PlanNode, EachLimitIsThatOfItsRule) {
+  const auto rule = [](const std::string& name, const std::map<std::string, std::string>& settings) {
+    const auto plan = planned(kLayout, settings).output<SurveyPlan>("plan");
+    for (const auto& one : plan.rules)
+      if (one->name == name) return (one->holds ? "holds: " : "broken: ") + one->text;
+    return "no rule " + name;
+  };
+  const auto expect = [&](const std::string& name, const std::map<std::string, std::string>& settings,
+                          const std::string& begins, const std::string& says) {
+    const std::string found = rule(name, settings);
+    EXPECT_EQ(found.rfind(begins, 0), 0u) << found;
+    EXPECT_NE(found.find(says), std::string::npos) << found;
+  };
+  expect("set-ups per marker", {{"set_ups_per_marker", "1"}}, "holds", "at least 1 set-ups");
+  expect("set-ups per marker", {{"set_ups_per_marker", "3"}}, "broken", "fewer than 3 set-ups");
+  expect("shared markers, floors 1 and 2", {{"shared_markers", "5"}}, "holds", "wanted 5");
+  expect("shared markers, floors 1 and 2", {{"shared_markers", "7"}}, "broken", "wanted 7");
+  expect("markers per floor", {{"markers_per_floor", "7"}}, "broken", "wanted 7");
+  expect("marker spacing", {{"spacing", "2.6"}}, "broken", "2.6 m (± 0.5 m)");
+  expect("marker spacing", {{"spacing", "2.6"}, {"spacing_tolerance", "0.7"}}, "holds", "2.6 m (± 0.7 m)");
+  // S2 is to sight markers up to 16.5 m away, up to 33° from straight on, and up to 24° above itself.
+  expect("range and incidence", {}, "holds", "60 m, incidence 60 deg, elevation 50 deg");
+  expect("range and incidence", {{"largest_range", "15"}}, "broken", "15 m, incidence 60 deg, elevation 50 deg");
+  expect("range and incidence", {{"largest_incidence", "24"}}, "broken", "60 m, incidence 24 deg, elevation 50 deg");
+  expect("range and incidence", {{"steepest_sight", "18"}}, "broken", "60 m, incidence 60 deg, elevation 18 deg");
+  expect("height transfer, floor 1 to 2", {}, "holds", "wanted 1.00 mm");
+  expect("height transfer, floor 1 to 2", {{"tolerance", "0.0005"}}, "broken", "wanted 0.10 mm");
+}
+
+TEST(PlanNode, EveryParameterHasItsEffect) {
+  const Situation situation = [] {
+    NodeHarness node = planned(kLayout);
+    node.set("profile", "automatic");
+    return node;
+  };
+  EXPECT_EQ(parameters_at_fault({situation}), "");
+}
+
+/// By the coordinates of the layout, and precision by what the artifact has of the same thing elsewhere.
+TEST(PlanNode, WhatItSaysOfSightsAndPointsIsThatOfTheLayout) {
+  const auto plan = planned(kLayout).output<SurveyPlan>("plan");
+  std::map<std::string, const PointT*> point;
+  for (const auto& p : plan.points) point[p->id] = p.get();
+  for (const auto& sight : plan.sights) {
+    const Eigen::Vector3d way = point.at(sight->set_up)->position - point.at(sight->marker)->position;
+    EXPECT_NEAR(sight->length, way.norm(), 1e-9) << sight->set_up << sight->marker;
+    EXPECT_NEAR(sight->incidence, std::acos(-way.y() / way.norm()), 1e-9) << "plates face south";
+  }
+  for (const auto& ellipsoid : plan.ellipsoids)
+    EXPECT_NEAR(ellipsoid->semi_axes.squaredNorm(), point.at(ellipsoid->id)->sigma.squaredNorm(), 1e-12)
+        << ellipsoid->id;
+  const auto finer = planned(kLayout, {{"sets", "4"}}).output<SurveyPlan>("plan");
+  EXPECT_EQ(finer.sets, 4);
+  for (size_t i = 0; i < plan.transfers.size(); ++i) {
+    EXPECT_EQ(finer.transfers[i]->column, plan.transfers[i]->column);
+    EXPECT_LT(finer.transfers[i]->sigma, plan.transfers[i]->sigma) << "of four sets";
+    EXPECT_GT(finer.transfers[i]->sigma, 0.49 * plan.transfers[i]->sigma);
+  }
+  EXPECT_EQ(plan.profile, "total_station_1arcsec");
 }
 
 TEST(PlanNode, WithTheSightAddedEverythingHolds) {
@@ -198,6 +267,25 @@ TEST(CompareEpochsNode, NothingMovedIsCalledCongruentAsOftenAsAlphaSays) {
   EXPECT_LE(alarms, 21);  // and above
 }
 
+/// Whatever the sigma0 of the networks: one below 1 has redundancy like any other.
+TEST(CompareEpochsNode, VariancesAreThoseOfBothNetworks) {
+  int below = 0, above = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const Adjusted a = adjust(campaign(10 + seed)), b = adjust(campaign(20 + seed));
+    NodeHarness node = compared(a, b);
+    node.run();
+    const auto c = node.output<SurveyComparison>("comparison");
+    const double first = std::pow(a.points.statistics->sigma0, 2), second = std::pow(b.points.statistics->sigma0, 2);
+    const auto f = static_cast<double>(a.points.statistics->degrees_of_freedom);
+    ASSERT_EQ(a.points.statistics->degrees_of_freedom, b.points.statistics->degrees_of_freedom);
+    EXPECT_NEAR(c.variance_ratio, std::max(first / second, second / first), 1e-9) << seed;
+    EXPECT_NEAR(c.variance_critical, fisher_f_quantile(0.975, f, f), 1e-9) << seed;
+    for (const double variance : {first, second}) (variance < 1 ? below : above) += 1;
+  }
+  EXPECT_GT(below, 0);
+  EXPECT_GT(above, 0);
+}
+
 TEST(CompareEpochsNode, PointsAreChosenByPattern) {
   NodeHarness node = compared(adjust(campaign(1)), adjust(campaign(2)));
   node.set("points", "M0*\x1fS1");
@@ -205,6 +293,163 @@ TEST(CompareEpochsNode, PointsAreChosenByPattern) {
   EXPECT_EQ(node.output<SurveyComparison>("comparison").points.size(), 5u);
   node.set("points", "M00");
   EXPECT_THROW(node.run(), NodeFailed);
+}
+
+// ------------------------------------------------------------------------------------------------------------ series
+
+std::string text_in(const FileT& file) { return {file.content.begin(), file.content.end()}; }
+
+/// Rows of a table by the names of its first line.
+std::vector<std::map<std::string, std::string>> rows_in(const FileT& file) {
+  std::istringstream lines(text_in(file));
+  const auto cells = [](const std::string& line) {
+    std::vector<std::string> list(1);
+    for (const char c : line) c == ',' ? void(list.emplace_back()) : list.back().push_back(c);
+    return list;
+  };
+  std::string line;
+  std::getline(lines, line);
+  const auto names = cells(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(lines, line)) {
+    const auto values = cells(line);
+    EXPECT_EQ(values.size(), names.size()) << line;
+    for (size_t i = 0; i < std::min(names.size(), values.size()); ++i)
+      (i == 0 ? rows.emplace_back() : rows.back())[names[i]] = values[i];
+  }
+  return rows;
+}
+
+/// A number of the table as its heading says it, with so many digits behind the point; of none an empty cell.
+void expect_cell(const std::string& cell, const nlohmann::json& value, double factor, int digits) {
+  if (value.is_null()) {
+    EXPECT_EQ(cell, "");
+    return;
+  }
+  EXPECT_NEAR(std::stod(cell), factor * value.get<double>(), 0.5001 * std::pow(10, -digits)) << cell;
+  EXPECT_EQ(cell.size() - cell.find('.') - 1, static_cast<size_t>(digits)) << cell;
+}
+
+class EpochSeriesNodes : public testing::Test {
+ protected:
+  /// Three epochs in which M12 goes on by 2 mm east, 1 mm south and 4 mm up a month.
+  EpochSeriesNodes() : node_("survey.epoch_series") {
+    for (int k = 0; k < 3; ++k)
+      node_.input<SurveyObservations>(
+          "epochs", survey::to_artifact(campaign(40 + static_cast<std::uint64_t>(k), "M12", k * by_)));
+    node_.set("days",
+              "0\x1f"
+              "30\x1f"
+              "60");
+    node_.set("warning_level", "0.003");
+    node_.set("alarm_level", "0.2");
+    node_.run();
+    json_ = nlohmann::json::parse(text_in(node_.output<File>("series")));
+  }
+  const nlohmann::json& point(const std::string& id) const {
+    for (const auto& p : json_["points"])
+      if (p["id"] == id) return p;
+    throw std::out_of_range(id);
+  }
+
+  const Eigen::Vector3d by_{0.002, -0.001, 0.004};
+  NodeHarness node_;
+  nlohmann::json json_;
+};
+
+TEST_F(EpochSeriesNodes, ThePlantedMovementIsTheRecords) {
+  EXPECT_EQ(json_["unit_of_time"], "day");
+  const auto& m12 = point("M12");
+  EXPECT_EQ(m12["stable"], false);
+  EXPECT_EQ(m12["moves"], true);
+  ASSERT_EQ(m12["movements"].size(), 2u);
+  // A frame without coordinates may be turned against that of the markers: in height and in length alone.
+  for (const auto& at : m12["movements"]) {
+    const int k = at["epoch"];
+    EXPECT_NEAR(at["movement"][2].get<double>(), k * by_.z(), 4 * at["sigma"][2].get<double>()) << k;
+    EXPECT_NEAR(std::hypot(at["movement"][0].get<double>(), at["movement"][1].get<double>()), k * by_.head<2>().norm(),
+                4 * std::hypot(at["sigma"][0].get<double>(), at["sigma"][1].get<double>()))
+        << k;
+    EXPECT_NEAR(at["critical"].get<double>(), chi_squared_quantile(0.999, 3), 1e-6) << "no variance is estimated";
+    EXPECT_EQ(at["moved"], at["statistic"].get<double>() > at["critical"].get<double>());
+    EXPECT_NE(at["warning"], "below");
+    EXPECT_EQ(at["alarm"], "below");
+  }
+  EXPECT_NEAR(m12["velocity"][2].get<double>(), by_.z() / 30, 4 * m12["velocity_sigma"][2].get<double>());
+  EXPECT_GT(m12["velocity_statistic"].get<double>(), m12["velocity_critical"].get<double>());
+  EXPECT_EQ(point("M21")["moves"], false);
+  const auto& stable = json_["stable"];
+  EXPECT_EQ(std::count(stable.begin(), stable.end(), "M12"), 0);
+  EXPECT_EQ(std::count(stable.begin(), stable.end(), "M21"), 1);
+  for (const char* station : {"S1", "S2"}) EXPECT_THROW(point(station), std::out_of_range) << "no mark";
+  EXPECT_EQ(node_.metric("points_told"), 1);
+  EXPECT_EQ(node_.metric("alarms"), 0);
+}
+
+/// Page and verdict, element by element: what is on them is in the record, which the other tests look at.
+TEST_F(EpochSeriesNodes, PageAndVerdictAreTheRecordedOnes) {
+  expect_recorded("unit/survey/records/series.txt", with_few_digits(text_in(node_.output<File>("verdict"))) +
+                                                        elements_of(text_in(node_.output<File>("page"))));
+}
+
+TEST_F(EpochSeriesNodes, TheTableHasTheFiguresOfTheRecord) {
+  const auto rows = rows_in(node_.output<File>("table"));
+  const auto& epochs = json_["epochs"];
+  size_t row = 0;
+  for (const auto& p : json_["points"])
+    for (const auto& at : p["movements"]) {
+      ASSERT_LT(row, rows.size());
+      const auto& cells = rows[row++];
+      const auto& epoch = epochs[at["epoch"].get<size_t>()];
+      EXPECT_EQ(cells.at("point"), p["id"]);
+      EXPECT_EQ(cells.at("epoch"), epoch["name"]);
+      expect_cell(cells.at("time [day]"), epoch["time"], 1, 3);
+      for (size_t k = 0; k < 3; ++k) {
+        const std::string axis(1, "ENH"[k]);
+        expect_cell(cells.at("d" + axis + " [mm]"), at["movement"][k], 1000, 3);
+        expect_cell(cells.at("s" + axis + " [mm]"), at["sigma"][k], 1000, 3);
+        EXPECT_EQ(cells.at(axis + " since"), epochs[p["reference_epochs"][k].get<size_t>()]["name"]);
+      }
+      expect_cell(cells.at("statistic"), at["statistic"], 1, 2);
+      expect_cell(cells.at("critical"), at["critical"], 1, 2);
+      EXPECT_EQ(cells.at("moved"), at["moved"].get<bool>() ? "yes" : "no");
+      EXPECT_EQ(cells.at("warning"), at["warning"]);
+      EXPECT_EQ(cells.at("alarm"), at["alarm"]);
+    }
+  EXPECT_EQ(row, rows.size());
+  EXPECT_EQ(rows.size(), 24u) << "twelve markers, two movements each";
+}
+
+TEST(CompareEpochsNode, EveryParameterHasItsEffect) {
+  const Adjusted first = adjust(campaign(1)), second = adjust(campaign(2, "M12", {0, 0, 0.002}));
+  const auto situation = [&](bool held) -> Situation {
+    return [&, held] {
+      NodeHarness node = compared(first, second);
+      if (held) node.set("points", "M0*");
+      return node;
+    };
+  };
+  EXPECT_EQ(parameters_at_fault({situation(false), situation(true)}), "");
+}
+
+TEST(EpochSeriesNode, EveryParameterHasItsEffect) {
+  const auto situation = [](const std::string& days) -> Situation {
+    return [=] {
+      NodeHarness node("survey.epoch_series");
+      for (std::uint64_t k = 0; k < 3; ++k)
+        node.input<SurveyObservations>(
+            "epochs",
+            survey::to_artifact(campaign(40 + k, "M12", static_cast<double>(k) * Eigen::Vector3d(0, 0, 0.0006))));
+      node.set("days", days);
+      return node;
+    };
+  };
+  // Of networks without a map and without known points: what brings either about changes nothing.
+  EXPECT_EQ(parameters_at_fault({situation("0\x1f"
+                                           "30\x1f"
+                                           "60")},
+                                {"geoid_height", "datum"}),
+            "");
 }
 
 // ------------------------------------------------------------------------------------------------------------ control
@@ -241,6 +486,25 @@ TEST(CheckControlNode, WarnsOfTheBadPointBeforeItBendsTheNetwork) {
   EXPECT_FALSE(check.congruent);
   ASSERT_EQ(bad.warnings().size(), 1u);
   EXPECT_EQ(bad.warnings()[0].find("control point M03 does not fit the observations"), 0u) << bad.warnings()[0];
+}
+
+TEST(CheckControlNode, EveryParameterHasItsEffect) {
+  const auto n = survey::test::simulate({}, 5);
+  PointsT control = control_of(n, 6);
+  control.points[1]->position.x() += 0.0015;
+  survey::SurveyObservations unweighted = n.survey;
+  for (auto& o : unweighted.observations) o.sigma = survey::kNotGiven;
+  unweighted.observations[5].value += 0.05;
+  const auto situation = [&](const survey::SurveyObservations& of) -> Situation {
+    return [&, of] {
+      NodeHarness node("survey.check_control");
+      node.input<SurveyObservations>("observations", survey::to_artifact(of));
+      node.input<Points>("control", control);
+      return node;
+    };
+  };
+  // One file, in a plane: no stations of several, and nothing that a map would change.
+  EXPECT_EQ(parameters_at_fault({situation(n.survey), situation(unweighted)}, {"geoid_height", "same_stations"}), "");
 }
 
 TEST(CheckControlNode, WithoutControlItSaysSoAndGoesOn) {

@@ -1,8 +1,10 @@
 // survey.tables: coordinates and relative precision as a spreadsheet gets them.
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstring>
 #include <map>
 #include <numbers>
+#include <set>
 #include <sstream>
 
 #include "artifacts/file.hpp"
@@ -326,6 +328,91 @@ TEST_F(Tables, ABriefResultKeepsWhatIsToBeSaid) {
   EXPECT_EQ(rows[0].at("unit"), o.kind == "slope_distance" ? "m" : "gon");
   EXPECT_NEAR(std::stod(rows[0].at("value")), o.value * (o.kind == "slope_distance" ? 1 : 200 / std::numbers::pi),
               1e-5);
+}
+
+/// A cell of millimetres, gon or numbers without unit, as it is rounded.
+void expect_rounded(const std::map<std::string, std::string>& row, const std::string& name, double value, int digits) {
+  EXPECT_NEAR(std::stod(row.at(name)), value, 0.51 * std::pow(10, -digits)) << name;
+}
+
+/// Semi-axes and azimuth by the eigenvectors of the plan's covariance, in place of the formula of the library.
+void expect_ellipse(const std::map<std::string, std::string>& row, const Eigen::Matrix3d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> plan(covariance.topLeftCorner<2, 2>());
+  const double factor = 1e3 * std::sqrt(-2 * std::log(0.05));  // chi-square of two degrees of freedom, 95 %
+  expect_rounded(row, "plan_major_95_mm", factor * std::sqrt(plan.eigenvalues()[1]), 3);
+  expect_rounded(row, "plan_minor_95_mm", factor * std::sqrt(plan.eigenvalues()[0]), 3);
+  expect_rounded(row, "height_95_mm", 1959.964 * std::sqrt(covariance(2, 2)), 3);
+  const double turned = std::stod(row.at("azimuth_major_gon")) * std::numbers::pi / 200;
+  const Eigen::Vector2d axis(std::sin(turned), std::cos(turned));
+  EXPECT_NEAR(std::abs(axis.dot(plan.eigenvectors().col(1))), 1, 1e-4) << "clockwise from north";
+}
+
+TEST_F(Tables, EveryCellIsTheFigureOfItsHeading) {
+  auto node = tables();
+  node.run();
+  const Eigen::MatrixXd all = unpack_symmetric(points_.covariance, 3 * points_.points.size(), "test");
+  const auto block = [&](size_t a, size_t b) -> Eigen::Matrix3d {
+    return all.block<3, 3>(3 * static_cast<Eigen::Index>(a), 3 * static_cast<Eigen::Index>(b));
+  };
+  const std::vector<std::string> axes = {"east", "north", "height"};
+  const std::set<std::string> datum(network_.datum_points.begin(), network_.datum_points.end());
+  for (const auto& row : rows_of(node.output<File>("coordinates"))) {
+    const size_t i = index(row.at("point"));
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      expect_rounded(row, axes[static_cast<size_t>(k)] + "_m", points_.points[i]->position[k], 5);
+      expect_rounded(row, "sigma_" + axes[static_cast<size_t>(k)] + "_mm", 1e3 * std::sqrt(block(i, i)(k, k)), 3);
+    }
+    EXPECT_EQ(row.at("datum"), datum.contains(row.at("point")) ? "yes" : "no");
+    expect_ellipse(row, block(i, i));
+  }
+  for (const auto& row : rows_of(node.output<File>("relative"))) {
+    const size_t a = index(row.at("from")), b = index(row.at("to"));
+    const Eigen::Vector3d way = points_.points[b]->position - points_.points[a]->position;
+    const Eigen::Matrix3d of = block(a, a) + block(b, b) - block(a, b) - block(b, a);
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      expect_rounded(row, "d_" + axes[static_cast<size_t>(k)] + "_m", way[k], 5);
+      expect_rounded(row, "sigma_d_" + axes[static_cast<size_t>(k)] + "_mm", 1e3 * std::sqrt(of(k, k)), 3);
+      for (Eigen::Index j = k; j < 3; ++j)
+        expect_rounded(row, std::string("cov_") + "enh"[k] + "enh"[j] + "_mm2", 1e6 * of(k, j), 6);
+    }
+    expect_rounded(row, "distance_m", way.norm(), 5);
+    expect_rounded(row, "sigma_distance_mm", 1e3 * std::sqrt(way.dot(of * way)) / way.norm(), 3);
+    expect_ellipse(row, of);
+  }
+}
+
+/// Of readings angles are in gon and lengths in metres, and what is small a thousandth of it.
+TEST_F(Tables, EveryReadingHasItsFiguresInItsUnit) {
+  network_.observations[5]->removed = network_.observations[8]->flagged = true;
+  network_.observations[3]->control = "none", network_.observations[3]->detail = "face 2";
+  auto node = tables();
+  node.run();
+  const Rows rows = rows_of(node.output<File>("observations"));
+  ASSERT_EQ(rows.size(), network_.observations.size());
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const auto& o = *network_.observations[i];
+    const auto& row = rows[i];
+    const bool length = o.kind == "slope_distance";
+    const double unit = length ? 1 : 200 / std::numbers::pi;
+    EXPECT_EQ(row.at("unit"), length ? "m" : "gon");
+    for (const auto& [name, text] : {std::pair("kind", o.kind),
+                                     {"set_up", o.set_up},
+                                     {"from", o.from},
+                                     {"to", o.to},
+                                     {"detail", o.detail},
+                                     {"effect_on", o.external_point},
+                                     {"control", o.control}})
+      EXPECT_EQ(row.at(name), text) << name;
+    EXPECT_EQ(row.at("flag"), o.removed ? "removed" : o.flagged ? "suspect" : "");
+    expect_rounded(row, "value", unit * o.value, 5);
+    expect_rounded(row, "residual_milli", 1e3 * unit * o.residual, 3);
+    expect_rounded(row, "sigma_milli", 1e3 * unit * o.sigma, 3);
+    expect_rounded(row, "redundancy_number", o.redundancy_number, 3);
+    expect_rounded(row, "w", o.w, 2);
+    expect_rounded(row, "mdb_milli", 1e3 * unit * o.mdb, 3);
+    expect_rounded(row, "effect_mm", 1e3 * o.external_effect, 3);
+    expect_rounded(row, "line", o.line, 0);
+  }
 }
 
 }  // namespace test_tables
