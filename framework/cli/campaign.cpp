@@ -62,13 +62,12 @@ void print(const fs::path& file) {
     std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
 }
 
-/// The pipeline that a summary of init_campaign names as the one the folder is whole for; none: "".
-std::string runs_as_it_is(const fs::path& summary) {
-  const std::string command = ": plumbline run ";
-  std::ifstream stream(summary);
-  for (std::string line; std::getline(stream, line);)
-    if (const size_t at = line.find(command); at != std::string::npos) return line.substr(at + command.size());
-  return {};
+/// What the pipeline `init_campaign` or `check_campaign` names as the one that takes the folder; none: "".
+std::string named_pipeline(const fs::path& outputs) {
+  std::ifstream stream(outputs / "pipeline.txt");
+  std::string name;
+  std::getline(stream, name);
+  return name;
 }
 
 }  // namespace
@@ -88,7 +87,7 @@ int campaign_init(const Options& options) {
                              "; check the rights on the folder, or work on a copy of it");
   print(scratch.path() / "summary.txt");
   const bool german = is_german(options);
-  const std::string whole = runs_as_it_is(scratch.path() / "summary.txt");
+  const std::string whole = named_pipeline(scratch.path());
   std::printf(german ? "%s ist geschrieben.\n" : "%s is written.\n", target.c_str());
   if (!whole.empty())
     std::printf(german ? "Damit läuft schon: plumbline run %s folder=%s language=de\n"
@@ -108,14 +107,9 @@ int campaign_check(const Options& options) {
   const int code = ask("check_campaign", options, scratch.path());
   if (code != 0) return code;
   print(scratch.path() / "summary.txt");
-  std::ifstream stream(scratch.path() / "summary.txt");
-  bool measured_already = false;  // tags, by another program
-  for (std::string line; std::getline(stream, line);)
-    measured_already = measured_already || line.starts_with("  observations: ");
   const bool german = is_german(options);
   std::printf("%s: plumbline run %s folder=%s%s\n", german ? "Als Nächstes" : "Next",
-              measured_already ? "site_observations" : "site_campaign", options.name.c_str(),
-              german ? " language=de" : "");
+              named_pipeline(scratch.path()).c_str(), options.name.c_str(), german ? " language=de" : "");
   return 0;
 }
 

@@ -11,8 +11,9 @@
 
 namespace plumbline::ifc {
 
-/// "the survey", "the image block".
+/// "the survey", "the image block", "where the whole stands".
 inline const char* name_of(MeasurementPart part) {
+  if (part == MeasurementPart::datum) return "where the whole stands";
   return part == MeasurementPart::survey ? "the survey" : "the image block";
 }
 
@@ -20,7 +21,10 @@ inline const char* name_of(MeasurementPart part) {
 /// what to run again with, as a sentence.
 inline std::string in_words(const MeasurementDoubtT& doubt) {
   std::string text = std::string(name_of(doubt.part)) + ": " + doubt.reason;
-  if (doubt.grade == DoubtGrade::doubt) return text;
+  if (doubt.grade == DoubtGrade::doubt) {
+    if (!doubt.mend.empty()) text += "; to decide it, run again with \"" + doubt.mend + "\" (" + doubt.mend_note + ")";
+    return text;
+  }
   text += fmt::format("; all standard deviations are {:.3g} times as large for it.", doubt.factor);
   if (doubt.mend.empty()) return text;
   text += " To mend it, run again with \"" + doubt.mend + "\"";

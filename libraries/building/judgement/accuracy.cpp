@@ -307,8 +307,11 @@ void warn_of_evidence(Evaluation& evaluation) {
   }
   if (evaluation.inputs.model_is_survey)
     evaluation.warn(
-        "The anchors were measured by total station alone: nothing here is evidence of its accuracy but the network's "
-        "own redundancy. Measure some anchors again from other set-ups, or in photographs.");
+        evaluation.inputs.of_photographs
+            ? "The anchors were measured in photographs alone: nothing here is evidence of their accuracy but the "
+              "block's own redundancy. Measure some anchors with a total station."
+            : "The anchors were measured by total station alone: nothing here is evidence of its accuracy but the "
+              "network's own redundancy. Measure some anchors again from other set-ups, or in photographs.");
   else if (!evidence)
     evaluation.warn(
         "No check anchor was evaluated: nothing here is evidence of accuracy. Withhold some anchors from the "
@@ -339,7 +342,9 @@ AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
   result.anchors_needed = anchors_needed(0.95, options.confidence);
   add_anchor_rows(evaluation);
   if (inputs.model_is_survey) {
-    result.correlation_note = "The anchors were measured by total station alone: there is no second measurement.";
+    result.correlation_note = inputs.of_photographs
+                                  ? "The anchors were measured in photographs alone: there is no second measurement."
+                                  : "The anchors were measured by total station alone: there is no second measurement.";
   } else {
     const DifferenceSet survey = against_survey(evaluation);
     // What is joint of all points is large, and is not asked again.

@@ -52,6 +52,7 @@ struct Inputs {
   PointSet survey;
   /// Measured by total station alone: the model is the survey, `survey` is empty, and nothing is compared with it.
   bool model_is_survey = false;
+  bool of_photographs = false;    ///< with model_is_survey: not a total station but photographs alone measured it
   std::optional<PointSet> truth;  ///< simulation only; taken as exact whatever its covariance
   /// The truth is of anchors, model and survey are of plates: standard deviation of a plate's place on its anchor, on
   /// each axis [m].

@@ -1,5 +1,7 @@
 #include "building/judgement/trust.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -61,6 +63,26 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     take_misfit(std::move(misfit), std::max(1.0, test->variance_factor()), trust);
   }
   return trust;
+}
+
+std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_survey) {
+  if (!design_from_survey.fitted_to_design() || std::isfinite(design_from_survey.datum_sigma())) return std::nullopt;
+  MeasurementDoubtT doubt = finding(MeasurementPart::datum, DoubtGrade::doubt,
+                                    "the measurement was " + text_of(design_from_survey.origin()) +
+                                        "; these are to be judged, and a shift or turn of all of them together cannot "
+                                        "be seen");
+  doubt.mend = "frames.with.datum_sigma=0.005";
+  doubt.mend_note =
+      "m, how well other measurements show that the whole stands as designed; 0: by agreement about the best fit";
+  return doubt;
+}
+
+std::string about_best_fit(const Transform& design_from_survey) {
+  if (!design_from_survey.fitted_to_design() || !std::isfinite(design_from_survey.datum_sigma())) return "";
+  return fmt::format(
+      "Judged about the best fit of the anchors: that the whole stands as designed is taken as known to {:.1f} mm "
+      "(datum_sigma), nothing here measures it.",
+      1e3 * design_from_survey.datum_sigma());
 }
 
 }  // namespace plumbline::judgement

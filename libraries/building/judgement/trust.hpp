@@ -1,11 +1,14 @@
 // Whether the measurement behind a judgement stands: one law for anchors, panels and surfaces.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/survey_network.hpp"
+#include "artifacts/transform.hpp"
 
 namespace plumbline::judgement {
 
@@ -20,5 +23,13 @@ struct Trust {
 /// What fails a test that says so proves nothing (a doubt); what fits less well than it should is less certain, by what
 /// its residuals say (a misfit). Null: there is none to ask.
 Trust trust_of(const Block* block, const SurveyNetwork* network);
+
+/// Of what brought the measurement to the design: fitted to the anchors themselves it shows where they stand to each
+/// other, not where the whole stands. A doubt, unless somebody said how well that is known by other means; then, and
+/// for a transform that comes from elsewhere, nothing.
+std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_survey);
+
+/// What a reader must know where somebody said it, as a sentence; else empty.
+std::string about_best_fit(const Transform& design_from_survey);
 
 }  // namespace plumbline::judgement

@@ -99,7 +99,8 @@ struct EvaluateAccuracy : Node {
       "correlation", "from_control", one_of("from_control", "independent", "same"),
       "from_control: the model was adjusted to this survey's control anchors with their covariance, "
       "(5); also right for (6) where the image block is much more precise than the survey. same: the model is this "
-      "survey, of anchors that were measured by total station alone, and nothing is compared"};
+      "survey, of anchors that were measured by total station alone (or, with a block, in photographs alone), and "
+      "nothing is compared"};
   Param<double> mounting_sigma{
       "mounting_sigma", 0.0, "m", between(0, 0.1),
       "of a plate's place on its anchor, each axis: part of what is expected against the truth, "
@@ -125,7 +126,7 @@ struct EvaluateAccuracy : Node {
     for (const auto& plate : listed.plates)
       if (plate->role == "tie") inputs.ties.push_back(plate->anchor);
     inputs.model = point_set(*model, "model");
-    inputs.model_is_survey = *correlation == "same";
+    inputs.model_is_survey = *correlation == "same", inputs.of_photographs = static_cast<bool>(block);
     if (!inputs.model_is_survey) inputs.survey = point_set(*survey, "survey");
     inputs.mounting_sigma = *mounting_sigma;
     if (truth) inputs.truth = point_set(*truth, "truth");

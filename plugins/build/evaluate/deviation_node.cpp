@@ -26,6 +26,11 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model = point_set(*model, "model");
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
+  std::string about_fit;
+  if (frames) {
+    if (auto doubt = judgement::doubt_of_datum(*frames)) inputs.doubts.push_back(*std::move(doubt));
+    about_fit = judgement::about_best_fit(*frames);
+  }
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
     inputs.model.covariance = {};
@@ -34,6 +39,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model.covariance *= inputs.misfit_factor;
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
+  if (!about_fit.empty()) result.warnings.push_back(about_fit);
   if (surface_judgement)
     judgement::take_surfaces(surface_judgement.unpack(), result, judgement::panel_storeys(design.unpack()));
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));
@@ -50,8 +56,10 @@ void EvaluateDeviation::run(Context& context) {
   deviation.commit(result);
   FileT file;
   file.name = "stake_out.csv", file.media_type = "text/csv";
+  // What leans in space, a block of photographs alone, is no frame that an instrument sets out in.
+  const bool has_frame = frames && !(frames->fitted_to_design() && !frames->plan_only());
   const std::string text =
-      stake_out_csv(result, frames ? frame_link(frames.unpack(), "building", "survey") : FrameLink());
+      stake_out_csv(result, has_frame ? frame_link(frames.unpack(), "building", "survey") : FrameLink());
   file.content.assign(text.begin(), text.end());
   stake_out.commit(file);
 }

@@ -12,13 +12,18 @@
 #include "artifacts/frame_artifact.hpp"
 #include "building/ifc/georeference.hpp"
 #include "geometry/geodesy/map_projection.hpp"
+#include "geometry/median.hpp"
 #include "geometry/packed_symmetric.hpp"
+#include "place/frames/fitted_frame.hpp"
 
 namespace plumbline::frames {
 namespace {
 
 using ifc::CommonPoints;
 using ifc::PlanTransform;
+
+/// Beyond this the survey is in another frame, not badly built [m].
+constexpr double kFarthest = 1;
 
 CommonPoints common_points(const PointsT& survey, const PointsT& design) {
   std::map<std::string, const PointT*> known;
@@ -41,7 +46,9 @@ std::vector<ifc::Reading> readings(const DesignT& design) {
                           design.length_unit);
 }
 
-/// What is applied: survey_from_design, the covariance of (angle, translation), and where it comes from.
+bool is_fitted(const std::string& how) { return how == "fitted" || how == "fitted_in_space"; }
+
+/// What is applied, from what was given: survey_from_design and the covariance of (angle, translation).
 struct Choice {
   PlanTransform transform;
   Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();
@@ -168,7 +175,7 @@ void check_design_scale(const CommonPoints& common, const PlanTransform& transfo
                         const std::string& how, Context& context) {
   constexpr double kHeights = 30e-6;  // what a height above another surface may change
   const auto drawn = scale_of_map(design);
-  if (!drawn || how == "same" || how == "fitted" || how == "given") return;
+  if (!drawn || how == "same" || how == "given") return;
   const double missing = *drawn / transform.scale;
   const std::string& map = design.map_conversion->crs_name;
   if (std::abs(missing - 1) < kHeights) {
@@ -199,23 +206,57 @@ void check_design_scale(const CommonPoints& common, const PlanTransform& transfo
       design.file_name, transform.scale, map, *drawn, *drawn));
 }
 
+/// Median distance of the anchors from their design [m]; nan without any.
+double misfit_of(const CommonPoints& common, const FrameLink& link) {
+  std::vector<double> distances;
+  for (std::size_t i = 0; i < common.ids.size(); ++i)
+    distances.push_back((link.apply(common.survey[i]) - common.design[i]).norm());
+  return median(distances);
+}
+
 }  // namespace
 
 void ToBuilding::run(Context& context) {
   const PointsT survey = points.unpack();
   const DesignT read = design.unpack();
   const CommonPoints common = common_points(survey, designed.unpack());
+  if (std::isfinite(*datum_sigma) && !is_fitted(*use))
+    throw std::runtime_error("parameter 'datum_sigma' is for use=fitted and use=fitted_in_space; with use=" + *use +
+                             " what is known of the frame is in its own numbers");
+  const FrameLink link = is_fitted(*use) ? fitted(common, context) : told(common, read, context);
+  if (common.ids.empty())
+    context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
+  else
+    context.metric("misfit_of_survey_and_design", misfit_of(common, link), "m");
+  building.commit(moved(survey, link));
+  PlatesT turned = plates.unpack();
+  for (auto& plate : turned.plates)
+    plate->nominal_rotation = (link.to_from_from.rotation * plate->nominal_rotation).normalized();
+  building_plates.commit(turned);
+  TransformT applied = transform_artifact(link);
+  applied.fitted_to_design = is_fitted(*use), applied.datum_sigma = *datum_sigma;
+  transform.commit(applied);
+}
+
+/// The anchors themselves, which are to be judged: evaluate.deviation is told by `transform`.
+FrameLink ToBuilding::fitted(const CommonPoints& common, Context& context) const {
+  FrameLink link = fit_frame(common, *use == "fitted" ? Freedom::level : Freedom::space, *datum_sigma);
+  const double left = misfit_of(common, link);
+  if (left > kFarthest)
+    throw std::runtime_error("with frames.with.use=" + *use + " the survey is " + std::to_string(left) +
+                             " m from the design (median): do the names in the plate table mean the same anchors?");
+  context.warn("the measurement was " + link.origin +
+               " (shift and turn): that all stand together elsewhere, or are turned, cannot be seen");
+  return link;
+}
+
+/// What the parameters or the design say.
+FrameLink ToBuilding::told(const CommonPoints& common, const DesignT& read, Context& context) const {
   const auto known = readings(read);
   const std::string& how = *use;
   Choice choice;
   choice.origin = "survey and design share one frame";
-  if (how == "fitted") {
-    choice.origin = "fitted to " + std::to_string(common.ids.size()) + " anchors";
-    choice.transform = ifc::fit_plan(common, choice.covariance);
-    context.warn(
-        "the survey was fitted to the design by its anchors (shift and turn): a common shift of the building cannot be "
-        "seen");
-  } else if (how == "given") {
+  if (how == "given") {
     if (translation->size() != 3)
       throw std::runtime_error("parameter 'translation' has " + std::to_string(translation->size()) +
                                " numbers, expected E N H of the design's origin with use=given");
@@ -241,24 +282,14 @@ void ToBuilding::run(Context& context) {
   if (how == "same") {
     if (const std::string gap = ifc::explain_gap(common, known, read.file_name); !gap.empty())
       throw std::runtime_error(gap);
-  } else if (left > 1) {
+  } else if (left > kFarthest) {
     const std::string gap = ifc::explain_gap(common, known, read.file_name);
     throw std::runtime_error("with frames.with.use=" + how + " the survey is " + std::to_string(left) +
                              " m from the design (median)" + (gap.empty() ? "; without it, it is not" : "; " + gap));
   }
   require_map_scale(common, choice.transform, how);
   check_design_scale(common, choice.transform, read, how, context);
-  if (common.ids.empty())
-    context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
-  else
-    context.metric("misfit_of_survey_and_design", left, "m");
-  const FrameLink link = link_of(choice);
-  building.commit(moved(survey, link));
-  PlatesT turned = plates.unpack();
-  for (auto& plate : turned.plates)
-    plate->nominal_rotation = (link.to_from_from.rotation * plate->nominal_rotation).normalized();
-  building_plates.commit(turned);
-  transform.commit(transform_artifact(link));
+  return link_of(choice);
 }
 
 }  // namespace plumbline::frames

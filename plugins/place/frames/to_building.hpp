@@ -1,10 +1,14 @@
 // frames.to_building: the survey in the frame of the design, before anything is built on it.
 #pragma once
 
+#include <limits>
+
 #include "artifacts/design.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
+#include "building/ifc/georeference.hpp"
+#include "geometry/frame_graph.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::frames {
@@ -20,9 +24,15 @@ struct ToBuilding : Node {
   Param<std::string> use{
       "use", "same",
       one_of("same", "map_conversion", "map_conversion_in_metres", "map_conversion_in_project_units",
-             "map_conversion_turned_back", "fitted", "given"),
+             "map_conversion_turned_back", "fitted", "fitted_in_space", "given"),
       "same: survey and design share one frame; map_conversion: the survey is in map coordinates; fitted: shift "
-      "and turn from the anchors, which then show no common shift; given: shift and turn below"};
+      "and turn from the anchors, which then show no common shift; fitted_in_space: the same of points that may lean, "
+      "such as a block of photographs alone; given: shift and turn below"};
+  Param<double> datum_sigma{
+      "datum_sigma", std::numeric_limits<double>::quiet_NaN(), "m", between(0, 10),
+      "for 'fitted' and 'fitted_in_space': how well other measurements show that the whole stands "
+      "where it is designed, a standard deviation; 0: agreed to be judged about the best fit; nan: "
+      "nobody says, and nothing is decided"};
   Param<std::vector<double>> translation{"translation", std::vector<double>{}, "m", between(-1e8, 1e8),
                                          "for 'given': the design's origin in the survey's coordinates, E N H"};
   Param<double> rotation{"rotation", 0, "rad", between(-7, 7),
@@ -36,6 +46,10 @@ struct ToBuilding : Node {
   Out<Transform> transform{"transform", frame("to=building,from=?S"), "what was applied, with its covariance"};
 
   void run(Context& context) override;
+
+ private:
+  FrameLink fitted(const ifc::CommonPoints& common, Context& context) const;
+  FrameLink told(const ifc::CommonPoints& common, const DesignT& read, Context& context) const;
 };
 
 }  // namespace plumbline::frames

@@ -126,6 +126,12 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
 /// All survey files in one. A network adjusted from part of its readings must not look like one adjusted from all.
 SurveyObservationsT read_surveys(const CampaignDescription& description, const fs::path& root,
                                  const AddedReadings& added, const KnownControl& known, bool strict, Context& context) {
+  if (description.survey.empty()) {  // of photographs alone: its name and date
+    survey::SurveyObservations none;
+    none.info.date = description.date, none.info.title = description.name;
+    if (!description.date_remark.empty()) context.warn(description.date_remark);
+    return survey::to_artifact(none);
+  }
   std::vector<survey::SurveyObservations> parts = read_survey_files(description, root, added, strict, context);
   if (!description.date_remark.empty()) context.warn(description.date_remark);
   // What campaign.yaml says holds for all files; where it is silent, the files may differ.

@@ -78,6 +78,9 @@ void name_other_use(const Mapping& mapping, Problems& problems) {
   else if (mapping.has("images") && lacks({"camera", "plates", "design"}) &&
            (mapping.has("survey") || mapping.has("control")))
     pipeline = "photo_campaign";
+  else if (mapping.has("images") && !lacks({"camera", "plates", "design"}) && !mapping.has("survey") &&
+           !mapping.has("control"))
+    pipeline = "site_photographs";
   if (!pipeline.empty())
     problems.add(CampaignError(mapping.shown(), 0, "as it is, the folder is one for: plumbline run " + pipeline));
 }
@@ -132,12 +135,16 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   const auto take = [&](const std::function<void()>& action) { problems.attempt(action); };
   const auto one = [&](const char* key, std::string& file) { take([&] { file = resolver.one(key); }); };
   const auto wanted = [&](const char* key) { return !optional || mapping.has(key); };
+  if (use == CampaignUse::alone && (mapping.has("survey") || mapping.has("control")))
+    problems.add(CampaignError(shown, 0,
+                               "names a survey or control points, which this pipeline of photographs alone does not "
+                               "use; with them: plumbline run site_campaign folder=FOLDER"));
   take([&] { c.unused = resolver.set_aside(); });
   if (mapping.has("name")) take([&] { c.name = mapping.as<std::string>("name", "a text"); });
   if (mapping.has("instrument"))
     take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });
   if (mapping.has("date")) take([&] { take_date(mapping, c); });
-  if (wanted("survey"))
+  if (wanted("survey") && use != CampaignUse::alone)
     take([&] { c.survey = resolver.many("survey"), c.survey_in_order = resolver.in_order("survey"); });
   if (mapping.has("control")) one("control", c.control);
   if (use == CampaignUse::survey) return c;
@@ -162,7 +169,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (optional) return c;
   one("design", c.design);
   if (mapping.has("mapping")) one("mapping", c.mapping);
-  if (keys_known) name_other_use(mapping, problems);
+  if (keys_known && use == CampaignUse::site) name_other_use(mapping, problems);
   return c;
 }
 

@@ -69,6 +69,7 @@ struct CampaignDescription {
 /// What is to be done with a campaign, and so what it must hold.
 enum class CampaignUse {
   site,         ///< all of it
+  alone,        ///< the same of photographs alone: neither survey files nor control points
   photographs,  ///< photographs (or observations), and survey files or control points; the rest if it is there
   survey,       ///< survey files; images, camera, plates and design are left alone
   measured      ///< survey files, plates and design: anchors are measured by total station; images are left alone
@@ -124,7 +125,7 @@ struct PlateEntry {
 const std::map<std::string, std::string>& plate_column_names();
 /// A plates.csv, ordered by anchor. Throws CampaignError, also for an anchor or a tag that occurs twice. With
 /// CampaignUse::photographs role (control), floor (1), size (nan), offsets (0) and azimuth (0) may be left out; with
-/// CampaignUse::measured all of the tag, role (control) and azimuth (nan).
+/// CampaignUse::measured all of the tag, role (control) and azimuth (nan); with CampaignUse::alone role (control).
 /// A column that is none of the table's is left out, and `warnings` says so; one that is nearly called like one of them
 /// is an error.
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown,

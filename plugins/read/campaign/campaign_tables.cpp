@@ -199,10 +199,10 @@ std::string role_of(const std::string& text) {
 std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesystem::path& shown, CampaignUse use,
                                      std::vector<std::string>* warnings) {
   const bool needed = use != CampaignUse::photographs, tagged = use != CampaignUse::measured;
-  const bool site = needed && tagged;
+  const bool site = needed && tagged, roles = site && use != CampaignUse::alone;
   const Table table(csv, shown,
                     {{"anchor", Quantity::text, true},
-                     {"role", Quantity::text, site},
+                     {"role", Quantity::text, roles},
                      {"floor", Quantity::whole, needed},
                      {"column", Quantity::whole, false},
                      {"row", Quantity::whole, false},
@@ -225,7 +225,7 @@ std::vector<PlateEntry> parse_plates(const std::string& csv, const std::filesyst
     PlateEntry p;
     p.anchor = table.text(row, "anchor");
     p.role = role_of(table.text(row, "role"));
-    if (p.role.empty() && !site) p.role = "control";
+    if (p.role.empty() && !roles) p.role = "control";
     p.floor = needed || table.has("floor") ? table.whole(row, "floor") : 1;
     p.column = table.whole(row, "column");
     p.row = table.whole(row, "row");

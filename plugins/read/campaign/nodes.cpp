@@ -47,7 +47,7 @@ FileT design_reference(const campaign::ListedCampaign& site) {
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 8, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 9, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
                                  "survey files that readers of other plugins have read: parts/readers.yaml"};
@@ -63,14 +63,16 @@ struct ReadCampaign : Node {
   Param<std::string> takes{"takes", "any", one_of("any", "photographs", "observations"),
                            "refuse a folder that has the other at once: what comes after it could only say that "
                            "there are no images"};
+  Param<bool> alone{"alone", false, "of photographs alone: refuse a folder with survey files or control points"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
   Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
   Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
   void run(Context& context) override {
-    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
-                                  campaign::CampaignUse::site, campaign::given_by(added));
+    const campaign::CampaignUse use = *alone ? campaign::CampaignUse::alone : campaign::CampaignUse::site;
+    campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())), use,
+                                  campaign::given_by(added));
     const campaign::CampaignDescription& description = site.description;
     const fs::path& root = site.root;
     const auto attempt = [&](bool there, const auto& action) {
@@ -85,9 +87,9 @@ struct ReadCampaign : Node {
     std::vector<ImageT> photographs;
     std::vector<campaign::ObservedTag> tags;
     attempt(!description.cameras.empty(), [&] { cameras.emplace(description, root); });
-    attempt(!description.plates.empty(), [&] { entries = read_plates(root / description.plates, context); });
+    attempt(!description.plates.empty(), [&] { entries = read_plates(root / description.plates, context, use); });
     attempt(true, [&] { known = campaign::read_control(description, root, context); });
-    attempt(!description.survey.empty(),
+    attempt(!description.survey.empty() || *alone,
             [&] { readings = campaign::read_surveys(description, root, site.added, known, *strict, context); });
     for (const std::string& path : description.images)
       attempt(cameras.has_value(), [&] { photographs.push_back(image_of(site.entry(path), root, cameras->of(path))); });

@@ -114,7 +114,9 @@ class Sorter {
     if (!broken_.empty())
       proposal_.yaml +=
           "# unused: " + listed(broken_) + "   # cannot be read: with this line the rest goes on without\n";
-    if (const std::string other = other_pipeline(); !other.empty()) proposal_.found.push_back(other);
+    proposal_.pipeline = other_pipeline();
+    if (!proposal_.pipeline.empty())
+      proposal_.found.push_back("as it is, the folder is one for: plumbline run " + proposal_.pipeline);
     for (const std::string& name : office_)
       proposal_.wrong.push_back(name + ": a spreadsheet's own format is not read; save the sheet as CSV beside it");
     return std::move(proposal_);
@@ -147,12 +149,12 @@ class Sorter {
 
   /// What the folder is good for as it is, where that is not a site with photographs of tags.
   std::string other_pipeline() const {
-    const std::string run = "as it is, the folder is one for: plumbline run ";
-    const bool photographs = !groups_.empty();
-    if (!photographs && !observations_.empty()) return run + "site_observations";
+    const bool photographs = !groups_.empty(), surveyed = !(survey_.empty() && control_.empty());
+    if (!photographs && !observations_.empty()) return "site_observations";
     if (!photographs && !survey_.empty())
-      return run + (plates_.empty() || designs_.empty() ? "survey_campaign" : "site_survey");
-    if (photographs && designs_.empty() && !(survey_.empty() && control_.empty())) return run + "photo_campaign";
+      return plates_.empty() || designs_.empty() ? "survey_campaign" : "site_survey";
+    if (photographs && designs_.empty() && surveyed) return "photo_campaign";
+    if (photographs && !designs_.empty() && !surveyed) return "site_photographs";
     return "";
   }
 

@@ -9,6 +9,7 @@ namespace plumbline::campaign {
 struct Proposal {
   std::string yaml;                ///< a commented campaign.yaml; lines that lack a file are comments
   std::vector<std::string> found;  ///< what was recognised, a line each
+  std::string pipeline;            ///< that the folder is whole for, where that is not the one of a site; else empty
   std::vector<std::string> wrong;  ///< what has to be mended or is missing, a line each with the mend
 };
 

@@ -63,6 +63,7 @@ void ProposeCampaign::run(Context& context) {
   for (const std::string& line : proposal.wrong) text += "  " + line + "\n";
   description.commit(text_file("campaign.yaml", "text/yaml", proposal.yaml));
   summary.commit(text_file("summary.txt", "text/plain", text));
+  pipeline.commit(text_file("pipeline.txt", "text/plain", proposal.pipeline));
 }
 
 void AccountForCampaign::run(Context& context) {
@@ -76,6 +77,8 @@ void AccountForCampaign::run(Context& context) {
   for (const auto& [use, count] : uses)
     text += "  " + use + ": " + std::to_string(count) + (count == 1 ? " file\n" : " files\n");
   summary.commit(text_file("summary.txt", "text/plain", text + words_of_inputs(&read, &left)));
+  pipeline.commit(
+      text_file("pipeline.txt", "text/plain", uses.contains("observations") ? "site_observations" : "site_campaign"));
 }
 
 }  // namespace plumbline::campaign

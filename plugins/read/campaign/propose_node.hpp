@@ -11,23 +11,27 @@
 namespace plumbline::campaign {
 
 struct ProposeCampaign : Node {
-  static constexpr Info info{"campaign.propose", "", 1, "Proposes a campaign.yaml for what lies in a folder"};
+  static constexpr Info info{"campaign.propose", "", 2, "Proposes a campaign.yaml for what lies in a folder"};
   In<Folder> folder{"folder", "a folder with photographs, survey files, tables and a design"};
   Optional<SurveyReadings> readings{"readings", frame("frame=building"),
                                     "survey files that readers of other plugins know as theirs: parts/readers.yaml"};
   Out<File> description{"campaign", "campaign.yaml with a comment behind each line; what is missing is a comment"};
   Out<File> summary{"summary", "what was recognised, and what has to be mended, as text"};
+  Out<File> pipeline{"pipeline",
+                     "name of the pipeline that the folder is whole for, where that is none of a site with "
+                     "photographs of tags; empty: none"};
   void run(Context& context) override;
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 2,
+  static constexpr Info info{"campaign.account", "", 3,
                              "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};
   Optional<SurveyObservations> survey{"survey", frame("frame=building"),
                                       "the survey as read: instruments of which there is no profile are told"};
   Out<File> summary{"summary", "a few lines of text"};
+  Out<File> pipeline{"pipeline", "name of the pipeline that takes the folder"};
   void run(Context& context) override;
 };
 

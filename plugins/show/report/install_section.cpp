@@ -258,7 +258,10 @@ std::string heading_of(const DeviationT& d, int panels_failed, int panels_open) 
     if (d.not_judged > 0)
       return "Not decided: " + count(d.not_judged, "thing that was asked for was", "things that were asked for were") +
              " not judged.";
-    if (!d.doubts.empty()) return "Not decided: the measurement contradicts itself and shows no anchor to be in order.";
+    if (!d.doubts.empty())
+      return d.doubts.front()->part == MeasurementPart::datum
+                 ? "Not decided: nothing shows where the whole stands."
+                 : "Not decided: the measurement contradicts itself and shows no anchor to be in order.";
     std::string text = "Not decided: ";
     if (d.undecided > 0) text += anchors(d.undecided) + " too close to call";
     if (d.not_measured > 0) text += (d.undecided > 0 ? ", " : "") + anchors(d.not_measured) + " without verdict";

@@ -13,6 +13,7 @@ simulate() {  # FOLDER PARAMETERS
 }
 simulate site "" && simulate observed ", photographs: observed"
 cp -r site found && rm found/campaign.yaml
+cp -r site alone && rm -r alone/survey alone/control.csv && sed -i -E '/^(survey|control):/d' alone/campaign.yaml
 mkdir epochs && for day in 1 2 3; do cp site/survey/total_station.gsi "epochs/day$day.gsi"; done
 printf 'plumbline_campaign: 1\nsurvey: [day1.gsi, day2.gsi, day3.gsi]\n' > epochs/campaign.yaml
 plumbline example board > /dev/null
@@ -34,6 +35,7 @@ where() {  # the folder and the variables of a pipeline; nothing: it is not trie
   case $1 in
     site_campaign | site_campaign_free | site_campaign_joint | site_surfaces | site_crossval | site_survey | check_campaign | survey_campaign) echo site ;;
     site_observations | plan_installation) echo observed ;;
+    site_photographs) echo "alone frames.with.datum_sigma=0.005" ;;
     site_loop | site_loop_photographs) echo "site first=true now=2026-05-05T08:00:00Z measured=2026-05-04T08:00:00Z" ;;
     init_campaign) echo found ;;
     epoch_series) echo "epochs movements.with.days=[0,30,61]" ;;

@@ -158,6 +158,53 @@ TEST_F(Building, MeasuredByTotalStationAloneIsJudgedLikeEveryOther) {
   }
 }
 
+/// The same folder without its survey: how anchors stand to each other is told as by the survey, where all stand is not
+/// decided. Once a fit to the anchors that are judged was "Ready to install", whatever the whole was off.
+TEST_F(Building, PhotographsAloneJudgeHowAnchorsStandToEachOther) {
+  const auto with_survey = built("corner");
+  const auto folder = program_.work() / "alone";
+  std::filesystem::copy(program_.work() / "out-corner1.0" / "campaign", folder,
+                        std::filesystem::copy_options::recursive);
+  const std::string yaml = read_file(folder / "campaign.yaml");
+  std::ofstream(folder / "campaign.yaml") << without(yaml, {"survey", "control"});
+  std::filesystem::remove_all(folder / "survey"), std::filesystem::remove(folder / "control.csv");
+  std::ofstream(program_.work() / "alone.yaml")
+      << "plumbline: 1\ninclude: " << source_dir() << "/pipelines/site_photographs.yaml\n"
+      << "nodes:\n  campaign: {with: {takes: observations}}\n"
+         "  poses: {in: {observations: campaign.observations}}\n  block: {in: {observations: campaign.observations}}\n"
+         "  photographs: {in: {tags: campaign.observations}}\n";
+  const auto run = [&](const std::string& out, std::vector<std::string> more) {
+    more.insert(more.begin(), {"run", "alone.yaml", "folder=" + folder.string(), "epoch=2026-05"});
+    more.insert(more.end(), {"--out", out});
+    return program_(more);
+  };
+  const Answer unsaid = run("unsaid", {}), said = run("said", {"frames.with.datum_sigma=0"});
+  EXPECT_EQ(unsaid.code, 3) << unsaid.out << unsaid.err;
+  const auto work = program_.work();
+  EXPECT_TRUE(contains(read_file(work / "unsaid/summary.txt"), "NOT TO BE TRUSTED, where the whole stands: "));
+  EXPECT_TRUE(contains(read_file(work / "unsaid/report.html"), "Not decided: nothing shows where the whole stands."));
+  EXPECT_TRUE(contains(read_file(work / "unsaid/report.html"), "frames.with.datum_sigma=0.005"));
+  EXPECT_TRUE(contains(unsaid.err, "measured in photographs alone")) << unsaid.err;
+  EXPECT_FALSE(contains(unsaid.err, "total station alone")) << unsaid.err;
+  for (const auto& [anchor, row] : table(work / "unsaid/metrics.csv"))
+    EXPECT_EQ(row.at("design_verdict"), "undecided") << anchor;
+  EXPECT_TRUE(said.code == 0 || said.code == 3) << said.err;
+  EXPECT_TRUE(contains(read_file(work / "said/report.html"), "Judged about the best fit of the anchors"));
+  const auto judged = table(work / "said/metrics.csv");
+  ASSERT_EQ(judged.size(), with_survey.size());
+  int decided = 0;
+  for (const auto& [anchor, row] : judged) {
+    decided += row.at("design_verdict") == "pass" || row.at("design_verdict") == "fail";
+    for (const char* length : {"design_out_of_plane", "design_vertical"}) {
+      const double u = number(row, std::string(length) + "_u_mm"), told = number(row, std::string(length) + "_mm");
+      EXPECT_GT(u, 0.1) << anchor;
+      EXPECT_LT(std::abs(told - number(with_survey.at(anchor), std::string(length) + "_mm")), 4 * u + 2)
+          << anchor << " " << length;
+    }
+  }
+  EXPECT_GT(decided, static_cast<int>(judged.size()) / 4);
+}
+
 /// What a scanner sees of the panels of this design artifact, 3 mm before their outer faces: points every 40 mm, so
 /// that no cell of `surface.panels` (50 mm) goes without one.
 std::string scanned(const nlohmann::json& design) {

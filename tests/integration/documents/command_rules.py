@@ -32,6 +32,7 @@ def rules(data):
         # Sites.
         (r"plumbline run site_campaign folder=june (epoch=\S+ before=out/may/as_built.json)", r"plumbline run site_campaign folder=site \1"),
         (r"plumbline run site_surfaces folder=\S+(.*)", r"plumbline run site_surfaces folder=small"),
+        (r"plumbline run site_photographs folder=\S+", "plumbline run site_photographs folder=alone frames.with.datum_sigma=0.005"),
         (r"plumbline run site_survey_scan .*", WHERE + "tests/integration/cli/test_building.cpp scans its panels and runs it"),
         (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*?)( --out \S+)?", r"\1 folder=site\2"),
         (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),

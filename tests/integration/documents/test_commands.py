@@ -78,6 +78,7 @@ def prepare_sites():
         (WORK / "make.yaml").write_text(f"plumbline: 1\nvars: {{seed: 2}}\nnodes: {{site: {{use: simulate.campaign, with: {{floors: 1, {size}{more}}}}}}}\n"
                                         "outputs: {site: site.folder}\n")
         must(f"plumbline run make.yaml --out made_{name} -q && cp -r made_{name}/site {name} && chmod -R u+w {name}")
+    must("cp -r site alone && rm -r alone/survey alone/control.csv && sed -i -E '/^(survey|control):/d' alone/campaign.yaml")
     must("cp site/survey/total_station.gsi job.gsi; mkdir epochs; for day in 1 2 3; do cp job.gsi epochs/day$day.gsi; done")
     (WORK / "epochs/campaign.yaml").write_text("plumbline_campaign: 1\nsurvey: [day1.gsi, day2.gsi, day3.gsi]\n")
     # The same readings on a map: known points at its scale there (k of the central meridian, reduced from 147.5 m), in a block of coordinates.

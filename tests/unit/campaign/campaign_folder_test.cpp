@@ -197,6 +197,19 @@ TEST(CampaignYaml, ADateIsADay) {
   }
 }
 
+TEST(CampaignYaml, PhotographsAloneNeedNoSurveyAndTakeNone) {
+  const std::string alone = "plumbline_campaign: 1\nimages: img/*.jpg\ncamera: c.yaml\nplates: p.csv\ndesign: d.ifc\n";
+  const CampaignDescription c = parse_campaign(alone, "campaign.yaml", kFiles, CampaignUse::alone);
+  EXPECT_EQ(c.images.size(), 2u);
+  EXPECT_EQ(c.design, "d.ifc");
+  EXPECT_NE(message_of([&] {
+              parse_campaign(kCampaign, "campaign.yaml", kFiles, CampaignUse::alone);
+            }).find("plumbline run site_campaign"),
+            std::string::npos)
+      << "evidence is not left out in silence";
+  EXPECT_NE(message_of([&] { parse_campaign(alone, "campaign.yaml", kFiles); }).find("survey"), std::string::npos);
+}
+
 TEST(CampaignYaml, WhatIsWholeForSomethingElseIsToldSo) {
   EXPECT_NE(campaign_message("plumbline_campaign: 1\nsurvey: ts/*.gsi\n").find("run survey_campaign"),
             std::string::npos);
@@ -204,6 +217,9 @@ TEST(CampaignYaml, WhatIsWholeForSomethingElseIsToldSo) {
                 .find("run site_survey"),
             std::string::npos);
   EXPECT_NE(campaign_message("plumbline_campaign: 1\nsurvey: ts/*.gsi\nimages: img/*.jpg\n").find("run photo_campaign"),
+            std::string::npos);
+  EXPECT_NE(campaign_message("plumbline_campaign: 1\nimages: img/*.jpg\ncamera: c.yaml\nplates: p.csv\ndesign: d.ifc\n")
+                .find("run site_photographs"),
             std::string::npos);
   EXPECT_EQ(campaign_message(replaced(kCampaign, "images", "imaegs")).find("as it is"), std::string::npos);
 }

@@ -50,5 +50,28 @@ TEST(Trust, ATestThatFailsByNobodyKnowsHowMuchIsADoubt) {
   EXPECT_EQ(ifc::in_words(trust.doubts[0]), "the image block: it does not fit");
 }
 
+/// Fitted to the anchors themselves: once every anchor of a building that stood 30 mm out passed, "ready to install".
+TEST(Trust, AFrameThatIsFittedToTheAnchorsIsADoubtUntilSomebodySaysWhatElseShowsIt) {
+  const auto about = [](bool fitted, double sigma) {
+    flatbuffers::FlatBufferBuilder made;
+    TransformT transform;
+    transform.origin = "fitted to 24 anchors", transform.fitted_to_design = fitted, transform.datum_sigma = sigma;
+    made.Finish(Transform::Pack(made, &transform));
+    const auto* packed = flatbuffers::GetRoot<Transform>(made.GetBufferPointer());
+    return std::pair{doubt_of_datum(*packed), about_best_fit(*packed)};
+  };
+  const double nan = std::nan("");
+  const auto [doubt, silent] = about(true, nan);
+  ASSERT_TRUE(doubt);
+  EXPECT_EQ(doubt->part, MeasurementPart::datum);
+  EXPECT_EQ(doubt->grade, DoubtGrade::doubt);
+  EXPECT_NE(ifc::in_words(*doubt).find("run again with \"frames.with.datum_sigma=0.005\""), std::string::npos);
+  EXPECT_EQ(silent, "");
+  EXPECT_FALSE(about(true, 0.0).first);
+  EXPECT_NE(about(true, 0.003).second.find("known to 3.0 mm"), std::string::npos);
+  EXPECT_FALSE(about(false, nan).first);
+  EXPECT_EQ(about(false, nan).second, "");
+}
+
 }  // namespace trust_test
 }  // namespace plumbline::judgement

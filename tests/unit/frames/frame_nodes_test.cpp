@@ -10,6 +10,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/site_frames.hpp"
 #include "artifacts/transform.hpp"
+#include "geometry/packed_symmetric.hpp"
 #include "node_harness.hpp"
 #include "survey/model/map_frame.hpp"
 
@@ -235,6 +236,109 @@ TEST(ToBuilding, AGivenTransformBringsItsUncertainty) {
   EXPECT_NEAR(there.points[1]->sigma.z(), std::hypot(1e-3, 4e-3), 1e-9);
   EXPECT_NEAR(there.points[1]->sigma.y(), std::hypot(1e-3, 1e-3 * 10), 1e-9) << "the turn acts on a lever of 10 m";
   EXPECT_NEAR(there.points[1]->sigma.x(), 1e-3, 1e-9);
+}
+
+/// Anchors of two facades over four floors, built with an error of some millimetres.
+std::vector<Eigen::Vector3d> facade_anchors() {
+  std::vector<Eigen::Vector3d> anchors;
+  for (int floor = 0; floor < 4; ++floor)
+    for (int column = 0; column < 5; ++column) anchors.emplace_back(4.0 * column, column > 2 ? 6.0 : 0.0, 3.0 * floor);
+  return anchors;
+}
+
+Eigen::Vector3d built(const Eigen::Vector3d& p, std::size_t i) {
+  return p + 1e-3 * Eigen::Vector3d(static_cast<double>(i % 3) - 1, static_cast<double>(i % 5) - 2,
+                                    static_cast<double>(i % 7) - 3);
+}
+
+void fit_to_design(NodeHarness& node, const std::vector<Eigen::Vector3d>& surveyed, const std::string& use) {
+  node.input<Points>("points", points_at(surveyed));
+  node.input<Points>("designed", points_at(facade_anchors()));
+  node.input<Design>("design", DesignT());
+  node.input<Plates>("plates", PlatesT());
+  node.set("use", use);
+}
+
+/// Once one anchor that stood 400 mm out moved the frame, and with it all 19 others by 20 mm.
+TEST(ToBuilding, AFitToTheDesignLeavesOutWhatStandsElsewhereAndSaysSo) {
+  for (const std::string use : {"fitted", "fitted_in_space"}) {
+    std::vector<Eigen::Vector3d> surveyed;
+    const Eigen::AngleAxisd turn(0.3, use == "fitted" ? Eigen::Vector3d(0, 0, 1) : Eigen::Vector3d(0.6, 0, 0.8));
+    for (const Eigen::Vector3d& p : facade_anchors())
+      surveyed.push_back(turn * built(p, surveyed.size()) + Eigen::Vector3d(100, 200, 30));
+    const std::vector<Eigen::Vector3d> sound = surveyed;
+    surveyed[7] += turn * Eigen::Vector3d(0, 0.4, 0);
+    const auto brought = [&](const std::vector<Eigen::Vector3d>& points, std::string& origin) {
+      NodeHarness node("frames.to_building");
+      fit_to_design(node, points, use);
+      node.run();
+      origin = node.output<Transform>("transform").origin;
+      return node.output<Points>("points");
+    };
+    std::string origin, origin_of_sound;
+    const PointsT there = brought(surveyed, origin), without = brought(sound, origin_of_sound);
+    EXPECT_EQ(origin, "fitted to 19 of 20 anchors, without A7, which stand elsewhere");
+    EXPECT_EQ(origin_of_sound, "fitted to 20 anchors");
+    for (std::size_t i = 0; i < surveyed.size(); ++i) {
+      const Eigen::Vector3d off(0, i == 7 ? 0.4 : 0, 0);
+      EXPECT_LT((there.points[i]->position - without.points[i]->position - off).norm(), 1e-3) << use << " " << i;
+      EXPECT_LT((without.points[i]->position - built(facade_anchors()[i], i)).norm(), 3e-3) << use << " " << i;
+    }
+  }
+}
+
+/// What the datum is uncertain by, all anchors have in common: their differences know nothing of the shift.
+TEST(ToBuilding, TheUncertaintyOfTheDatumIsCommonToAllAnchors) {
+  for (const std::string use : {"fitted", "fitted_in_space"}) {
+    std::vector<Eigen::Vector3d> surveyed;
+    for (const Eigen::Vector3d& p : facade_anchors()) surveyed.push_back(built(p, surveyed.size()));
+    const auto covariance = [&](const char* sigma) {
+      NodeHarness node("frames.to_building");
+      fit_to_design(node, surveyed, use);
+      if (*sigma) node.set("datum_sigma", sigma);
+      node.run();
+      const TransformT transform = node.output<Transform>("transform");
+      EXPECT_TRUE(transform.fitted_to_design);
+      EXPECT_EQ(std::isfinite(transform.datum_sigma), *sigma != 0);
+      return unpack_symmetric(node.output<Points>("points").covariance, 60, "points");
+    };
+    const Eigen::MatrixXd unsaid = covariance(""), zero = covariance("0"), known = covariance("0.004");
+    EXPECT_EQ((unsaid - zero).cwiseAbs().maxCoeff(), 0);
+    const Eigen::MatrixXd datum = known - zero;
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (const auto& p : facade_anchors()) middle += p / 20;
+    Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
+    double of_turn = 0;
+    for (int i = 0; i < 20; ++i)
+      for (int j = 0; j < 20; ++j) mean += datum.block<3, 3>(3 * i, 3 * j) / 400;
+    for (int i = 0; i < 20; ++i) of_turn += (datum.block<3, 3>(3 * i, 3 * i).trace() - 3 * 16e-6) / 20;
+    EXPECT_LT((mean - 16e-6 * Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 1e-9) << "4 mm of the middle";
+    // Of one turn what it does at the mean distance is 4 mm; of three as much each.
+    EXPECT_NEAR(of_turn, (use == "fitted" ? 1 : 3) * 16e-6, 5e-8);
+  }
+}
+
+TEST(ToBuilding, AFitNeedsAnchorsThatTellIt) {
+  const auto message = [](const std::vector<Eigen::Vector3d>& anchors, const char* use, const char* datum = "") {
+    NodeHarness node("frames.to_building");
+    node.input<Points>("points", points_at(anchors));
+    node.input<Points>("designed", points_at(anchors));
+    node.input<Design>("design", DesignT());
+    node.input<Plates>("plates", PlatesT());
+    node.set("use", use);
+    if (*datum) node.set("datum_sigma", datum);
+    try {
+      node.run();
+    } catch (const NodeFailed& error) {
+      return std::string(error.what());
+    }
+    return std::string("nothing");
+  };
+  EXPECT_THAT(message({{0, 0, 0}, {5, 0, 0}, {0, 5, 0}}, "fitted"), HasSubstr("four anchors or more"));
+  EXPECT_THAT(message({{0, 0, 0}, {0, 0, 3}, {0, 0, 6}, {0, 0, 9}}, "fitted"), HasSubstr("one vertical line"));
+  EXPECT_THAT(message({{0, 0, 0}, {4, 0, 3}, {8, 0, 6}, {12, 0, 9}}, "fitted_in_space"), HasSubstr("in one line"));
+  EXPECT_THAT(message(in_building, "same", "0.002"), HasSubstr("'datum_sigma' is for use=fitted"));
+  EXPECT_EQ(message(in_building, "fitted"), "nothing");
 }
 
 std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
