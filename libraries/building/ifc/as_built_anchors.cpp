@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "building/ifc/as_built_writer.hpp"
+#include "building/ifc/tolerance_source.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::ifc {
@@ -13,7 +14,7 @@ constexpr double kSquareMillimetres = 1e6;  // in a square metre
 /// The tolerance of an axis as the standard's set can hold it: one number that the design or a rule asks for. A default
 /// would be the design's own in the next epoch, and two sides would become one.
 double standard_tolerance(const JudgedAxisT& axis) {
-  const bool asked = !axis.source.empty() && !axis.source.starts_with("default");
+  const bool asked = !axis.source.empty() && !is_default_tolerance(axis.source);
   return asked && std::abs(axis.above - axis.below) < 1e-12 ? axis.above : std::nan("");
 }
 

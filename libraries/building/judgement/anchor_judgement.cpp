@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/figures.hpp"
@@ -126,7 +127,7 @@ void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covar
       judged.push_back({entry.get(), {}});
       if (reason.empty())
         judged.back().limited = limits.size(),
-        limits.push_back({span, tolerance.value, tolerance.lower(), tolerance.source == "default"});
+        limits.push_back({span, tolerance.value, tolerance.lower(), ifc::is_default_tolerance(tolerance.source)});
       else
         doubt += (doubt.empty() ? "" : "; ") + reason;
     }

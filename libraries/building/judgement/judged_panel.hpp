@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/panels.hpp"
@@ -191,7 +192,7 @@ class JudgedPanel {
       return;
     }
     const double above = one ? tolerance.value : about_zero(tolerance).value;
-    limits_.push_back({rows, above, tolerance.lower(), tolerance.source.starts_with("default")});
+    limits_.push_back({rows, above, tolerance.lower(), ifc::is_default_tolerance(tolerance.source)});
     lengths_.push_back(&shown);
   }
 

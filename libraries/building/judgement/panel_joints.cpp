@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include "building/ifc/tolerance_source.hpp"
+
 namespace plumbline::judgement {
 namespace {
 
@@ -127,7 +129,7 @@ class Joints {
   void judge(JudgedLengthT& change, const Tolerance& tolerance, PanelDeviationT& panel) const {
     if (std::isnan(tolerance.value)) return;
     const Limited limited{Eigen::MatrixXd::Ones(1, 1), tolerance.value, tolerance.lower(),
-                          tolerance.source.starts_with("default")};
+                          ifc::is_default_tolerance(tolerance.source)};
     const Eigen::MatrixXd variance =
         std::isnan(change.u) ? Eigen::MatrixXd() : Eigen::MatrixXd::Constant(1, 1, change.u * change.u);
     const Conformance found =

@@ -9,6 +9,7 @@
 
 #include "base/text/text.hpp"
 #include "building/ifc/selection_rule.hpp"
+#include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/tolerance_request.hpp"
 
 namespace plumbline::judgement {
@@ -174,8 +175,9 @@ static bool is_wider(const Tolerance& later, const Tolerance& earlier) {
 
 Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& element, ToleranceFindings* findings) {
   Tolerances tolerances;
-  for (const Axis axis : {Axis::horizontal, Axis::vertical}) tolerances[axis] = {table.tau, "default"};
-  tolerances[Axis::joint] = {2 * table.tau, "default: twice the tolerance"};
+  for (const Axis axis : {Axis::horizontal, Axis::vertical})
+    tolerances[axis] = {table.tau, std::string(ifc::kDefaultTolerance)};
+  tolerances[Axis::joint] = {2 * table.tau, std::string(ifc::kDefaultTolerance) + ": twice the tolerance"};
   Open open;
   std::map<Axis, std::size_t> rule_of;  // the rule that holds
   if (table.from_design && element.properties)

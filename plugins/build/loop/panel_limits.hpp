@@ -8,6 +8,7 @@
 #include <string>
 
 #include "artifacts/deviation.hpp"
+#include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/tolerance_request.hpp"
 #include "loop/fit/facade.hpp"
 
@@ -37,7 +38,7 @@ inline CornerLimits limits_of(const PanelDeviationT& judged) {
 inline std::string not_judged_of(const DeviationT& deviation, const PanelDeviationT& judged) {
   const bool assumed = !limit_along(judged, "out_of_plane") ||
                        std::any_of(judged.limits.begin(), judged.limits.end(), [](const auto& limit) {
-                         return limit->axis != "joint" && limit->source.starts_with("default");
+                         return limit->axis != "joint" && ifc::is_default_tolerance(limit->source);
                        });
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty() && request->not_judged != judgement::kNothingMeasuresIt && request->panels > 0 &&

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "building/ifc/tolerance_source.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
 #include "show/report/plot.hpp"
@@ -136,7 +137,7 @@ void write_all_numbers(Markup& html, const DeviationT& deviation) {
       if (axis->axis == "space") in_space = axis_with_u(*axis, *a);
       if (axis->tolerance > 0)
         tolerances += (tolerances.empty() ? "" : ", ") + words_of(axis->axis) + " " + mm(axis->tolerance, 1) +
-                      (axis->source == "default" ? "" : " (" + axis->source + ")");
+                      (ifc::is_default_tolerance(axis->source) ? "" : " (" + axis->source + ")");
     }
     table_row(html, {verbatim(a->id), left(a->guid.empty() ? unknown : verbatim(a->class_ + " " + a->guid)),
                      left(a->found_by.empty() ? unknown : a->found_by),
