@@ -124,6 +124,7 @@ void AsBuiltWriter::write_judgement() {
   }
   set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
   set.labels("Doubts", in_words(deviation_.doubts), "Why the measurement is not to be trusted");
+  if (!deviation_.datum.empty()) set.label("Datum", deviation_.datum, "What the place of the whole rests on");
   set.label("Temperature", temperature_words(deviation_), "What the judgement leaves out");
   set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");
   attach(set, "judgement", "ASB_Judgement", "As-built against design, all together", on);

@@ -26,11 +26,8 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model = point_set(*model, "model");
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
-  std::string about_fit;
-  if (frames) {
+  if (frames)
     if (auto doubt = judgement::doubt_of_datum(*frames)) inputs.doubts.push_back(*std::move(doubt));
-    about_fit = judgement::about_best_fit(*frames);
-  }
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
     inputs.model.covariance = {};
@@ -39,7 +36,8 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model.covariance *= inputs.misfit_factor;
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
-  if (!about_fit.empty()) result.warnings.push_back(about_fit);
+  if (frames) result.datum = judgement::about_best_fit(*frames);
+  if (!result.datum.empty()) context.warn(result.datum);
   if (surface_judgement)
     judgement::take_surfaces(surface_judgement.unpack(), result, judgement::panel_storeys(design.unpack()));
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));

@@ -286,6 +286,7 @@ Json to_json(const DeviationT* d) {
           {"requests", list(d->requests)},
           {"doubts", list(d->doubts)},
           {"misfits", list(d->misfits)},
+          {"datum", d->datum},
           {"common_shift", d->common_shift ? d->common_shift->words : ""},
           {"floors", list(d->floors)},
           {"anchors", place_of_list("anchors")}};

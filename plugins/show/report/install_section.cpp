@@ -277,6 +277,7 @@ std::vector<std::string> confidence_of(const ReportInput& input) {
   const DeviationT& d = *input.deviation;
   std::vector<std::string> lines;
   for (const auto& doubt : d.doubts) lines.push_back("Not to be trusted, " + ifc::in_words(*doubt) + ".");
+  if (!d.datum.empty()) lines.push_back(d.datum);
   std::string sure = "Pass means that all that is judged of it is within tolerance at once, with a probability of " +
                      percent(1 - d.risk) + " or more; fail, with one of " + percent(d.risk) + " or less.";
   sure +=

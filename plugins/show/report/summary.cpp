@@ -150,6 +150,7 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     text += since(*changes) + ": " + judgement::words_of_changes(*changes) + ".\n";
     for (const std::string& warning : changes->warnings) text += "Note: " + warning + ".\n";
   }
+  if (!deviation.datum.empty()) text += "Note: " + deviation.datum + "\n";
   for (const auto& misfit : deviation.misfits) text += "LESS CERTAIN, " + ifc::in_words(*misfit) + "\n";
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) text += "NOT JUDGED: " + request->asked + ": " + request->not_judged + "\n";

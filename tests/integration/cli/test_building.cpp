@@ -189,7 +189,8 @@ TEST_F(Building, PhotographsAloneJudgeHowAnchorsStandToEachOther) {
   for (const auto& [anchor, row] : table(work / "unsaid/metrics.csv"))
     EXPECT_EQ(row.at("design_verdict"), "undecided") << anchor;
   EXPECT_TRUE(said.code == 0 || said.code == 3) << said.err;
-  EXPECT_TRUE(contains(read_file(work / "said/report.html"), "Judged about the best fit of the anchors"));
+  for (const char* file : {"report.html", "summary.txt", "as_built.ifc", "metrics.json"})
+    EXPECT_TRUE(contains(read_file(work / "said" / file), "Judged about the best fit of the anchors")) << file;
   const auto judged = table(work / "said/metrics.csv");
   ASSERT_EQ(judged.size(), with_survey.size());
   int decided = 0;
