@@ -205,6 +205,8 @@ TEST_P(Adjuster, EveryParameterHasItsEffect) {
   SyntheticFacade weak = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 8});
   weak.control.covariance.clear();
   std::erase_if(weak.control.points, [](const auto& p) { return p->id.find("C01") == std::string::npos; });
+  SyntheticFacade wrong = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 9});
+  wrong.control.points[2]->position.z() += 0.05;
   const auto with = [](const SyntheticFacade& of, const std::map<std::string, std::string>& settings) {
     return [&of, settings] {
       NodeHarness node = prepared(of);
@@ -215,7 +217,7 @@ TEST_P(Adjuster, EveryParameterHasItsEffect) {
   };
   // Threads change no bit, and what is for targets nothing where there are tags only.
   EXPECT_EQ(parameters_at_fault({with(facade, {}), with(facade, {{"weighting", "lambda"}}),
-                                 with(facade, {{"self_calibration", "free"}}), with(weak, {})},
+                                 with(facade, {{"self_calibration", "free"}}), with(weak, {}), with(wrong, {})},
                                 {"threads", "image_sigma", "free", "free_datum", "principal_point_sigma"}),
             "");
 }

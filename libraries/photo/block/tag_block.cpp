@@ -3,7 +3,9 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "base/text/words.hpp"
 #include "geometry/median.hpp"
@@ -324,6 +326,120 @@ Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOpt
   }
 }
 
+/// What is done with control that its tests find wrong.
+enum class WrongControl { as_judged, named, left_out };
+
+/// One adjustment at work.
+class TagAdjustment {
+ public:
+  TagAdjustment(const TagBlock& given, const TagBlockOptions& options, JudgedControl judged)
+      : given_(given), options_(options), block_(given), use_(given.observations.size(), true), judged_(judged) {
+    for (const RejectedControl& rejected : judged_.rejected) leave_out(rejected.plate, block_.control);
+  }
+
+  TagBlockResult run(WrongControl wrong) {
+    begin();
+    warnings_ = result_.warnings;
+    result_.rejected = find_blunders(options_, start_, model_);
+    if (!result_.rejected.empty()) {
+      for (int o : result_.rejected) use_[o] = false;
+      begin_again();
+    }
+    layout_.emplace(model_.problem);
+    solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
+    if (wrong == WrongControl::left_out && !leave_wrong_control_out())
+      return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
+    if (!judged_.rejected.empty() && !control_holds(solved_.reliability.groups)) {
+      judged_.doubt = not_mended_in_words(given_, std::exchange(judged_.rejected, {}));
+      return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
+    }
+    fill();
+    // Weights by λ are no claims about variances.
+    if (options_.weighting == TagBlockOptions::Weighting::lambda) return std::move(result_);
+    test_groups(block_, result_);
+    test_models(options_, model_, solved_.adjusted, result_);
+    if (wrong == WrongControl::named && test_control(model_, start_, solved_.adjusted).worst)
+      name_wrong_control(given_, options_, result_);
+    return std::move(result_);
+  }
+
+ private:
+  void begin() {
+    result_.left_out.clear();
+    result_.warnings.clear();
+    start_ = start_tag_block(block_, use_, result_.left_out);
+    if (!options_.free_network) move_to_control(block_, start_, result_.warnings);
+    model_ = build_tag_model(block_, options_, start_);
+    require_datum(options_, model_, result_);
+  }
+
+  void begin_again() {
+    block_ = with_poses(block_, start_, model_);
+    begin();
+    result_.warnings = warnings_;
+  }
+
+  /// Whether the adjustment at hand is the one that the tests of the control ask for.
+  bool leave_wrong_control_out() {
+    for (;;) {
+      const ControlTests tests = test_control(model_, start_, solved_.adjusted);
+      if (judged_.rejected.empty()) judged_.hidden = tests.hidden;
+      if (!tests.worst) return true;
+      if (!tests.rivals.empty()) {
+        judged_.doubt = rivals_in_words(given_, *tests.worst, tests.rivals);
+        return true;
+      }
+      judged_.rejected.push_back(*tests.worst);
+      if (are_too_many(given_, judged_.rejected)) {
+        judged_.doubt = too_many_in_words(given_, std::exchange(judged_.rejected, {}));
+        return false;
+      }
+      leave_out(tests.worst->plate, block_.control);
+      try {
+        const double sigma = model_.problem.groups[group_images].sigma_factor;
+        const bool was_weak = !result_.weak_datum.empty();
+        begin_again();
+        if (!was_weak && !result_.weak_datum.empty())
+          throw std::runtime_error("the control holds " + text::enumerate(result_.weak_datum) + " only weakly");
+        model_.problem.groups[group_images].sigma_factor = sigma;
+        solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
+      } catch (const std::runtime_error& without) {
+        judged_.rejected.pop_back();
+        judged_.doubt = needed_in_words(given_, *tests.worst, without.what());
+        return false;
+      }
+    }
+  }
+
+  void fill() {
+    fill_statistics(options_, model_, solved_, result_);
+    fill_poses(block_, start_, model_, *layout_, solved_, result_);
+    if (options_.joint_orientations)
+      result_.orientation_covariance =
+          solved_.variance * joint_orientations(start_.images, static_cast<int>(block_.cameras.size()), model_,
+                                                *layout_, *solved_.adjusted.cofactors);
+    fill_unknowns(start_, model_, *layout_, solved_, result_);
+    fill_cameras(block_, model_, *layout_, solved_, result_);
+    fill_tags(start_, model_, solved_, result_);
+    fill_control(start_, model_, *layout_, solved_, result_);
+    fill_judged_control(given_, judged_, result_);
+    for (const auto& plates : options_.withhold)
+      result_.withheld.push_back(withheld_control(model_, start_, solved_.adjusted, plates));
+  }
+
+  const TagBlock& given_;
+  const TagBlockOptions& options_;
+  TagBlock block_;
+  std::vector<bool> use_;
+  JudgedControl judged_;
+  std::vector<std::string> warnings_;  ///< of the first start, which is the one that people gave
+  TagBlockResult result_;
+  TagStart start_;
+  TagModel model_;
+  std::optional<bundle::Layout> layout_;
+  Solved solved_;
+};
+
 }  // namespace
 
 void require_usable(const TagBlock& block) {
@@ -339,65 +455,13 @@ void require_usable(const TagBlock& block) {
 
 TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& options) {
   require_usable(given);
-  if (options.weighting == TagBlockOptions::Weighting::lambda && !(options.lambda > 0 && options.corner_sigma > 0))
+  const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
+  if (by_lambda && !(options.lambda > 0 && options.corner_sigma > 0))
     throw std::runtime_error("lambda weighting needs lambda > 0 [px^2/m^2] and corner_sigma > 0 [px]");
-  TagBlockResult result;
-  std::vector<bool> use(given.observations.size(), true);
-  TagBlock block = given;
-  const auto begin = [&](TagStart& start) {
-    result.left_out.clear();
-    result.warnings.clear();
-    start = start_tag_block(block, use, result.left_out);
-    if (!options.free_network) move_to_control(block, start, result.warnings);
-    TagModel model = build_tag_model(block, options, start);
-    require_datum(options, model, result);
-    return model;
-  };
-  TagStart start;
-  TagModel model = begin(start);
-  const auto warnings = result.warnings;
-  result.rejected = find_blunders(options, start, model);
-  if (!result.rejected.empty()) {
-    for (int o : result.rejected) use[o] = false;
-    block = with_poses(block, start, model);
-    model = begin(start);
-    result.warnings = warnings;
-  }
-  const bundle::Layout layout(model.problem);
-  Solved solved = solve_under(result.weak_datum, options, layout, model);
-  while (options.robust_control && options.weighting == TagBlockOptions::Weighting::covariance) {
-    const auto worst = worst_control(model, start, solved.adjusted);
-    if (!worst) break;
-    result.rejected_control.push_back(*worst);
-    require_few(given, result.rejected_control);
-    leave_out(worst->plate, block.control);
-    block = with_poses(block, start, model);
-    const auto variance = model.problem.groups[group_images].sigma_factor;
-    model = begin(start);
-    model.problem.groups[group_images].sigma_factor = variance;
-    result.warnings = warnings;
-    solved = solve_under(result.weak_datum, options, layout, model);
-  }
-  fill_statistics(options, model, solved, result);
-  fill_poses(block, start, model, layout, solved, result);
-  if (options.joint_orientations)
-    result.orientation_covariance =
-        solved.variance * joint_orientations(start.images, static_cast<int>(block.cameras.size()), model, layout,
-                                             *solved.adjusted.cofactors);
-  fill_unknowns(start, model, layout, solved, result);
-  fill_cameras(block, model, layout, solved, result);
-  fill_tags(start, model, solved, result);
-  fill_control(start, model, layout, solved, result);
-  fill_rejected_control(given, result);
-  for (const auto& plates : options.withhold)
-    result.withheld.push_back(withheld_control(model, start, solved.adjusted, plates));
-  // Weights by λ are no claims about variances.
-  if (options.weighting == TagBlockOptions::Weighting::lambda) return result;
-  test_groups(block, result);
-  test_models(options, model, solved.adjusted, result);
-  if (!options.robust_control && worst_control(model, start, solved.adjusted))
-    name_wrong_control(given, options, result);
-  return result;
+  return TagAdjustment(given, options, {})
+      .run(by_lambda                ? WrongControl::as_judged
+           : options.robust_control ? WrongControl::left_out
+                                    : WrongControl::named);
 }
 
 }  // namespace plumbline::block

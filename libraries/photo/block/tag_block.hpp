@@ -101,7 +101,9 @@ struct TagBlockOptions {
   double reject_above =
       5;  ///< tags whose root mean square is above are left out of the final least squares; 0 keeps all
   /// Control points that contradict the photographs and the other control (three coordinates together, level 0.001 over
-  /// all points) are left out of the datum, the worst first and one at a time. Weights by covariance only.
+  /// all points) are left out of the datum, the worst first and one at a time. What contradicts and cannot be left out
+  /// stays, and TagBlockResult::control_doubt says why: other points would explain the same, the rest does not hold the
+  /// block, or more than a third would go. Weights by covariance only.
   bool robust_control = false;
   /// Groups of control plates, indices into TagBlock::plates: what the adjustment without a group says of it is in
   /// TagBlockResult::withheld, one of a group. Nothing is adjusted again.
@@ -222,6 +224,8 @@ struct TagBlockResult {
   std::vector<AdjustedControl> control;
   std::vector<int> rejected;  ///< observations left out as blunders
   std::vector<RejectedControl> rejected_control;
+  std::string
+      control_doubt;  ///< control that contradicts and was kept all the same, with the reason; one of `warnings`
   std::vector<WithheldControl> withheld;  ///< one of each TagBlockOptions::withhold
   std::vector<std::string> weak_datum;    ///< motions of the block that control holds only weakly
   double weakest_datum_sigma = 0;         ///< [m], see DatumAnalysis

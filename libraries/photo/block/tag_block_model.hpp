@@ -54,12 +54,22 @@ TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, 
 /// are not tested.
 void test_groups(const TagBlock& block, TagBlockResult& result);
 
-/// The control point that contradicts the rest most, if its test fails: with whitened residuals r = W v, their
-/// cofactors C and B the columns of W of its coordinates, T = (Bᵀr)ᵀ (Bᵀ C B)⁻¹ (Bᵀr) is chi-squared with 3 degrees of
-/// freedom, and −(Bᵀ C B)⁻¹ Bᵀr what the survey is off (Baarda 1968; Kok 1984). Points whose error would not show are
-/// passed over.
-std::optional<RejectedControl> worst_control(const TagModel& model, const TagStart& start,
-                                             const bundle::Adjusted& adjusted);
+/// Whether the control's variance factor passes the test of test_groups().
+bool control_holds(const std::vector<least_squares::VarianceComponent>& groups);
+
+/// What the tests of single control points say.
+struct ControlTests {
+  std::optional<RejectedControl> worst;  ///< the point that contradicts the rest most, if its test fails
+  std::vector<int> rivals;  ///< further plates whose control, were it wrong, would explain the same as well as `worst`
+  std::vector<int> hidden;  ///< plates whose control may be off in some direction without that it shows
+};
+
+/// Tests each control point: with whitened residuals r = W v, their cofactors C and B the columns of W of its
+/// coordinates, T = (Bᵀr)ᵀ (Bᵀ C B)⁻¹ (Bᵀr) is chi-squared with 3 degrees of freedom, and −(Bᵀ C B)⁻¹ Bᵀr what the
+/// survey is off (Baarda 1968; Kok 1984). In directions in which less than a hundredth of an error shows nothing is
+/// tested, and T has fewer degrees of freedom. A point explains a contradiction as well as the worst one if the worst
+/// is not contradicted any more once that point is left out in its place: by the same formula, for both together.
+ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted);
 
 /// What the rest of the block says of these control plates: the same formula, for all of them together, is the
 /// adjustment without them to first order (Cook & Weisberg 1982, 2.2).

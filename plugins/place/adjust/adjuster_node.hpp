@@ -53,9 +53,9 @@ struct Adjuster : TagAdjusterNode {
   static constexpr double default_lambda = 1e4;
   Param<double> lambda{"lambda", default_lambda, "px^2/m^2", between(1e-12, 1e18),
                        "λ of (5), (σ_px/σ_S)²; for weighting lambda"};
-  Param<bool> robust_control{"robust_control", false,
-                             "leave out control points that contradict the photographs and the other control, by name; "
-                             "at most a third"};
+  Param<bool> robust_control{"robust_control", true,
+                             "leave out control points of marker plates that contradict the photographs and the other "
+                             "control, by name, at most a third; false: they stay, and are named"};
   Param<double> image_sigma{
       "image_sigma", 0.0, "mm", between(0, 1),
       "targets: a priori standard deviation of a sensor coordinate; 0: as the files have it, else "
@@ -111,8 +111,8 @@ struct Adjuster : TagAdjusterNode {
     if (control) builder.set_control(control.unpack());
     for (const auto& warning : builder.warnings()) context.warn(warning);
     TagBlockOptions chosen = options();
-    if (*robust_control && (!control || *weighting == "lambda"))
-      context.warn("parameter 'robust_control' has no effect without control, and with weighting=lambda");
+    if (control && *weighting == "lambda")
+      context.warn("control is not tested with weighting=lambda: λ states no standard deviation of the survey");
     if (*lambda != default_lambda && *weighting != "lambda")
       context.warn("parameter 'lambda' has no effect with weighting=covariance; set weighting=lambda, or leave it out");
     const TagBlock& given = builder.block();

@@ -80,6 +80,24 @@ TEST(AdjustCeresNode, ABlockThatFailsAGlobalTestIsNoResult) {
   EXPECT_EQ(spoilt.metric("invalid"), 1);
 }
 
+/// (5) tests its control by default. robust_control=false keeps the point, which the global test then refuses.
+TEST(AdjustSchurNode, LeavesAWrongControlPointOutByDefault) {
+  SyntheticFacade facade = make_facade(noisy);
+  facade.control.points[0]->position.z() += 0.05;
+  const std::string wrong = facade.control.points[0]->id;
+  NodeHarness robust("adjust.schur"), kept("adjust.schur");
+  connect(robust, facade);
+  robust.run();
+  EXPECT_EQ(robust.metric("invalid"), 0);
+  EXPECT_THAT(robust.output<Block>("block").left_out,
+              testing::ElementsAre(HasSubstr("the control of " + wrong + ", which contradicts the photographs")));
+  connect(kept, facade);
+  kept.set("robust_control", "false");
+  kept.run();
+  EXPECT_EQ(kept.metric("invalid"), 1);
+  EXPECT_TRUE(kept.output<Block>("block").left_out.empty());
+}
+
 TEST(AdjustCeresNode, ControlGainsFromTheImages) {
   const SyntheticFacade facade = make_facade(noisy);
   NodeHarness node("adjust.ceres");
