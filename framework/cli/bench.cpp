@@ -173,6 +173,17 @@ void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepPr
     if (fs::exists(out / name)) std::printf("  %s\n", (out / name).c_str());
 }
 
+/// What had not run is not in it, which whoever gets the archive could not see of the cells alone.
+void archive(const BenchOptions& options, const SweepPlan& plan, const runtime::CellRecords& records,
+             const runtime::Registry& registry, runtime::Store& store) {
+  write_archive(options.archive, plan, options.overrides, records, registry, store.file_hashes(), build_facts());
+  const auto missing =
+      std::count_if(plan.cells.begin(), plan.cells.end(), [&](const auto& cell) { return !records.find(cell.key); });
+  if (missing > 0)
+    std::fprintf(stderr, "warning: %s lacks %td of %zu cells, which have not run\n", options.archive.c_str(), missing,
+                 plan.cells.size());
+}
+
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   std::istringstream stream(text);
@@ -323,6 +334,11 @@ int bench(const BenchOptions& given) {
   const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
+  if (!options.archive.empty()) {
+    if (options.executor != "local" && !options.status)
+      throw UsageError("--archive takes results that are there: give it with --status once the tasks have ended");
+    runtime::require_place_for_archive(options.archive);
+  }
   if (options.executor != "local" && !options.status && options.task < 0) return send(options, plan, store);
 
   const runtime::CellRecords records(store);
@@ -350,7 +366,7 @@ int bench(const BenchOptions& given) {
     for (size_t k = 0; options.task < 0 && writer && k + 1 < plan.file.looks.size() && !stopped; ++k) {
       const std::vector<size_t> first = cells_of_first(plan, plan.file.looks[k]);
       progress = run_cells(plan, first, registry, store, run, std::ref(ticker));
-      stopped = !progress.cancelled && !cancel && writer->write() && writer->all_decided();
+      stopped = !progress.cancelled && !cancel && writer->write(plan.file.looks[k]) && writer->all_decided();
       if (stopped && !options.quiet && !options.json)
         std::printf("stopped after %zu of %zu seeds: everything is decided\n", plan.file.looks[k],
                     plan.file.seeds.size());
@@ -362,8 +378,7 @@ int bench(const BenchOptions& given) {
   // What this file measures may be missing in cells that ran well.
   if (options.task < 0) progress.failed = progress_in_store(plan, records).failed;
   const bool written = stopped || !writer || writer->write();
-  if (!options.archive.empty() && options.task < 0)
-    write_archive(options.archive, plan, options.overrides, records, registry, store.file_hashes(), build_facts());
+  if (!options.archive.empty() && options.task < 0) archive(options, plan, records, registry, store);
   print_end(options, plan, progress, records, out);
   for (const std::string& warning : writer ? writer->warnings() : std::vector<std::string>())
     std::fprintf(stderr, "warning: %s\n", warning.c_str());

@@ -81,8 +81,8 @@ SummaryWriter::SummaryWriter(const fs::path& out, const SweepPlan& plan, const r
                      "\nChoose another folder with --out DIR, or replace them with --overwrite.");
 }
 
-bool SummaryWriter::write() {
-  const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, build_facts());
+bool SummaryWriter::write(size_t first_seeds) {
+  const std::string table = sweep_table(plan_, runtime::CellRecords(store_), registry_, build_facts(), first_seeds);
   fs::create_directories(cells_.parent_path());
   const TableLock lock(cells_.parent_path());
   const fs::path fresh = cells_.parent_path() / ("cells-" + std::to_string(getpid()) + ".json");

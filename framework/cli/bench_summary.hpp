@@ -26,14 +26,15 @@ class SummaryWriter {
   SummaryWriter(const std::filesystem::path& out, const runtime::SweepPlan& plan, const runtime::Registry& registry,
                 runtime::Store& store, const BenchOptions& options);
 
-  /// Of the last write(): comparisons that are not decided.
+  /// Of the last write(): whether something was compared, and all of it is decided.
   bool all_decided() const { return open_ == 0; }
 
   /// Of the last write(): measures that no cell has a value of, mostly misspelt.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// False if something could not be written.
-  bool write();
+  /// Of the first `first_seeds` seeds; 0: of all, or of the last look that is complete. False if something could not be
+  /// written.
+  bool write(size_t first_seeds = 0);
 
  private:
   const runtime::SweepPlan& plan_;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 
 #include "build_info.hpp"
 #include "commands.hpp"
@@ -48,6 +49,16 @@ std::vector<size_t> spread_over(const runtime::SweepPlan& plan, const runtime::A
   return chosen;
 }
 
+/// Archived cells that are none of the plan: kinds that are not here, in a list that says `all`.
+std::vector<std::string> without_cell(const runtime::SweepPlan& plan, const runtime::Archive& archive) {
+  std::set<std::string> planned;
+  for (const runtime::SweepCell& cell : plan.cells) planned.insert(cell.label());
+  std::vector<std::string> gone;
+  for (const auto& [label, result] : archive.results)
+    if (planned.count(label) == 0) gone.push_back(label);
+  return gone;
+}
+
 }  // namespace
 
 int verify_bench(const std::string& folder, const BenchOptions& options) {
@@ -63,6 +74,11 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   const runtime::SweepPlan plan = plan_sweep(file, archive.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   const std::vector<size_t> chosen = spread_over(plan, archive, static_cast<size_t>(options.cells));
+  const std::vector<std::string> gone = without_cell(plan, archive);
+  for (const std::string& label : gone)
+    std::printf("differs: %s: it is archived, and no cell that this program makes of the bench\n", label.c_str());
+  const std::vector<std::string> changed = changed_inputs(archive, store.file_hashes());
+  for (const std::string& input : changed) std::printf("differs: the input %s\n", input.c_str());
   if (chosen.empty()) throw std::runtime_error(folder + " has no result of a cell that this program would run");
   if (archive.commit != build_commit())
     std::printf("archived by commit %s, made again by %s\n", archive.commit.c_str(), build_commit().c_str());
@@ -86,7 +102,10 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   }
   std::printf("%s: %zu of %zu archived cells made again, %zu agree to %g, %zu differ\n", folder.c_str(), chosen.size(),
               archive.results.size(), chosen.size() - different, tolerance, different);
-  return different == 0 ? 0 : 1;
+  if (archive.planned > archive.results.size())
+    std::printf("the bench has %zu cells: %zu had not run when it was archived\n", archive.planned,
+                archive.planned - archive.results.size());
+  return different == 0 && gone.empty() && changed.empty() ? 0 : 1;
 }
 
 }  // namespace plumbline::cli

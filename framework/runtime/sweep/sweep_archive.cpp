@@ -85,8 +85,18 @@ bool alike(const nlohmann::json& a, const nlohmann::json& b, double tolerance) {
 
 }  // namespace
 
+void require_place_for_archive(const fs::path& folder) {
+  std::error_code ignored;
+  if (!fs::exists(folder) || fs::is_regular_file(folder / "archive.json")) return;
+  if (fs::is_directory(folder) && fs::is_empty(folder, ignored)) return;
+  throw std::runtime_error(folder.string() +
+                           " is there and no archive of a bench, and what is in it would be replaced; give --archive a "
+                           "folder of its own");
+}
+
 void write_archive(const fs::path& folder, const SweepPlan& plan, const Overrides& overrides,
                    const CellRecords& records, const Registry& registry, FileHashes& hashes, const BuildFacts& build) {
+  require_place_for_archive(folder);
   std::vector<SourceFile> sources = sources_of(plan);
   sources.insert(sources.begin(), {plan.file.path.string(), plan.file.text});
   const fs::path common = common_folder(sources);
@@ -98,15 +108,22 @@ void write_archive(const fs::path& folder, const SweepPlan& plan, const Override
     files.push_back({{"path", place}, {"sha256", sha256_of(source.text.data(), source.text.size())}});
   }
   std::string cells;
+  size_t archived = 0;
   for (const SweepCell& cell : plan.cells)
-    if (const auto record = records.find(cell.key))
+    if (const auto record = records.find(cell.key)) {
       cells += Json{{"cell", cell.label()}, {"result", Json::parse(CellRecords::result_text(*record))}}.dump() + "\n";
+      ++archived;
+    }
   write(folder / "cells.jsonl", cells);
+  Json scenarios = Json::array();  // those that ran: --scenario may have left some of the file's away
+  for (const SweepScenario& scenario : plan.file.scenarios) scenarios.push_back(scenario.name);
   const Json json{{"plumbline_archive", 1},
                   {"title", plan.file.title},
                   {"bench", files[0]["path"]},
                   {"overrides", overrides},
                   {"seeds", plan.file.seeds},
+                  {"scenarios", scenarios},
+                  {"cells", {{"of_the_bench", plan.cells.size()}, {"archived", archived}}},
                   {"machine", machine_json(registry, build)},
                   {"files", files},
                   {"inputs", inputs_of_plan(plan, hashes)},
@@ -135,6 +152,8 @@ Archive read_archive(const fs::path& folder) {
     json.at("overrides").get_to(archive.overrides);
     json.at("seeds").get_to(archive.seeds);
     archive.commit = json.at("machine").at("commit");
+    if (json.contains("cells")) json.at("cells").at("of_the_bench").get_to(archive.planned);
+    for (const auto& input : json.at("inputs")) archive.inputs[input.at("path")] = input.at("sha256");
     std::istringstream lines(cells);
     for (std::string line; std::getline(lines, line);) {
       const auto cell = nlohmann::json::parse(line);
@@ -146,11 +165,44 @@ Archive read_archive(const fs::path& folder) {
   return archive;
 }
 
+std::vector<std::string> changed_inputs(const Archive& archive, FileHashes& hashes) {
+  std::vector<std::string> changed;
+  for (const auto& [path, sha256] : archive.inputs) {
+    std::string now;
+    try {
+      now = hashes.of(path);
+    } catch (const std::exception&) {
+      changed.push_back(path + " is not there");
+      continue;
+    }
+    if (now != sha256) changed.push_back(path + " is not what the cells were made from: it has been changed");
+  }
+  return changed;
+}
+
+namespace {
+
+/// Why a cell failed, in its first line; files, which an archive has in another folder, are without their names.
+std::string reason_of(const nlohmann::json& result) {
+  const std::string text = result.value("error", "");
+  std::istringstream words(text.substr(0, text.find('\n')));
+  std::string reason;
+  for (std::string word; words >> word;) {
+    const bool file = word.find('/') != std::string::npos || word.find(".yaml") != std::string::npos;
+    reason += (reason.empty() ? "" : " ") + (file ? "FILE" : word);
+  }
+  return reason;
+}
+
+}  // namespace
+
 std::string difference_of(const std::string& archived, const std::string& again, double tolerance) {
   const auto a = nlohmann::json::parse(archived), b = nlohmann::json::parse(again);
   if (a.at("status") != b.at("status"))
     return "it was " + a.at("status").get<std::string>() + ", now it is " + b.at("status").get<std::string>() +
            (b.contains("error") ? ": " + b.at("error").get<std::string>() : "");
+  if (a.value("failed_node", "") != b.value("failed_node", "") || reason_of(a) != reason_of(b))
+    return "it failed for another reason: " + reason_of(a) + "; now: " + reason_of(b);
   std::set<std::string> names;
   for (const auto& side : {a, b})
     for (const auto& [name, metric] : side.at("metrics").items()) names.insert(name);

@@ -157,7 +157,8 @@ SweepAnswer run_sweep_job(const SweepPlan& plan, const SweepJob& job, const Regi
   if (!plan.file.keep_everything) fs::remove_all(own, ignored);
   if (answer.cancelled) return answer;
   const CellRecords records(store);
-  for (const auto& [cell, record] : done) {
+  for (auto& [cell, record] : done) {
+    record.run = job.run;
     if (record.failed && !changed_plugins(cell->graph->graph).empty()) {
       answer.plugins_changed = true;
       continue;

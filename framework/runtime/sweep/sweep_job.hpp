@@ -14,6 +14,7 @@ namespace plumbline::runtime {
 /// Cells that run as one graph.
 struct SweepJob {
   std::vector<size_t> cells;
+  std::string run = {};  ///< names the call of the program that runs them
 };
 
 /// What a worker says of a job; plain bytes.

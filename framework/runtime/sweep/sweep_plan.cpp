@@ -112,6 +112,7 @@ class Planner {
       combination.scenario = &scenario;
       each_value(combination, 0);
     }
+    refuse_what_is_set_twice();
     refuse_what_never_holds();
     Sha256 id;
     std::vector<std::string> keys;
@@ -310,20 +311,64 @@ class Planner {
                                ": only one of them could hold; make them one group, or exclude this combination");
   }
 
+  /// What holds around the alternatives of a combination: by whom each key is set, and to what.
+  using Settings = std::map<std::string, std::pair<std::string, std::string>>;
+
+  /// Command line, seeds, scenario and variables, of which each is told where it sets what another one has set.
+  Settings settings_around(const Combination& way) {
+    Settings held;
+    const auto set = [&](const std::string& who, const std::string& text) {
+      note_conflict(held, text);
+      const size_t equals = text.find('=');
+      held.emplace(text.substr(0, equals), std::pair(who, text.substr(equals + 1)));
+    };
+    for (const std::string& text : overrides_)
+      held[text.substr(0, text.find('='))] = {"the command line", text.substr(text.find('=') + 1)};
+    if (!file().seeds.empty()) {
+      if (held.count("seed")) note_conflict(held, "seed=each of its 'seeds'", file().seeds_at);
+      held["seed"] = {"'seeds'", "each of them"};
+    }
+    for (const std::string& text : way.scenario->overrides) set("scenario '" + way.scenario->name + "'", text);
+    for (const auto& [name, value] : way.values) set("the matrix", name + "=" + value);
+    return held;
+  }
+
+  /// `text` ("KEY=VALUE") where the key is set to something else already: only one of them could hold, and the cells
+  /// would stand under the names of both.
+  void note_conflict(const Settings& held, const std::string& text, Position at = {}) {
+    const size_t equals = text.find('=');
+    const std::string key = text.substr(0, equals), value = text.substr(equals + 1);
+    const auto found = held.find(key);
+    if (found == held.end() || found->second.second == value) return;
+    if (const auto place = file().places.find(text); at.file.empty() && place != file().places.end())
+      at = place->second;
+    const std::string& who = found->second.first;
+    conflicts_.emplace(
+        text + "\n" + who,
+        Problem{at, "'" + key + "' is set to '" + value + "' here and to '" + found->second.second + "' by " + who +
+                        ": only one of them could hold; leave one of them away, or exclude this combination"});
+  }
+
   /// `compared` gets the nodes that alternatives of this combination change.
   Overrides overrides_of(const Combination& way, std::set<std::string>& compared) {
     std::map<std::string, std::string> set_by;
     Overrides all = overrides_;
     all.insert(all.end(), way.scenario->overrides.begin(), way.scenario->overrides.end());
     for (const auto& [name, value] : way.values) all.push_back(name + "=" + value);
+    Settings outer = settings_around(way);
     for (const auto& [group, choice] : way.choices) {
       all.insert(all.end(), choice->overrides.begin(), choice->overrides.end());
-      for (const std::string& text : choice->overrides) require_set_once(set_by, group, text.substr(0, text.find('=')));
+      if (!choice->pipeline.empty()) require_set_once(set_by, group, "pipeline");
+      for (const std::string& text : choice->overrides) {
+        require_set_once(set_by, group, text.substr(0, text.find('=')));
+        note_conflict(outer, text);
+      }
     }
     for (const auto& [group, choice] : way.choices) {
       if (choice->kind.empty()) continue;
       const std::string node = node_for(pipeline_of(way), group, all);
       require_set_once(set_by, group, node + ".use");
+      note_conflict(outer, node + ".use=" + choice->kind, choice->at);
       swapped_[group].insert(node);
       all.push_back(node + ".use=" + choice->kind);
     }
@@ -371,6 +416,14 @@ class Planner {
                                     [&](const Problem& p) { return p.at.file == "'" + text + "'"; });
       if (own != problems.end()) ++tried.wrong, tried.message = own->message;
     }
+  }
+
+  void refuse_what_is_set_twice() const {
+    std::vector<Problem> problems;
+    for (const auto& [text, problem] : conflicts_) problems.push_back(problem);
+    std::stable_sort(problems.begin(), problems.end(),
+                     [](const Problem& a, const Problem& b) { return a.at.line < b.at.line; });
+    if (!problems.empty()) throw InvalidPipeline(problems);
   }
 
   void refuse_what_never_holds() const {
@@ -440,6 +493,7 @@ class Planner {
   const Registry& registry_;
   FileHashes& hashes_;
   std::map<std::string, Tried> tried_;              ///< by "KEY=VALUE"
+  std::map<std::string, Problem> conflicts_;        ///< by "KEY=VALUE" and who set the key otherwise
   const std::map<std::string, std::string> given_;  ///< what the file itself measures
   const std::set<std::string> wanted_;
   SweepPlan plan_;

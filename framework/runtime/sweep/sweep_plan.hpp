@@ -51,9 +51,10 @@ struct SweepPlan {
   std::string id;                ///< of all keys: equal plans have equal ids
 };
 
-/// `overrides` hold for every cell; what the file says goes before them. A combination that makes no valid pipeline
-/// becomes cells with a problem, so that it is shown. What is wrong in every combination it stands in is a slip of the
-/// pen: throws InvalidPipeline with its place.
+/// `overrides` hold for every cell. A combination that makes no valid pipeline becomes cells with a problem, so that it
+/// is shown. What is wrong in every combination it stands in is a slip of the pen, and what command line, seeds,
+/// scenario, matrix and alternative set to different values would hold under a name that is not its own: throws
+/// InvalidPipeline with its place.
 SweepPlan plan_sweep(const SweepFile& file, const Overrides& overrides, const Registry& registry, FileHashes& hashes);
 
 /// All graphs of its cells, each once.

@@ -49,6 +49,7 @@ std::optional<CellRecord> CellRecords::find(const std::string& key) const {
     result.at("inputs").get_to(record.inputs);
     json.at("run").at("seconds").get_to(record.seconds);
     json.at("run").at("host").get_to(record.host);
+    record.run = json.at("run").value("id", "");
     return record;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;
@@ -58,7 +59,7 @@ std::optional<CellRecord> CellRecords::find(const std::string& key) const {
 void CellRecords::put(const std::string& key, const CellRecord& record) const {
   Json json;
   json["result"] = result_of(record);
-  json["run"] = {{"host", record.host}, {"seconds", record.seconds}};
+  json["run"] = {{"host", record.host}, {"id", record.run}, {"seconds", record.seconds}};
   const std::string text = json_line(json) + "\n";
   static std::atomic<uint64_t> count = 0;
   char host[65] = "host";

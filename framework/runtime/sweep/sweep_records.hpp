@@ -21,7 +21,7 @@ struct CellRecord {
   /// itself, as "node.port".
   std::map<std::string, std::string> inputs;
   std::map<std::string, double> seconds;  ///< of the nodes that ran now and were not taken from the store
-  std::string host;
+  std::string host, run;                  ///< run: of which call of the program; empty: not known
 };
 
 class CellRecords {

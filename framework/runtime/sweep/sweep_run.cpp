@@ -197,6 +197,7 @@ class Pool {
       size_t count = 0;
       if (!receive_all(socket, &count, sizeof count)) _exit(0);
       SweepJob job;
+      job.run = run_;
       job.cells.resize(count);
       if (!receive_all(socket, job.cells.data(), count * sizeof(size_t))) _exit(0);
       SweepAnswer answer;
@@ -298,6 +299,8 @@ class Pool {
   SweepProgress& progress_;
   const std::function<void(const SweepProgress&)>& tell_;
   const pid_t parent_ = getpid();
+  const std::string run_ = this_host() + " " + std::to_string(parent_) + " " +
+                           std::to_string(std::chrono::system_clock::now().time_since_epoch().count());
   int threads_ = 1;
   uint64_t memory_ = 0;
   bool failure_ = false;

@@ -9,6 +9,7 @@
 
 #include "runtime/base/json_text.hpp"
 #include "runtime/base/near_names.hpp"
+#include "runtime/sweep/sweep_job.hpp"
 
 namespace plumbline::runtime {
 
@@ -60,6 +61,28 @@ Json modes_of(const CellRecord& record, const std::string& error) {
   return modes;
 }
 
+/// Cells of these seeds are judged. A bench with looks is judged at its looks and nowhere between them: each has its
+/// share of the error probability, and what else there is, from a run that was cut off, has none.
+std::set<uint64_t> judged_seeds(const SweepPlan& plan, const CellRecords& records, size_t count) {
+  const SweepFile& file = plan.file;
+  const auto first = [&](size_t n) {
+    return std::set<uint64_t>(file.seeds.begin(),
+                              file.seeds.begin() + static_cast<std::ptrdiff_t>(std::min(n, file.seeds.size())));
+  };
+  if (count > 0) return first(count);
+  if (file.looks.empty()) return first(file.seeds.size());
+  std::set<uint64_t> open;  // seeds of which a cell has not run
+  for (const SweepCell& cell : plan.cells)
+    if (!records.find(cell.key)) open.insert(cell.seed);
+  size_t look = file.looks.front();
+  for (const size_t next : file.looks) {
+    const std::set<uint64_t> of_look = first(next);
+    if (std::any_of(of_look.begin(), of_look.end(), [&](uint64_t seed) { return open.count(seed) > 0; })) break;
+    look = next;
+  }
+  return first(look);
+}
+
 Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, const SweepFile& file) {
   Json json;
   json["scenario"] = cell.scenario;
@@ -77,6 +100,7 @@ Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, c
   if (const Json modes = modes_of(*record, file.measure.at("error")); !modes.empty()) json["modes"] = modes;
   json["inputs"] = record->inputs;
   json["seconds"] = record->seconds;
+  json["run"] = record->run;
   if (!record->warnings.empty()) json["warnings"] = record->warnings.size();
   return json;
 }
@@ -93,11 +117,19 @@ std::string failure_of(const CellRecord& record, const SweepFile& file) {
     const auto near = near_names(name, given);
     return "it gave no metric '" + name + "'" + (near.empty() ? "" : " — did you mean '" + near[0] + "'?");
   }
-  return std::isfinite(metric->second.value) ? "" : "it gave no finite value of '" + name + "'";
+  if (!std::isfinite(metric->second.value)) return "it gave no finite value of '" + name + "'";
+  for (const char* length : {"error", "bias", "worst", "predicted", "bound"}) {
+    const auto measured = file.measure.find(length);
+    const auto found = measured == file.measure.end() ? record.metrics.end() : record.metrics.find(measured->second);
+    if (found != record.metrics.end() && found->second.unit != "m")
+      return "'" + measured->second + "' is in '" + found->second.unit + "': '" + length +
+             "' of a bench is a length in 'm', of which less is better";
+  }
+  return "";
 }
 
 std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
-                        const BuildFacts& build) {
+                        const BuildFacts& build, size_t first_seeds) {
   const SweepFile& file = plan.file;
   Json json;
   json["title"] = file.title;
@@ -117,17 +149,23 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
   for (const ExcludedCells& cells : plan.excluded)
     json["excluded"].push_back({{"what", cells.what}, {"why", cells.why}, {"cells", cells.cells}});
   std::set<std::string> hosts;
+  size_t behind = 0;
+  const std::set<uint64_t> judged = judged_seeds(plan, records, first_seeds);
   json["cells"] = Json::array();
   for (const SweepCell& cell : plan.cells) {
-    const auto record = records.find(cell.key);
+    auto record = records.find(cell.key);
+    if (record && !file.seeds.empty() && judged.count(cell.seed) == 0) record.reset(), ++behind;
     if (record && !record->host.empty()) hosts.insert(record->host);
     json["cells"].push_back(cell_json(cell, record, file));
   }
+  json["judged_seeds"] = judged.size();
+  json["behind"] = behind;
   Json machine;
   machine["version"] = build.version;
   machine["commit"] = build.commit;
   machine["compiler"] = build.compiler;
   machine["libraries"] = build.libraries;
+  machine["host"] = this_host();
   machine["processor"] = processor();
   machine["processors"] = std::thread::hardware_concurrency();
   machine["hosts"] = hosts;

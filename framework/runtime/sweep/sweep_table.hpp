@@ -20,8 +20,11 @@ std::string failure_of(const CellRecord& record, const SweepFile& file);
 /// {"title", "pipeline", "measure", "rope", "tolerances", "scenarios", "variables", "groups", "excluded", "machine",
 /// "cells"}: see docs/benchmarking.md. Cells that have not run yet are there with the status "missing".
 /// `build`: what the program says of itself ("version", "commit", "compiler", …); goes to "machine".
+/// Cells of other than the first `first_seeds` seeds count as missing; those of them that have run are counted as
+/// "behind". 0: all seeds, or where the file has looks those of the last look that is complete (of the first, if none
+/// is).
 std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const Registry& registry,
-                        const BuildFacts& build);
+                        const BuildFacts& build, size_t first_seeds = 0);
 
 /// The pipelines that cells run and all that they include, once each, in the order of the cells.
 std::vector<SourceFile> sources_of(const SweepPlan& plan);

@@ -44,6 +44,7 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double con
     if (const double c = cell->measure("start_cost"); std::isfinite(c)) starts.push_back(c);
     if (const double c = cell->measure("final_cost"); std::isfinite(c)) costs.push_back(c);
   }
+  if (are_one_trial(cells)) trials.resize(1);  // no interval can come from running it again
   row.summary = summarise(trials, failures, bench.tolerances, confidence);
   row.seconds = median(seconds);
   row.start_cost = median(starts);
@@ -75,6 +76,37 @@ std::vector<Failure> failures_of(const Bench& bench) {
   return failures;
 }
 
+/// A measure without a value in any finished cell, or in some of them only: a mean over the others would be one of
+/// other trials, so rows with such a cell have none.
+void add_unmeasured(const Bench& bench, const std::string& quantity, const std::string& metric,
+                    std::vector<std::string>& unused) {
+  std::size_t done = 0, without = 0;
+  std::set<std::pair<std::string, std::string>> rows, half;
+  const Cell* first = nullptr;
+  for (const Cell& cell : bench.cells) {
+    if (cell.status != "done") continue;
+    ++done;
+    const std::pair<std::string, std::string> row{cell.place, choices_text(cell.choices)};
+    if (std::isfinite(cell.measure(quantity))) {
+      rows.insert(row);
+      continue;
+    }
+    ++without;
+    half.insert(row);
+    if (!first) first = &cell;
+  }
+  const std::string measure = "measure " + quantity + " (" + metric + ") has no value in ";
+  if (done > 0 && without == done) unused.push_back(measure + "any finished cell: is it spelt right?");
+  if (without == 0 || without == done) return;
+  // Alternatives that do not measure it at all are no surprise; one that does in some trials is.
+  std::erase_if(half, [&](const auto& row) { return rows.count(row) == 0; });
+  if (half.empty()) return;
+  const std::string example = half.begin()->second.empty() ? "" : half.begin()->second;
+  const std::string at = half.begin()->first + (half.begin()->first.empty() || example.empty() ? "" : ", ") + example;
+  unused.push_back(measure + "some trials of " + std::to_string(half.size()) + (half.size() == 1 ? " row" : " rows") +
+                   (at.empty() ? "" : " (the first: " + at + ")") + ", which therefore have none");
+}
+
 std::vector<std::string> unused_of(const Bench& bench) {
   std::vector<std::string> unused;
   for (const Group& group : bench.groups)
@@ -94,15 +126,7 @@ std::vector<std::string> unused_of(const Bench& bench) {
                         : reason.empty() ? "none of its " + std::to_string(cells) + " cells has run yet"
                                          : "all that ran failed; the first: " + reason));
     }
-  const bool any_done =
-      std::any_of(bench.cells.begin(), bench.cells.end(), [](const Cell& cell) { return cell.status == "done"; });
-  for (const auto& [quantity, metric] : bench.metrics) {
-    const bool measured = std::any_of(bench.cells.begin(), bench.cells.end(),
-                                      [&](const Cell& cell) { return std::isfinite(cell.measure(quantity)); });
-    if (any_done && !measured)
-      unused.push_back("measure " + quantity + " (" + metric +
-                       ") has no value in any finished cell: is it spelt right?");
-  }
+  for (const auto& [quantity, metric] : bench.metrics) add_unmeasured(bench, quantity, metric, unused);
   return unused;
 }
 
@@ -136,7 +160,35 @@ std::vector<std::string> rising_of(const Bench& bench) {
   return sentences;
 }
 
+/// Places where the seed changes nothing, in words; what all alternatives say of them.
+std::vector<std::string> repeated_of(const std::vector<Duel>& duels) {
+  std::vector<std::string> sentences;
+  for (const Duel& duel : duels) {
+    if (duel.overall || duel.repeated == 0) continue;
+    const std::string text = "all " + std::to_string(duel.repeated) + " seeds gave the same" +
+                             (duel.place.empty() ? "" : " on " + duel.place) +
+                             ": nothing there hangs on the seed, so they are one trial, which no interval and no "
+                             "winner can rest on";
+    if (std::find(sentences.begin(), sentences.end(), text) == sentences.end()) sentences.push_back(text);
+  }
+  return sentences;
+}
+
 }  // namespace
+
+bool are_one_trial(const std::vector<const Cell*>& cells) {
+  const Cell* first = nullptr;
+  std::size_t count = 0;
+  for (const Cell* cell : cells) {
+    if (cell->status == "missing") continue;
+    ++count;
+    if (!first) first = cell;
+    if (cell->status != first->status) return false;
+    const double a = cell->measure("error"), b = first->measure("error");
+    if (cell->status == "done" && std::abs(a - b) > 1e-12 * std::abs(b)) return false;
+  }
+  return count > 1 && first->status == "done";
+}
 
 double seconds_of(const Bench& bench, const Cell& cell) {
   std::set<std::string> nodes;
@@ -156,11 +208,12 @@ Analysis analyse(const Bench& bench) {
   std::size_t pairs = 0;
   for (const Group& group : bench.groups) pairs += group.alternatives.size() * (group.alternatives.size() - 1) / 2;
   options.draws = statistics::draws_for(pairs * bench.places().size());
-  std::vector<std::pair<std::string, std::string>> order;
-  std::map<std::pair<std::string, std::string>, std::vector<const Cell*>> by_row;
+  using Key = std::pair<std::string, std::map<std::string, std::string>>;  // names may have " · " in them
+  std::vector<Key> order;
+  std::map<Key, std::vector<const Cell*>> by_row;
   std::set<std::uint64_t> seeds;
   for (const Cell& cell : bench.cells) {
-    const std::pair<std::string, std::string> key{cell.place, choices_text(cell.choices)};
+    const Key key{cell.place, cell.choices};
     auto& cells = by_row[key];
     if (cells.empty()) order.push_back(key);
     cells.push_back(&cell);
@@ -173,13 +226,13 @@ Analysis analyse(const Bench& bench) {
   analysis.seeds = seeds.size();
   for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options.confidence));
   analysis.duels = judged_duels(bench, options);
-  for (const Duel& duel : analysis.duels) {
-    const bool judged = duel.refused.empty() && (!duel.overall || duel.weighted);
-    analysis.open += judged && (duel.errors.verdict == statistics::Verdict::undecided ||
-                                duel.errors.verdict == statistics::Verdict::too_few);
-  }
+  for (const Duel& duel : analysis.duels)
+    analysis.open += (!duel.overall || duel.weighted) &&
+                     (!duel.refused.empty() || duel.errors.verdict == statistics::Verdict::undecided ||
+                      duel.errors.verdict == statistics::Verdict::too_few);
   analysis.failures = failures_of(bench);
   analysis.unused = unused_of(bench);
+  for (std::string& sentence : repeated_of(analysis.duels)) analysis.unused.push_back(std::move(sentence));
   analysis.rising = rising_of(bench);
   analysis.breakdowns = breakdowns(bench, analysis.confidence);
   return analysis;

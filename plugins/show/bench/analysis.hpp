@@ -29,9 +29,11 @@ struct Duel {
   bool weighted = false;  ///< and, if the file states weights, a mean over them with its verdict
   std::string refused;    ///< why they cannot be compared; empty: they can
   statistics::PairedComparison errors;
+  std::size_t repeated = 0;  ///< seeds that all gave the same and are one trial; 0: they do not
   statistics::TimeComparison times;
-  std::string words;       ///< the verdict, with what to know beside it
-  std::string time_words;  ///< who is faster; empty if nothing was timed
+  bool times_apart = false;  ///< some of the pairs ran in different calls of the program: their times do not count
+  std::string words;         ///< the verdict, with what to know beside it
+  std::string time_words;    ///< who is faster; empty if nothing was timed
 };
 
 struct Failure {
@@ -59,5 +61,9 @@ Analysis analyse(const Bench& bench);
 /// Time of the nodes that alternatives change in a cell [s], without those that only judge; nan if one of them was
 /// taken from the store and so not timed.
 double seconds_of(const Bench& bench, const Cell& cell);
+
+/// Whether these cells of one alternative at one place are one trial that was run several times: two or more, and all
+/// ended alike with the same error to the last digits. Then nothing in the pipeline hangs on the seed.
+bool are_one_trial(const std::vector<const Cell*>& cells);
 
 }  // namespace plumbline::bench

@@ -41,6 +41,7 @@ Cell read_cell(const Json& json, const std::vector<Variable>& variables) {
       for (const auto& [name, value] : stated.items()) cell.modes[mode][name] = number(value);
   if (json.contains("inputs")) json.at("inputs").get_to(cell.inputs);
   if (json.contains("seconds")) json.at("seconds").get_to(cell.seconds);
+  cell.run = json.value("run", "");
   return cell;
 }
 
@@ -71,6 +72,8 @@ Bench read(const Json& json) {
   json.at("tolerances").get_to(bench.tolerances);
   json.at("scenarios").get_to(bench.scenarios);
   if (json.contains("looks")) json.at("looks").get_to(bench.looks);
+  bench.judged_seeds = json.value("judged_seeds", std::size_t{0});
+  bench.behind = json.value("behind", std::size_t{0});
   for (const Json& item : json.at("variables")) bench.variables.push_back({item.at("name"), item.at("values")});
   for (const Json& item : json.at("groups"))
     bench.groups.push_back({item.at("name"), item.at("alternatives"), item.at("nodes"), item.at("whole_pipelines")});
@@ -80,9 +83,14 @@ Bench read(const Json& json) {
   const Json& machine = json.at("machine");
   bench.machine.push_back("plumbline " + machine.at("version").get<std::string>() + ", commit " +
                           machine.value("commit", "unknown") + ", " + machine.value("compiler", "unknown compiler"));
-  bench.machine.push_back(machine.at("processor").get<std::string>() + ", " +
+  // Where cells came from other machines, this one's processor is not theirs.
+  const std::string here = machine.value("host", "");
+  const auto& hosts = machine.at("hosts");
+  const bool only_here = std::all_of(hosts.begin(), hosts.end(), [&](const Json& host) { return host == here; });
+  bench.machine.push_back((only_here || here.empty() ? "" : "page made on " + here + ": ") +
+                          machine.at("processor").get<std::string>() + ", " +
                           std::to_string(machine.at("processors").get<int>()) + " processors");
-  for (const Json& host : machine.at("hosts")) bench.machine.push_back("host " + host.get<std::string>());
+  for (const Json& host : hosts) bench.machine.push_back("host " + host.get<std::string>());
   if (machine.contains("libraries") && !machine.at("libraries").empty()) {
     std::string libraries;
     for (const Json& library : machine.at("libraries"))

@@ -21,6 +21,7 @@ struct Cell {
   std::map<std::string, std::map<std::string, double>> modes;
   std::map<std::string, std::string> inputs;          ///< hash of what each node got
   std::map<std::string, double> seconds;              ///< of the nodes that ran
+  std::string run;                                    ///< of which call of the program
   double measure(const std::string& quantity) const;  ///< nan if it is not there
 };
 
@@ -48,6 +49,8 @@ struct Bench {
   std::vector<double> tolerances;              ///< [m]
   std::vector<std::string> scenarios;
   std::vector<std::size_t> looks;         ///< numbers of seeds at which the bench may stop
+  std::size_t judged_seeds = 0;           ///< the first so many of the file; 0: not told
+  std::size_t behind = 0;                 ///< cells of others that have run and are not among `cells` as such
   std::map<std::string, double> weights;  ///< of places, as the file states them; empty: it states none
   std::string weights_text;               ///< "all places weighing alike", …
   std::vector<Variable> variables;

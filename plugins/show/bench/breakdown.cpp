@@ -31,16 +31,23 @@ std::vector<std::string> in_order(const Variable& variable) {
   return values.size() < 3 ? std::vector<std::string>{} : values;
 }
 
-bool holds(const Cell& cell, double tolerance) {
-  const double worst = cell.measure("worst"), error = std::isfinite(worst) ? worst : cell.measure("error");
+/// Whether the bench knows largest errors; a trial without one does not hold then.
+bool measures_worst(const Bench& bench) {
+  return std::any_of(bench.cells.begin(), bench.cells.end(),
+                     [](const Cell& cell) { return std::isfinite(cell.measure("worst")); });
+}
+
+bool holds(const Cell& cell, double tolerance, bool worst_is_measured) {
+  const double error = cell.measure(worst_is_measured ? "worst" : "error");
   return cell.status == "done" && std::abs(error) <= tolerance;  // nan does not
 }
 
 /// Of all cells with that value, how many hold.
 double share_that_holds(const Bench& bench, const std::string& variable, const std::string& value, double tolerance) {
   std::size_t all = 0, good = 0;
+  const bool worst = measures_worst(bench);
   for (const Cell& cell : bench.cells)
-    if (cell.status != "missing" && cell.values.at(variable) == value) ++all, good += holds(cell, tolerance);
+    if (cell.status != "missing" && cell.values.at(variable) == value) ++all, good += holds(cell, tolerance, worst);
   return all ? static_cast<double>(good) / static_cast<double>(all) : 0;
 }
 
@@ -67,31 +74,39 @@ std::size_t rank_of_end(std::size_t n, double risk) {
 /// One alternative in one place: by site the cells in the order of the values.
 using Sites = std::map<std::uint64_t, std::vector<const Cell*>>;
 
-void judge_sites(const Sites& sites, double confidence, Breakdown& found) {
-  std::vector<std::size_t> ends;
+void judge_sites(const Sites& sites, double confidence, bool worst_is_measured, Breakdown& found) {
+  // A site whose next value has not run yet breaks there at the earliest and at the end at the latest. Left away, the
+  // sites that broke early would be left, because those are known first.
+  std::vector<std::size_t> earliest, latest;
   for (const auto& [seed, cells] : sites) {
+    const auto has_run = [](const Cell* cell) { return cell && cell->status != "missing"; };
     std::size_t end = 0;
-    while (end < cells.size() && cells[end] && holds(*cells[end], found.tolerance)) ++end;
-    const bool known = end == cells.size() || (cells[end] && cells[end]->status != "missing");
-    if (known) ends.push_back(end);
+    while (end < cells.size() && cells[end] && holds(*cells[end], found.tolerance, worst_is_measured)) ++end;
+    const bool known = end == cells.size() || has_run(cells[end]);
+    if (!known && std::none_of(cells.begin(), cells.end(), has_run)) continue;
+    found.sites += known, found.open += !known;
+    earliest.push_back(end), latest.push_back(known ? end : cells.size());
   }
-  std::sort(ends.begin(), ends.end());
-  found.sites = ends.size();
+  std::sort(earliest.begin(), earliest.end());
+  std::sort(latest.begin(), latest.end());
   found.lower = found.upper = found.values.size() + 1;
-  if (ends.empty()) return;
-  found.median = ends[(ends.size() - 1) / 2];
-  if (const std::size_t rank = rank_of_end(ends.size(), 1 - confidence); rank > 0) {
-    found.lower = ends[rank - 1];
-    found.upper = ends[ends.size() - rank];
+  if (found.sites == 0) return;
+  const std::size_t n = earliest.size();
+  found.median = earliest[(n - 1) / 2], found.at_most = latest[(n - 1) / 2];
+  if (const std::size_t rank = rank_of_end(n, 1 - confidence); rank > 0) {
+    found.lower = earliest[rank - 1];
+    found.upper = latest[n - rank];
   }
 }
 
 void add(const Bench& bench, const std::string& variable, const std::vector<std::string>& values, double tolerance,
          double confidence, std::vector<Breakdown>& all) {
-  std::vector<std::pair<std::string, std::string>> order;
-  std::map<std::pair<std::string, std::string>, Sites> sites;
+  using Key = std::pair<std::string, std::map<std::string, std::string>>;
+  std::vector<Key> order;
+  std::map<Key, Sites> sites;
+  const bool worst = measures_worst(bench);
   for (const Cell& cell : bench.cells) {
-    const std::pair<std::string, std::string> key{place_without(cell, variable), choices_text(cell.choices)};
+    const Key key{place_without(cell, variable), cell.choices};
     if (sites.count(key) == 0) order.push_back(key);
     auto& cells = sites[key][cell.seed];
     cells.resize(values.size(), nullptr);
@@ -99,8 +114,10 @@ void add(const Bench& bench, const std::string& variable, const std::vector<std:
     if (value != values.end()) cells[value - values.begin()] = &cell;
   }
   for (const auto& key : order) {
-    Breakdown found{variable, key.first, key.second, tolerance, values, 0, 0, 0, 0};
-    judge_sites(sites.at(key), confidence, found);
+    Breakdown found;
+    found.variable = variable, found.place = key.first, found.name = choices_text(key.second);
+    found.tolerance = tolerance, found.values = values, found.by_worst = worst;
+    judge_sites(sites.at(key), confidence, worst, found);
     if (found.sites > 0) all.push_back(std::move(found));
   }
 }
@@ -131,9 +148,11 @@ std::vector<Breakdown> breakdowns(const Bench& bench, double confidence) {
 }
 
 std::string breakdown_text(const Breakdown& b) {
-  const std::string far = b.median == 0                 ? "not even at " + b.values[0]
-                          : b.median == b.values.size() ? "through " + b.values.back()
-                                                        : "up to " + b.values[b.median - 1];
+  const std::string far =
+      b.median < b.at_most ? "at least " + (b.median == 0 ? "below " + b.values[0] : "up to " + b.values[b.median - 1])
+      : b.median == 0      ? "not even at " + b.values[0]
+      : b.median == b.values.size() ? "through " + b.values.back()
+                                    : "up to " + b.values[b.median - 1];
   if (!b.has_interval() || b.lower == b.upper) return far;
   return far + " (" + values_text(b, b.lower) + " to " + values_text(b, b.upper) + ")";
 }
@@ -160,6 +179,12 @@ std::vector<std::string> breakdown_sentences(const std::vector<Breakdown>& found
       text += far == last ? "," + name.substr(name.empty() ? 0 : 5) : begun + name;
       last = far;
     }
+    std::size_t open = 0;
+    for (const Breakdown* b : alike) open = std::max(open, b->open);
+    if (open > 0)
+      text += "; of " + (open == 1 ? "one site" : "up to " + std::to_string(open) + " sites") +
+              " the next value has not run yet";
+    if (!first.by_worst) text += "; by their RMSE, because no largest error is measured";
     sentences.push_back(text + ".");
   }
   return sentences;

@@ -13,8 +13,11 @@ struct Breakdown {
   std::string variable, place, name;  ///< place: scenario and the other variables, in words
   double tolerance = 0;               ///< [m]
   std::vector<std::string> values;    ///< of the variable, from where more sites hold to where fewer do
+  bool by_worst = true;               ///< of largest errors; else of what the file measures as error
   std::size_t sites = 0;              ///< those of which every value up to their end has run
+  std::size_t open = 0;               ///< further ones, of which the value that would tell has not run
   std::size_t median = 0;             ///< half of the sites hold at so many of the values, and not at the next
+  std::size_t at_most = 0;            ///< the same if all that is open held; larger: the median is not known yet
   /// The same as an interval of the median; both ends `values.size() + 1` with too few sites for one.
   std::size_t lower = 0, upper = 0;
   bool has_interval() const { return upper <= values.size(); }

@@ -17,6 +17,8 @@ using statistics::TimePair;
 
 /// The cells of one group's two alternatives that differ in nothing else.
 class DuelBuilder {
+  using Twin = std::pair<const Cell*, const Cell*>;
+
  public:
   DuelBuilder(const Bench& bench, const Group& group, const std::string& first, const std::string& second)
       : group_(group),
@@ -24,11 +26,14 @@ class DuelBuilder {
         useless_above_(bench.useless_above()),
         first_(first),
         second_(second) {
-    std::map<std::tuple<std::string, std::string, std::uint64_t>, std::pair<const Cell*, const Cell*>> twins;
+    using Others = std::map<std::string, std::string>;  // what the other groups have
+    std::map<std::tuple<std::string, Others, std::uint64_t>, Twin> twins;
     for (const Cell& cell : bench.cells) {
       const auto choice = cell.choices.find(group.name);
       if (choice == cell.choices.end()) continue;
-      auto& twin = twins[{cell.place, choices_text(cell.choices, group.name), cell.seed}];
+      Others others = cell.choices;
+      others.erase(group.name);
+      auto& twin = twins[{cell.place, others, cell.seed}];
       if (choice->second == first) twin.first = &cell;
       if (choice->second == second) twin.second = &cell;
     }
@@ -49,7 +54,10 @@ class DuelBuilder {
     for (const auto& [name, twins] : twins_) {
       if (place && name != *place) continue;
       const auto weight = weights.find(name);
-      places.push_back({weight == weights.end() ? 1.0 : weight->second, encounters(twins, duel, seconds)});
+      const std::size_t seeds = seeds_of_one_trial(twins);
+      if (place) duel.repeated = seeds;
+      const std::vector<Twin> counting = seeds > 0 ? twins_of_one_seed(twins) : twins;
+      places.push_back({weight == weights.end() ? 1.0 : weight->second, encounters(counting, duel, seconds)});
     }
     if (!duel.refused.empty()) return duel;
     duel.errors = compare(places, options);
@@ -58,7 +66,29 @@ class DuelBuilder {
   }
 
  private:
-  using Twin = std::pair<const Cell*, const Cell*>;
+  /// How many seeds these are where each alternative, with whatever else varies held, gave the same with all of them;
+  /// else 0. Where one of them always fails, the other one tells.
+  static std::size_t seeds_of_one_trial(const std::vector<Twin>& twins) {
+    std::map<std::map<std::string, std::string>, std::vector<const Cell*>> alike;
+    std::set<std::uint64_t> seeds;
+    for (const auto& [a, b] : twins)
+      for (const Cell* cell : {a, b})
+        if (cell->status != "missing") alike[cell->choices].push_back(cell), seeds.insert(cell->seed);
+    bool any = false;
+    for (const auto& [choices, cells] : alike) {
+      const bool silent = std::all_of(cells.begin(), cells.end(), [](const Cell* c) { return c->status == "failed"; });
+      if (!silent && !are_one_trial(cells)) return 0;
+      any |= !silent;
+    }
+    return any && seeds.size() > 1 ? seeds.size() : 0;
+  }
+
+  static std::vector<Twin> twins_of_one_seed(const std::vector<Twin>& twins) {
+    std::vector<Twin> kept;
+    for (const Twin& twin : twins)
+      if (twin.first->seed == twins.front().first->seed) kept.push_back(twin);
+    return kept;
+  }
 
   /// One for each seed: what else varies (other groups) is averaged within it, because it is the same site.
   std::vector<Encounter> encounters(const std::vector<Twin>& twins, Duel& duel, std::vector<TimePair>& seconds) const {
@@ -80,6 +110,10 @@ class DuelBuilder {
       sum.first += a->measure("error") * a->measure("error");
       sum.second += b->measure("error") * b->measure("error");
       ++sum.both;
+      if (a->run != b->run) {  // another hour, perhaps another machine
+        duel.times_apart = true;
+        continue;
+      }
       seconds.push_back(
           {a->seed, seconds_in(*a, nodes, group_.whole_pipelines), seconds_in(*b, nodes, group_.whole_pipelines)});
     }
@@ -139,7 +173,8 @@ class DuelBuilder {
 
 std::string time_in_words(const Duel& duel) {
   const auto& ratio = duel.times.ratio;
-  if (!std::isfinite(ratio.interval.lower)) return "";
+  if (!std::isfinite(ratio.interval.lower))
+    return duel.times_apart ? "their times are of different runs, so they are not compared" : "";
   if (!duel.times.confirmed)
     return "no difference in time is confirmed (ratio " + text::format_fixed(ratio.value, 2) + ", " +
            text::format_fixed(ratio.interval.lower, 2) + " to " + text::format_fixed(ratio.interval.upper, 2) + ")";
@@ -154,6 +189,11 @@ std::string time_in_words(const Duel& duel) {
 void put_in_words(Duel& duel, double rope) {
   if (!duel.refused.empty()) {
     duel.words = duel.first + " and " + duel.second + " are not compared: " + duel.refused;
+    return;
+  }
+  if (duel.repeated > 0) {
+    duel.words = "nothing can be said of " + duel.first + " and " + duel.second + ": all " +
+                 std::to_string(duel.repeated) + " seeds gave the same, so they are one trial";
     return;
   }
   if (!duel.overall || duel.weighted) duel.words = in_words(duel.errors, duel.first, duel.second, rope, 1e3, "mm");

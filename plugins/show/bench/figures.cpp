@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "show/bench/sentences.hpp"
 #include "show/bench/tables.hpp"
 
 namespace plumbline::bench {
@@ -169,7 +170,9 @@ Drawing panel(const Bench& bench, const Analysis& analysis, const Group& group) 
         draw_row(d, axis, y, *row->second, names[k], colour(k));
     y += kGap;
   }
-  draw_axis(d, axis, y, std::string("RMSE [mm] with its 95 % interval") + (axis.logarithmic() ? ", logarithmic" : ""));
+  draw_axis(d, axis, y,
+            "RMSE [mm] with its " + confidence_text(bench, analysis) + " interval" +
+                (axis.logarithmic() ? ", logarithmic" : ""));
   d.height = y + kBottom;
   return d;
 }

@@ -160,10 +160,11 @@ std::string plain_list(const std::vector<std::string>& sentences, const std::str
   return text + "</ul>\n";
 }
 
-std::string breakdown_table(const Analysis& analysis) {
+std::string breakdown_table(const Bench& bench, const Analysis& analysis) {
   std::string text =
-      "<p class=\"soft\">The value up to which half of the sites have a result within the tolerance, and the 95 % "
-      "interval of that median.</p><div class=\"scroll\"><table><thead><tr><th>variable</th><th>place</th>"
+      "<p class=\"soft\">The value up to which half of the sites have a result within the tolerance, and the " +
+      confidence_text(bench, analysis) +
+      " interval of that median.</p><div class=\"scroll\"><table><thead><tr><th>variable</th><th>place</th>"
       "<th>alternative</th><th class=\"n\">within [mm]</th><th "
       "class=\"n\">sites</th><th>holds</th></tr></thead><tbody>\n";
   for (const Breakdown& b : analysis.breakdowns)
@@ -199,7 +200,7 @@ std::string behind(const Bench& bench, const Analysis& analysis) {
   if (!bench.groups.empty()) fold("Verdicts, pair by pair", verdict_list(bench, analysis));
   if (const auto sentences = calibration_verdicts(analysis); !sentences.empty())
     fold("What covariances state against what is found", plain_list(sentences));
-  if (!analysis.breakdowns.empty()) fold("Where they break", breakdown_table(analysis));
+  if (!analysis.breakdowns.empty()) fold("Where they break", breakdown_table(bench, analysis));
   if (!analysis.rising.empty()) fold("Costs that go up", plain_list(analysis.rising, "bad"));
   return text.empty() ? "" : "<section>" + text + "</section>\n";
 }
@@ -242,9 +243,11 @@ std::string select(const std::string& id, const std::string& label) {
   return "<select id=\"" + id + "\" aria-label=\"" + label + "\"></select>";
 }
 
-std::string plots() {
+std::string plots(const std::string& confidence) {
   return "<section id=\"paired\"><h2>Paired differences</h2>\n"
-         "<p class=\"soft\">Each line is the difference of two alternatives on the same trials with its 95 % interval. "
+         "<p class=\"soft\">Each line is the difference of two alternatives on the same trials with its " +
+         confidence +
+         " interval. "
          "There is no winner where it covers zero.</p>\n" +
          figure("differences", select("differences-group", "group"), false) + "<h2>Trial by trial</h2>\n" +
          figure("pairs", select("pairs-duel", "pair"), false) +
@@ -276,7 +279,7 @@ std::string to_html(const Bench& bench, const Analysis& analysis) {
       "placeholder=\"filter: words that a row must hold\" size=\"40\"><span class=\"soft\" id=\"count\"></span>"
       "</div>\n" +
       main_table(bench, analysis) + "</section>\n";
-  text += plots() + failure_table(bench, analysis);
+  text += plots(confidence_text(bench, analysis)) + failure_table(bench, analysis);
   text += "<section><h2>Machine and versions</h2>\n<p class=\"soft\">";
   for (const std::string& line : bench.machine) text += xml_escaped(line) + "<br>";
   text += "</p></section>\n<script type=\"application/json\" id=\"data\">" + data_text(bench, analysis) +

@@ -191,9 +191,13 @@ std::vector<std::string> calibration_verdicts(const Analysis& analysis) {
   return sentences;
 }
 
+std::string confidence_text(const Bench& bench, const Analysis& analysis) {
+  return text::format_fixed(100 * analysis.confidence, bench.looks.empty() ? 0 : 1) + " %";
+}
+
 std::string method_text(const Bench& bench, const Analysis& analysis) {
-  std::string text = "Intervals: " + text::format_fixed(100 * analysis.confidence, bench.looks.empty() ? 0 : 1) +
-                     " %, delete-one jackknife over seeds (a seed counts once, in all places), rates by Wilson; "
+  std::string text = "Intervals: " + confidence_text(bench, analysis) +
+                     ", delete-one jackknife over seeds (a seed counts once, in all places), rates by Wilson; "
                      "differences are paired by seed, tested by exchanging whole seeds, p adjusted by Holm over all "
                      "places and pairs; a trial without result is lost";
   if (!bench.looks.empty())

@@ -24,6 +24,9 @@ std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& ana
 /// that states something wrong somewhere, and one that counts those that are right.
 std::vector<std::string> calibration_verdicts(const Analysis& analysis);
 
+/// Of the intervals: "95 %", or less of an error probability where the bench may stop at several looks.
+std::string confidence_text(const Bench& bench, const Analysis& analysis);
+
 /// How intervals and tests were made.
 std::string method_text(const Bench& bench, const Analysis& analysis);
 

@@ -28,9 +28,10 @@ struct BenchSummary : Node {
     const bench::Analysis analysis = bench::analyse(given);
     context.metric("cells", static_cast<double>(analysis.cells), "1");
     context.metric("failed", static_cast<double>(analysis.failed), "1");
-    context.metric("open", static_cast<double>(analysis.open), "1");
-    for (const std::string& words : analysis.unused)
-      if (words.starts_with("measure ")) context.warn(words);  // the program tells what ran nothing by itself
+    // Where nothing is compared nothing is decided.
+    context.metric("open", analysis.duels.empty() ? 1 : static_cast<double>(analysis.open), "1");
+    for (const std::string& words : analysis.unused)  // the program tells what ran nothing by itself
+      if (words.starts_with("measure ") || words.starts_with("all ")) context.warn(words);
     html.commit(file("bench.html", "text/html", to_html(given, analysis)));
     csv.commit(file("bench.csv", "text/csv", to_csv(given)));
     json.commit(file("bench.json", "application/json", to_json(given, analysis)));

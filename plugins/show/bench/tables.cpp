@@ -69,6 +69,7 @@ Json duel_json(const Duel& duel) {
     json["refused"] = duel.refused;
     return json;
   }
+  if (duel.repeated > 0) json["seeds_of_one_trial"] = duel.repeated;
   json["pairs"] = duel.errors.pairs;
   json["seeds"] = duel.errors.seeds;
   json["lost_by_first"] = duel.errors.lost_first;
@@ -102,6 +103,7 @@ Json breakdown_json(const Breakdown& b) {
   const auto value = [&](std::size_t count) { return count == 0 ? Json() : Json(b.values[count - 1]); };
   Json json{{"variable", b.variable}, {"place", b.place},   {"name", b.name},          {"tolerance", b.tolerance},
             {"sites", b.sites},       {"values", b.values}, {"holds", value(b.median)}};
+  if (b.open > 0) json["open_sites"] = b.open, json["holds_at_most"] = value(b.at_most);
   if (b.has_interval()) json["interval"] = {value(b.lower), value(b.upper)};
   return json;
 }
@@ -158,8 +160,11 @@ std::string interval_text(const Estimate& estimate, double scale) {
 std::string coverage_text(const Bench& bench, const Analysis& analysis) {
   std::string text = std::to_string(analysis.cells) + " cells with " + std::to_string(analysis.seeds) +
                      (analysis.seeds == 1 ? " seed: " : " different seeds: ") + std::to_string(analysis.done) +
-                     " finished, " + std::to_string(analysis.failed) + " failed, " + std::to_string(analysis.missing) +
-                     " not run yet";
+                     " finished, " + std::to_string(analysis.failed) + " failed, " +
+                     std::to_string(analysis.missing - std::min(analysis.missing, bench.behind)) + " not run yet";
+  if (bench.behind > 0)
+    text += "; judged at the look at the first " + std::to_string(bench.judged_seeds) + " seeds, without " +
+            std::to_string(bench.behind) + " cells of later ones that have run";
   std::size_t excluded = 0;
   for (const Excluded& item : bench.excluded) excluded += item.cells;
   if (excluded > 0) text += "; " + std::to_string(excluded) + " excluded by the file";

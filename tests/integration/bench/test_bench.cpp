@@ -1,5 +1,6 @@
 // plumbline bench from outside: what is shared runs once, what failed is told every time, the order never matters.
 #include "bench_program.hpp"
+#include "runtime/base/digest.hpp"
 
 namespace plumbline::test {
 namespace test_bench {
@@ -62,7 +63,7 @@ TEST(Bench, ScenariosThatAreNamedRunAloneWithWhatSpeaksOfThem) {
   EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
   EXPECT_EQ(some["cells"], 12);
   EXPECT_EQ(some["found"], 12);  // the same cells as of the whole
-  const Json other = plumbline.run({"--scenario", "near", "--seeds", "1", "factor=1"});
+  const Json other = plumbline.run({"--scenario", "near", "--seeds", "1", "factor=3"});
   EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
   EXPECT_EQ(other["cells"], 1);
   const auto refused = plumbline({"bench", "b.yaml", "--scenario", "one flor"});
@@ -450,7 +451,7 @@ TEST(Bench, LoopsAreComparedByWhatTheirFirstRoundGets) {
                   "rounds: {carry: {state: {first: site.number, next: solver.error}}, most: 3}\n"
                   "nodes:\n  site: {use: story.draw}\n  solver: {use: trial.plain, in: {site: rounds.state}}\n");
   plumbline.bench_file(
-      "seeds: 1-8\nalternatives: {solver: {mine: {solver.with.factor: 0.5}, theirs: {solver.with.factor: 1}}}\n");
+      "seeds: 1-8\nalternatives: {solver: {mine: {solver.with.factor: 1e6}, theirs: {solver.with.factor: 2e6}}}\n");
   plumbline.run();
   const Json duel = plumbline.summary()["comparisons"][0];
   EXPECT_FALSE(duel.contains("refused")) << duel;
@@ -550,6 +551,130 @@ TEST(Bench, StopsAtTheFirstLookAtWhichEverythingIsDecided) {
       "{solver.with.own: 0.00031}}}\n");
   counts = plumbline.run();
   EXPECT_EQ(counts["done"], 24) << "without a rope nothing is equal, and they are too alike for a winner";
+}
+
+/// Cells of a run that was cut off, or of another file, are no look of their own: with them a bench would be looked at
+/// where its error probability has no share, as often as it is started again.
+TEST(Bench, ALookSeesItsSeedsAndNoOthers) {
+  BenchProgram plumbline;
+  const std::string rest = "alternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n";
+  plumbline.bench_file("seeds: 1-25\n" + rest);
+  plumbline.run();
+  plumbline.bench_file("seeds: 1-40\nstop: {when: decided, after: [10, 20, 40]}\n" + rest);
+  const auto trials = [&](const std::string& page) {
+    return Json::parse(read_file(plumbline.work() / page / "bench.json"))["rows"][0]["trials"];
+  };
+  EXPECT_EQ(plumbline({"bench", "b.yaml", "--status", "--out", "out/status"}).code, 1);
+  EXPECT_EQ(trials("out/status"), 20) << "the last look that is complete";
+  plumbline.run();
+  EXPECT_EQ(trials("out/b"), 10);
+  const std::string text = read_file(plumbline.work() / "out/b/bench.md");
+  EXPECT_THAT(text, HasSubstr("80 cells with 40 different seeds: 20 finished, 0 failed, 30 not run yet; judged at the "
+                              "look at the first 10 seeds, without 30 cells of later ones that have run"));
+  EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.svg"), HasSubstr("with its 98.3 % interval"));
+}
+
+TEST(Bench, WhereNothingIsComparedNothingIsDecided) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-12\nstop: {when: decided, after: [6, 12]}\n");
+  EXPECT_EQ(plumbline.run()["done"], 12);
+}
+
+/// Once "beats by 0.25 mm (0.25 to 0.25)" of thirty times the same trial.
+TEST(Bench, SeedsThatChangeNothingAreOneTrial) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.constant, with: {value: 7}}\n"
+                  "  solver: {use: trial.plain, in: {site: site.number}}\n");
+  plumbline.bench_file("seeds: 1-30\nalternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\n");
+  plumbline.run();
+  const Json summary = plumbline.summary();
+  EXPECT_THAT(summary["verdicts"][0].get<std::string>(),
+              HasSubstr("nothing can be said of good and worse: all 30 seeds gave the same, so they are one trial"));
+  EXPECT_THAT(summary["choices"][0].get<std::string>(), Not(HasSubstr("take good")));
+  EXPECT_TRUE(summary["rows"][0]["rmse"]["lower"].is_null());
+  EXPECT_EQ(summary["rows"][0]["trials"], 1);
+  EXPECT_THAT(plumbline.answer.err, HasSubstr("warning: all 30 seeds gave the same: nothing there hangs on the seed"));
+}
+
+/// An alternative that is added later runs in another hour: who is faster then is not known.
+TEST(Bench, TimesOfDifferentRunsAreNotCompared) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-12\nalternatives: {method: {slow: {solver.with.milliseconds: 4}}}\n");
+  plumbline.run();
+  const std::string both =
+      "seeds: 1-12\nalternatives: {method: {slow: {solver.with.milliseconds: 4}, fast: {solver.with.factor: 1.5}}}\n";
+  plumbline.bench_file(both);
+  plumbline.run();
+  EXPECT_THAT(plumbline.summary()["comparisons"][0]["time_words"].get<std::string>(),
+              HasSubstr("their times are of different runs, so they are not compared"));
+  BenchProgram together;
+  together.bench_file(both);
+  together.run();
+  EXPECT_THAT(together.summary()["comparisons"][0]["time_words"].get<std::string>(), HasSubstr("fast is"));
+}
+
+/// Of an archive alone nobody sees what it lacks, nor why a cell failed now that failed before.
+TEST(Bench, AnArchiveSaysWhatItLacksAndVerifyWhatIsNotTheSame) {
+  BenchProgram plumbline(
+      {PLUMBLINE_STORY_PLUGIN, PLUMBLINE_TRIAL_PLUGIN, PLUMBLINE_BENCH_PLUGIN, PLUMBLINE_OUTSIDE_PLUGIN});
+  plumbline.bench_file("seeds: 1-8\nalternatives: {solver: [trial.plain, outside.solver]}\n");
+  plumbline.run({"--seeds", "1-3"});
+  const Answer part = plumbline({"bench", "b.yaml", "--status", "--out", "out/s", "--archive", "part"});
+  EXPECT_THAT(part.err, HasSubstr("part lacks 10 of 16 cells, which have not run"));
+  EXPECT_THAT(plumbline({"bench", "verify", "part"}).out,
+              HasSubstr("the bench has 16 cells: 10 had not run when it was archived"));
+  // Without the plugin from outside its cells cannot be made again.
+  const auto elsewhere = plumbline.folder.path() / "elsewhere";
+  fs::create_directory(elsewhere);
+  for (const std::string plugin : {PLUMBLINE_STORY_PLUGIN, PLUMBLINE_TRIAL_PLUGIN, PLUMBLINE_BENCH_PLUGIN})
+    fs::create_symlink(plugin, elsewhere / fs::path(plugin).filename());
+  fs::create_symlink(fs::path(PLUMBLINE_STORY_PLUGIN).parent_path() / "roles", elsewhere / "roles");
+  plumbline.bench_file(
+      "seeds: 1-3\nscenarios: {hard: {solver.with.fails: 1}}\nalternatives: {solver: [trial.plain, "
+      "outside.solver]}\n");
+  plumbline.run({"--archive", "whole"});
+  plumbline.use_plugins(elsewhere);
+  const Answer answer = plumbline({"bench", "verify", "whole", "--cells", "0"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_THAT(answer.out, HasSubstr("6 of 6 archived cells made again, 3 agree to 1e-09, 3 differ"));
+  EXPECT_THAT(answer.out, HasSubstr("solver=outside.solver, seed 1: it failed for another reason: "));
+}
+
+TEST(Bench, VerifyTellsCellsThatItCannotPlanAndInputsThatChanged) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-3\nalternatives: {method: {a: {}, b: {solver.with.factor: 2}}}\n");
+  plumbline.run({"--archive", "supplement"});
+  // As an archive of a program that had more kinds of a role.
+  const fs::path cells = plumbline.work() / "supplement/cells.jsonl",
+                 file = plumbline.work() / "supplement/archive.json";
+  std::string text = read_file(cells);
+  for (size_t at; (at = text.find("method=b")) != std::string::npos;) text.replace(at, 8, "method=c");
+  std::ofstream(cells) << text;
+  Json archive = Json::parse(read_file(file));
+  archive["cells_sha256"] = runtime::sha256_of(text.data(), text.size());
+  archive["inputs"] = Json::array({{{"path", (plumbline.work() / "b.yaml").string()}, {"sha256", "00"}},
+                                   {{"path", "/nowhere/at/all"}, {"sha256", "00"}}});
+  std::ofstream(file) << archive.dump();
+  const Answer answer = plumbline({"bench", "verify", "supplement", "--cells", "0"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_THAT(answer.out, HasSubstr("differs: method=c, seed 1: it is archived, and no cell that this program makes"));
+  EXPECT_THAT(answer.out, HasSubstr("b.yaml is not what the cells were made from: it has been changed"));
+  EXPECT_THAT(answer.out, HasSubstr("differs: the input /nowhere/at/all is not there"));
+}
+
+/// Once `--archive .` removed the folder "files" that stood there.
+TEST(Bench, AnArchiveReplacesNothingButAnArchive) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-2\n");
+  fs::create_directories(plumbline.work() / "mine/files");
+  plumbline.write("mine/files/thesis.txt", "years of work\n");
+  const Answer answer = plumbline({"bench", "b.yaml", "--archive", "mine"});
+  EXPECT_NE(answer.code, 0);
+  EXPECT_THAT(answer.err, HasSubstr("mine is there and no archive of a bench"));
+  EXPECT_TRUE(fs::exists(plumbline.work() / "mine/files/thesis.txt"));
+  EXPECT_TRUE(plumbline.results().empty()) << "said before anything runs";
+  for (int k = 0; k < 2; ++k) EXPECT_EQ(plumbline({"bench", "b.yaml", "--archive", "own"}).code, 0) << k;
 }
 
 TEST(Bench, AnArchiveMakesItsCellsAgainAndNoticesWhatWasChanged) {

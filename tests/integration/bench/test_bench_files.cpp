@@ -98,6 +98,62 @@ TEST(BenchFile, WhatHoldsInNoCombinationIsRefusedWithItsPlace) {
   EXPECT_THAT(answer.err, testing::Not(HasSubstr("'factor=2'")));
 }
 
+/// What is set twice holds as one of them says and stands under both names: once "far, factor=1" with factor 1, and a
+/// command line of which nothing came.
+TEST(BenchFile, WhatIsSetTwiceIsRefusedWithBothPlaces) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-2\nscenarios:\n  far: {factor: 2}\nmatrix: {factor: [1, 2]}\n"
+      "alternatives: {method: {a: {}, b: {factor: 3}}}\n");
+  Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 2) << answer.out;
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:7:10: 'factor' is set to '1' here and to '2' by scenario 'far': only one"));
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:8:36: 'factor' is set to '3' here and to '2' by scenario 'far'"));
+  plumbline.bench_file("seeds: 1-2\nscenarios: {near: {factor: 3}}\n");
+  answer = plumbline({"bench", "b.yaml", "factor=1"});
+  EXPECT_EQ(answer.code, 2) << answer.out;
+  EXPECT_THAT(answer.err, HasSubstr("'factor' is set to '3' here and to '1' by the command line"));
+  EXPECT_EQ(plumbline({"bench", "b.yaml", "factor=3"}).code, 0) << "they agree";
+  plumbline.bench_file("seeds: 1-2\nmatrix: {seed: [1, 2]}\n");
+  EXPECT_THAT(plumbline({"bench", "b.yaml"}).err, HasSubstr("b.yaml:5:10: 'seed' is set to '1' here"));
+  plumbline.bench_file("seeds: 1-2\n");
+  EXPECT_THAT(plumbline({"bench", "b.yaml", "seed=7"}).err, HasSubstr("b.yaml:4:8: 'seed' is set to"));
+  plumbline.bench_file(
+      "seeds: 1-2\nscenarios: {far: {factor: 2}, near: {}}\nalternatives: {method: {a: {}, b: {factor: 3}}}\n"
+      "exclude: [{scenario: far, method: b}]\n");
+  EXPECT_EQ(plumbline({"bench", "b.yaml"}).code, 0) << "where they would meet is excluded";
+}
+
+/// Once the pipeline of the group whose name comes later, under the name of the other one, too.
+TEST(BenchFile, TwoGroupsThatTakeAPipelineAreRefusedWhereTheyMeet) {
+  BenchProgram plumbline;
+  for (const char* name : {"one.yaml", "other.yaml"})
+    plumbline.write(name,
+                    "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+                    "  solver: {use: trial.plain, in: {site: site.number}}\n");
+  plumbline.bench_file(
+      "seeds: 1-2\nalternatives: {adjuster: {a: {}, b: {pipeline: one.yaml}}, fusion: {c: {}, d: {pipeline: "
+      "other.yaml}}}\n");
+  EXPECT_EQ(plumbline.run()["failed"], 2);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("the groups 'adjuster' and 'fusion' both set pipeline"));
+}
+
+/// Once printed as millimetres, and the worst called the winner.
+TEST(BenchFile, WhatIsMeasuredIsALength) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+                  "  solver: {use: trial.cost, in: {site: site.number}}\n");
+  plumbline.write("b.yaml",
+                  "bench: 1\npipeline: trial.yaml\nmeasure: {error: solver.cost}\nseeds: 1-8\n"
+                  "alternatives: {method: {a: {}, b: {solver.with.assumed: 1}}}\n");
+  EXPECT_EQ(plumbline.run()["failed"], 16);
+  EXPECT_EQ(plumbline.answer.code, 1);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("'solver.cost' is in '1': 'error' of a bench is a length in 'm', of which less is better"));
+}
+
 /// What one kind of node takes and another does not is no slip of the pen.
 TEST(BenchFile, ACombinationThatIsNoPipelineIsAFailedCellWithItsReason) {
   BenchProgram plumbline;

@@ -1,6 +1,8 @@
 // Where an alternative breaks: the median over sites of the value at which each of them breaks.
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "show/bench/breakdown.hpp"
 
 namespace plumbline::bench {
@@ -75,6 +77,32 @@ TEST(Breakdown, SitesThatHaveNotRunAreNotCounted) {
   for (Cell& cell : bench.cells)
     if (cell.seed < 2 && cell.values["outliers"] == "0.3") cell.status = "missing";
   EXPECT_EQ(breakdowns(bench, 0.95)[0].sites, 5u);
+}
+
+/// A bench that was cut off has run the first values of all sites: those that broke there are known, and those that
+/// hold so far were left away. Once "up to 0.1" of sites of which two thirds held at 0.2, where the run ended.
+TEST(Breakdown, SitesThatHoldSoFarAreNotLeftAway) {
+  Bench bench = bench_of({2, 2, 2, 2, 6, 6, 6, 6, 6, 6, 6, 6});
+  for (Cell& cell : bench.cells)
+    if (cell.values["outliers"] >= "0.3") cell.status = "missing";
+  const auto found = breakdowns(bench, 0.95);
+  EXPECT_EQ(found[0].sites, 4u);
+  EXPECT_EQ(found[0].open, 8u);
+  EXPECT_EQ(breakdown_text(found[0]), "at least up to 0.2 (0.1 to 0.5)");
+  EXPECT_THAT(breakdown_sentences(found)[0], HasSubstr("; of up to 8 sites the next value has not run yet."));
+}
+
+/// Once judged by its RMSE, which is within.
+TEST(Breakdown, ATrialOfWhichTheLargestErrorIsNotKnownDoesNotHold) {
+  Bench bench = bench_of({6, 6, 6, 6, 6, 6, 6});
+  for (Cell& cell : bench.cells) {
+    cell.measures["error"] = 0.001;
+    if (cell.values["outliers"] == "0.4") cell.measures["worst"] = std::nan("");
+  }
+  EXPECT_EQ(breakdown_text(breakdowns(bench, 0.95)[0]), "up to 0.3");
+  for (Cell& cell : bench.cells) cell.measures.erase("worst");
+  EXPECT_THAT(breakdown_sentences(breakdowns(bench, 0.95))[0],
+              HasSubstr("; by their RMSE, because no largest error is measured"));
 }
 
 TEST(Breakdown, OnlyOfVariablesThatAreNumbers) {

@@ -1,6 +1,8 @@
 // Which alternative a bench tells people to take.
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "show/bench/analysis.hpp"
 #include "show/bench/page.hpp"
 #include "show/bench/sentences.hpp"
@@ -143,6 +145,36 @@ TEST(Choice, ACostThatStaysIsNotSaidToRise) {
     cell.measures["final_cost"] = cell.status == "done" ? 100 * (1 + 1e-12) : 200;
   }
   EXPECT_THAT(analyse(bench).rising, testing::IsEmpty());
+}
+
+/// Rows are told apart by what was chosen, not by how it reads.
+TEST(Rows, NamesThatReadAlikeAreRowsOfTheirOwn) {
+  Bench bench;
+  bench.groups = {{"first", {"a", "a · b"}, {}, false}, {"second", {"b · c", "c"}, {}, false}};
+  for (const auto& [first, second] : {std::pair<std::string, std::string>{"a", "b · c"}, {"a · b", "c"}})
+    for (std::size_t seed = 0; seed < 8; ++seed) {
+      Cell cell;
+      cell.choices = {{"first", first}, {"second", second}};
+      cell.seed = seed, cell.status = "done";
+      cell.measures["error"] = first == "a" ? 0.001 + 1e-6 * static_cast<double>(seed) : 0.002;
+      bench.cells.push_back(cell);
+    }
+  const Analysis found = analyse(bench);
+  ASSERT_EQ(found.rows.size(), 2u);
+  EXPECT_EQ(found.rows[0].summary.trials, 8u);
+}
+
+/// A mean over the others would be one of other trials: it is not there, and that is said.
+TEST(Rows, AMeasureThatSomeTrialsLackIsNamed) {
+  Bench bench = bench_of(0.001, 24);
+  bench.metrics = {{"error", "errors.rmse_z"}, {"predicted", "errors.predicted_rmse_z"}};
+  for (Cell& cell : bench.cells)
+    if (cell.choices["method"] == "robust") cell.measures["predicted"] = cell.seed % 2 == 0 ? 0.001 : std::nan("");
+  const Analysis found = analyse(bench);
+  EXPECT_THAT(
+      found.unused,
+      testing::Contains("measure predicted (errors.predicted_rmse_z) has no value in some trials of 2 rows (the "
+                        "first: clean, robust), which therefore have none"));
 }
 
 }  // namespace test_choice
