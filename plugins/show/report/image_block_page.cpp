@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "photo/images/grey_image.hpp"
 #include "show/report/block_json.hpp"
@@ -123,12 +124,18 @@ void write_scene(Markup& html, const Json& block) {
     cameras.push_back({path.substr(path.find_last_of('/') + 1), vector(image, "centre"),
                        rotation.conjugate() * Eigen::Vector3d::UnitZ()});
   }
-  for (const Json& point : list(block, "points")) points.push_back({text(point, "id"), vector(point, "position")});
+  const Json& all = list(block, "points");
+  constexpr size_t most = 3000;
+  const size_t step = std::max<size_t>(1, (all.size() + most - 1) / most);
+  for (size_t i = 0; i < all.size(); i += step) points.push_back({text(all[i], "id"), vector(all[i], "position")});
   Scope section(html, "section", {{"id", "scene"}});
   html.element("h2", "Cameras and points");
   draw_space(html, cameras, points);
   draw_scene(html, cameras, points);
-  html.element("p", {{"class", "note"}}, "Squares with a stroke are cameras and the way they look; dots are points.");
+  html.element(
+      "p", {{"class", "note"}},
+      "Squares with a stroke are cameras and the way they look; dots are points" +
+          (step > 1 ? ", every " + std::to_string(step) + "th of " + std::to_string(all.size()) : std::string()) + ".");
 }
 
 void write_groups(Markup& html, const Json& block) {
@@ -162,22 +169,38 @@ void draw_worst_corner(Markup& html, const GreyImage& image, const Json& seen) {
   draw_corner(html, image, measured, measured - *worst);
 }
 
+/// Points that somebody measured by hand are looked at before those that a program matched; of equal ones the first.
+std::vector<const Json*> worst_observations(const Json& block) {
+  struct Seen {
+    bool by_hand;
+    double rms;
+    size_t place;
+    bool operator<(const Seen& other) const {
+      return std::tuple(!by_hand, -rms, place) < std::tuple(!other.by_hand, -other.rms, other.place);
+    }
+  };
+  const Json& observations = list(block, "observations");
+  std::vector<Seen> order;
+  for (const Json& seen : observations) {
+    const double rms = number(seen, "rms_px");
+    order.push_back({flag(seen, "control"), std::isfinite(rms) ? rms : 0, order.size()});
+  }
+  const auto end = order.begin() + static_cast<std::ptrdiff_t>(std::min(worst_shown, order.size()));
+  std::partial_sort(order.begin(), end, order.end());
+  std::vector<const Json*> worst;
+  for (auto seen = order.begin(); seen != end; ++seen) worst.push_back(&observations[seen->place]);
+  return worst;
+}
+
 /// The worst observations and all blunders, each with a look into the photograph.
 void write_worst(Markup& html, const Json& block, const PhotographFiles& files) {
   std::vector<std::pair<const Json*, std::string>> shown;
   for (const Json& seen : list(block, "rejected"))
     if (shown.size() < 2 * worst_shown) shown.emplace_back(&seen, text(seen, "reason"));
-  std::vector<const Json*> order;
-  for (const Json& seen : list(block, "observations")) order.push_back(&seen);
-  // Points that somebody measured by hand are looked at before those that a program matched.
-  std::stable_sort(order.begin(), order.end(), [](const Json* a, const Json* b) {
-    return std::pair(flag(*a, "control"), number(*a, "rms_px")) > std::pair(flag(*b, "control"), number(*b, "rms_px"));
-  });
-  for (size_t i = 0; i < std::min(worst_shown, order.size()); ++i)
+  for (const Json* seen : worst_observations(block))
     shown.emplace_back(
-        order[i],
-        "residuals " + fixed(number(*order[i], "rms_px"), 2) + " px" +
-            (order[i]->contains("largest_w") ? ", largest |w| " + fixed(number(*order[i], "largest_w"), 1) : ""));
+        seen, "residuals " + fixed(number(*seen, "rms_px"), 2) + " px" +
+                  (seen->contains("largest_w") ? ", largest |w| " + fixed(number(*seen, "largest_w"), 1) : ""));
   if (shown.empty()) return;
   Scope section(html, "section", {{"id", "worst"}});
   html.element("h2", "The worst observations");

@@ -10,7 +10,6 @@
 namespace plumbline::report {
 
 void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std::vector<DrawnPoint>& points) {
-  constexpr size_t most = 3000;
   if (points.size() < 3 || cameras.empty()) return;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero(), forward = Eigen::Vector3d::Zero();
   for (const auto& p : points) middle += p.position / static_cast<double>(points.size());
@@ -21,10 +20,10 @@ void draw_space(Markup& html, const std::vector<DrawnCamera>& cameras, const std
   if (!(std::abs(towards.z()) < 0.9)) up = Eigen::Vector3d::UnitY();
   const Eigen::Vector3d right = up.cross(towards.allFinite() ? towards : Eigen::Vector3d(1, 0, 0)).normalized();
   std::string list, seen;
-  for (size_t i = 0; i < std::min(most, points.size()); ++i)
-    if (points[i].position.allFinite())
-      list += (list.empty() ? "" : ",") + ("{\"n\":" + script_text(points[i].name)) +
-              ",\"p\":" + script_vector(points[i].position - middle, 5) + "}";
+  for (const auto& p : points)
+    if (p.position.allFinite())
+      list += (list.empty() ? "" : ",") + ("{\"n\":" + script_text(p.name)) +
+              ",\"p\":" + script_vector(p.position - middle, 5) + "}";
   for (const auto& c : cameras)
     if (c.centre.allFinite() && c.forward.allFinite())
       seen += (seen.empty() ? "" : ",") + ("{\"n\":" + script_text(c.name)) +

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <cctype>
 #include <map>
 
 #include "node_harness.hpp"
@@ -116,6 +117,47 @@ TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
   EXPECT_EQ(json["observations"].size(), 9972u);
   for (const Json& point : json["points"]) EXPECT_GT(point["largest_angle_deg"].get<double>(), 5) << point["id"];
   EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
+}
+
+/// Once each point was drawn twice and the first 3000 alone in space, without a word: 70 MB of 500 000 measurements.
+TEST(BlockPages, OfManyPointsSomeAreDrawnAndThePageSaysWhich) {
+  Json json = tag_block_json(adjusted());
+  const auto page = [&](int points) {
+    json["points"] = Json::array();
+    for (int i = 0; i < points; ++i)
+      json["points"].push_back(
+          {{"id", "P" + std::to_string(i)}, {"position", {i % 100, i / 100, i % 7}}, {"sigma", {1e-3, 1e-3, 1e-3}}});
+    Markup html;
+    write_image_block(html, json, "Title", "", {});
+    return html.str();
+  };
+  EXPECT_THAT(page(3000), HasSubstr("dots are points."));
+  const std::string many = page(10000);
+  EXPECT_THAT(many, HasSubstr("dots are points, every 4th of 10000."));
+  EXPECT_THAT(many, HasSubstr("{\"n\":\"P9996\""));
+  EXPECT_LT(many.size(), 1.3 * static_cast<double>(page(3000).size()));
+}
+
+/// Of two that are equally bad the first is shown first; what somebody measured by hand comes before all others.
+TEST(BlockPages, TheWorstObservationsAreTheWorst) {
+  Json json = tag_block_json(adjusted());
+  json["observations"] = Json::array();
+  for (int i = 0; i < 40; ++i)
+    json["observations"].push_back({{"image", "I"},
+                                    {"point", "P" + std::to_string(i)},
+                                    {"corners", {{1, 1}}},
+                                    {"residuals", {{1, 0}}},
+                                    {"rms_px", i == 7 || i == 30 ? 9.0 : 0.01 * i},
+                                    {"control", i == 3}});
+  Markup html;
+  write_image_block(html, json, "Title", "", {});
+  std::vector<std::string> shown;
+  const std::string text = html.str();
+  for (size_t at = text.find("<div class=\"name\">P"); at != std::string::npos;
+       at = text.find("<div class=\"name\">P", at + 1))
+    if (std::isdigit(static_cast<unsigned char>(text[at + 19])))
+      shown.push_back(text.substr(at + 18, text.find(' ', at + 18) - at - 18));
+  EXPECT_THAT(shown, testing::ElementsAre("P3", "P7", "P30", "P39", "P38", "P37", "P36", "P35"));
 }
 
 /// Before the page is made, so that a block that is not that of the measurements tells it as well.
