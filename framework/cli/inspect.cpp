@@ -32,7 +32,7 @@ int validate(const Options& options) {
       problems.push_back({{"file", problem.at.file},
                           {"line", problem.at.line},
                           {"column", problem.at.column},
-                          {"message", problem.message}});
+                          {"message", problem.text()}});
     std::printf("%s\n", Json{{"valid", false}, {"file", file.string()}, {"problems", problems}}.dump().c_str());
     return 1;
   }

@@ -23,11 +23,17 @@ namespace {
 std::string join_problems(const std::vector<Problem>& problems) {
   std::string text;
   for (const Problem& problem : problems)
-    text += (text.empty() ? "" : "\n") + problem.at.text() + ": " + problem.message;
+    text += (text.empty() ? "" : "\n") + problem.at.text() + ": " + problem.text();
   return text;
 }
 
 }  // namespace
+
+std::string Problem::text() const {
+  if (alike == 0) return message;
+  return message + (alike == 1 ? " (and so does one other parameter that is given it)"
+                               : " (and so do " + std::to_string(alike) + " others that are given it)");
+}
 
 InvalidPipeline::InvalidPipeline(std::vector<Problem> problems)
     : std::runtime_error(join_problems(problems)), problems_(std::move(problems)) {}

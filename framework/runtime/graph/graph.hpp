@@ -26,6 +26,11 @@ struct Position {
 struct Problem {
   Position at;
   std::string message;
+  /// Parameters beside the one of `message` that took the same value from the same place and refuse it likewise.
+  size_t alike = 0;
+  std::string refusal = {};  ///< what of `message` they have in common
+
+  std::string text() const;  ///< `message`, and how many are alike
 };
 
 /// Thrown by load_pipeline() with everything that is wrong; what() has one line a problem.

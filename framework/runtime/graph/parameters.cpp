@@ -62,7 +62,18 @@ class Checker {
 
  private:
   void refuse(const Scalar& value, const std::string& expected) {
-    problems_.push_back({value.at, name_ + " takes " + expected + ", found '" + value.text + "'"});
+    tell(value, " takes " + expected + ", found '" + value.text + "'");
+  }
+
+  /// Where the value was given, which may be a variable; of all parameters that are given that one the first is named.
+  void tell(const Scalar& value, const std::string& refusal) {
+    if (value.given_at.file.empty()) return problems_.push_back({value.at, name_ + refusal});
+    for (Problem& known : problems_)
+      if (known.refusal == refusal && known.at.text() == value.given_at.text()) {
+        ++known.alike;
+        return;
+      }
+    problems_.push_back({value.given_at, name_ + refusal, 0, refusal});
   }
 
   std::string number(const Scalar& value) {
@@ -93,8 +104,8 @@ class Checker {
     std::string list;
     for (const std::string& choice : choices) list += (list.empty() ? "" : ", ") + choice;
     const auto near = near_names(value.text, choices);
-    problems_.push_back({value.at, name_ + " takes one of " + list + "; found '" + value.text + "'" +
-                                       (near.empty() ? "" : " — did you mean '" + near[0] + "'?")});
+    tell(value, " takes one of " + list + "; found '" + value.text + "'" +
+                    (near.empty() ? "" : " — did you mean '" + near[0] + "'?"));
     return value.text;
   }
 
@@ -111,10 +122,10 @@ class Checker {
     const fs::path full = fs::absolute(value.base / value.text).lexically_normal();
     std::error_code failed;
     if (!fs::exists(full, failed))
-      problems_.push_back({value.at, name_ + ": there is no " + (folder ? "folder " : "file ") + full.string()});
+      tell(value, std::string(": there is no ") + (folder ? "folder " : "file ") + full.string());
     else if (fs::is_directory(full, failed) != folder)
-      problems_.push_back({value.at, name_ + " takes a " + (folder ? "folder" : "file") + ", but " + full.string() +
-                                         " is a " + (folder ? "file" : "folder")});
+      tell(value, std::string(" takes a ") + (folder ? "folder" : "file") + ", but " + full.string() + " is a " +
+                      (folder ? "file" : "folder"));
     return full.string();
   }
 

@@ -17,6 +17,7 @@ struct Scalar {
   Position at;
   std::filesystem::path base;  ///< folder that a relative path in it is relative to
   bool unresolved = false;     ///< a variable in it has no value, which was told; the text says nothing
+  Position given_at = {};      ///< of the variable that is all of it; no file: it was written here
 };
 
 struct ParameterSpec {

@@ -123,6 +123,8 @@ void PipelineVariables::replace(Scalar& scalar) {
       return;
     }
     if (at == 0) scalar.base = variable.value.base;
+    if (at == 0 && end + 1 == scalar.text.size())
+      scalar.given_at = variable.value.given_at.file.empty() ? variable.value.at : variable.value.given_at;
     result += scalar.text.substr(done, at - done) + variable.value.text;
     if (result.size() > largest_value) return give_up(scalar.at, "its value grows beyond a mebibyte");
     done = end + 1;

@@ -60,6 +60,22 @@ TEST_F(GraphTest, AnOverrideOnTheCommandLineIsRelativeToTheWorkingFolder) {
               HasSubstr((std::filesystem::current_path() / "not/there.txt").string()));
 }
 
+/// Once each node that takes it had a line of its own, with the place in the pipeline and not where it was given.
+TEST_F(GraphTest, AWrongValueOfAVariableIsToldOnceWhereItWasGiven) {
+  const std::string text =
+      "plumbline: 1\nvars: {how: estimated, same: \"${how}\"}\nnodes:\n  r: {use: register.rigid, with: {scale: "
+      "\"${how}\"}}\n"
+      "  s: {use: register.rigid, with: {scale: \"${same}\"}}\n  t: {use: register.rigid, with: {scale: \"${how}\"}}\n";
+  const std::string told = problems(text, {"how=twice"});
+  EXPECT_THAT(told, HasSubstr("'how=twice': parameter 'scale' of 'register.rigid' takes one of "));
+  EXPECT_THAT(told, HasSubstr("found 'twice' (and so do 2 others that are given it)"));
+  EXPECT_EQ(told.find("takes one of"), told.rfind("takes one of")) << told;
+  const std::string of_file = problems(
+      "plumbline: 1\nvars:\n  how: twice\nnodes:\n  r: {use: register.rigid, with: {scale: \"${how}\"}}\n", {});
+  EXPECT_THAT(of_file, HasSubstr("p.yaml:3:3: parameter 'scale'"));
+  EXPECT_THAT(of_file, testing::Not(HasSubstr("others")));
+}
+
 TEST_F(GraphTest, AParameterThatAnotherKindLacksIsTakenBack) {
   const std::string text = "plumbline: 1\nnodes: {r: {use: register.rigid, with: {scale: estimated}}}\n";
   EXPECT_THAT(problems(text, {"r.use=register.opengv_arun"}),
