@@ -2,14 +2,61 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/statistics.hpp"
+#include "photo/block/control_suspects.hpp"
 #include "photo/block/read_block.hpp"
 
 namespace plumbline::block {
+
+namespace {
+
+/// Whose error would explain what the control contradicts; empty where the points' joint covariance is not known, or
+/// nobody's would.
+std::string suspects_in_words(const PointBlockResult& result, double image_variance) {
+  if (result.point_covariance.size() == 0) return "";
+  std::vector<Eigen::Index> in_control, in_points;
+  std::vector<double> residuals;
+  std::vector<std::string> names;
+  for (size_t k = 0; k < result.control.size(); ++k) {
+    const ControlResult& c = result.control[k];
+    if (c.check || c.fixed) continue;
+    names.push_back(result.block.points[c.point].name);
+    for (int axis = 0; axis < 3; ++axis) {
+      in_control.push_back(3 * static_cast<Eigen::Index>(k) + axis);
+      in_points.push_back(3 * static_cast<Eigen::Index>(c.point) + axis);
+      residuals.push_back(c.residual(axis));
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(in_control.size());
+  const Eigen::LLT<Eigen::MatrixXd> survey(result.block.control.covariance(in_control, in_control));
+  if (survey.info() != Eigen::Success) return "";
+  double squares = 0;
+  for (const auto& group : result.groups) squares += group.sum_of_squares;
+  const double unit = squares / result.degrees_of_freedom;  // what covariances are scaled by
+  const Eigen::MatrixXd weight = survey.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd seen = weight - weight * (result.point_covariance(in_points, in_points) / unit) * weight;
+  const ControlSuspects found =
+      suspects_of(seen, weight, weight * Eigen::Map<const Eigen::VectorXd>(residuals.data(), n), image_variance);
+  if (!found.worst) return "";
+  const Eigen::Vector3d off = 1e3 * found.worst->off;
+  const std::string& worst = names[found.worst->point];
+  if (found.rivals.empty())
+    return fmt::format("; an error of {} by {:.1f}, {:.1f}, {:.1f} mm would explain most", worst, off.x(), off.y(),
+                       off.z());
+  std::vector<std::string> all{worst};
+  for (const size_t k : found.rivals) all.push_back(names[k]);
+  return "; an error of any of " + few_of(all) +
+         fmt::format(
+             " would explain it alike ({} by {:.1f}, {:.1f}, {:.1f} mm), and which is wrong the others do not tell",
+             worst, off.x(), off.y(), off.z());
+}
+
+}  // namespace
 
 std::string control_against_images(const PointBlockResult& result) {
   const least_squares::VarianceComponent *images = nullptr, *control = nullptr;
@@ -29,11 +76,14 @@ std::string control_against_images(const PointBlockResult& result) {
     squares += c.residual.squaredNorm(), ++count;
     if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest) largest = w, worst = result.block.points[c.point].name;
   }
+  // The largest w may be an innocent point's, which a wrong one bends.
+  std::string suspects = suspects_in_words(result, images->factor);
+  if (suspects.empty()) suspects = fmt::format(", most at {} (w {:.1f})", worst, largest);
   return fmt::format(
       "control and images contradict each other: the control's variance factor is {:.3g} times that of the images (at "
-      "most {:.3g} by chance), its residuals {:.3g} mm rms, most at {} (w {:.1f}). Its standard deviations are too "
+      "most {:.3g} by chance), its residuals {:.3g} mm rms{}. Its standard deviations are too "
       "small, a point of it is another one in the images, or the camera is not what the file says{}",
-      ratio, limit, 1e3 * std::sqrt(squares / count), worst, largest,
+      ratio, limit, 1e3 * std::sqrt(squares / count), suspects,
       result.block.cameras.at(0).lens == bundle::Lens::correcting
           ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
           : "");

@@ -64,11 +64,7 @@ struct ControlTests {
   std::vector<int> hidden;  ///< plates whose control may be off in some direction without that it shows
 };
 
-/// Tests each control point: with whitened residuals r = W v, their cofactors C and B the columns of W of its
-/// coordinates, T = (Bᵀr)ᵀ (Bᵀ C B)⁻¹ (Bᵀr) is chi-squared with 3 degrees of freedom, and −(Bᵀ C B)⁻¹ Bᵀr what the
-/// survey is off (Baarda 1968; Kok 1984). In directions in which less than a hundredth of an error shows nothing is
-/// tested, and T has fewer degrees of freedom. A point explains a contradiction as well as the worst one if the worst
-/// is not contradicted any more once that point is left out in its place: by the same formula, for both together.
+/// Tests each control point (control_suspects.hpp).
 ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted);
 
 /// What the rest of the block says of these control plates: the same formula, for all of them together, is the

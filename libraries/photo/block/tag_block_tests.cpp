@@ -5,10 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
+#include "photo/block/control_suspects.hpp"
 #include "photo/block/control_words.hpp"
 #include "photo/block/tag_block_model.hpp"
 #include "photo/bundle/score.hpp"
@@ -64,50 +64,6 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
 
 }  // namespace
 
-namespace {
-
-/// What errors of some control points would explain: chi-squared with `freedom` if there are none.
-struct ExplainedByControl {
-  double test = 0;
-  int freedom = 0;
-  Eigen::VectorXd off;  ///< survey minus model [m]
-};
-
-/// Sees the residuals of the control as those of single points.
-class ControlResiduals {
- public:
-  ControlResiduals(const TagModel& model, const bundle::Adjusted& adjusted)
-      : whitening_(model.problem.known[static_cast<size_t>(model.control_term)].whitening),
-        quality_(adjusted.cofactors->known(adjusted.state, static_cast<size_t>(model.control_term))) {}
-
-  ExplainedByControl by(std::initializer_list<size_t> points) const {
-    constexpr double controlled = 0.01;  // part of an error that has to show
-    std::vector<int> columns;
-    for (const size_t k : points)
-      for (int c = 0; c < 3; ++c) columns.push_back(3 * static_cast<int>(k) + c);
-    const Eigen::MatrixXd b = whitening_(Eigen::all, columns);
-    const Eigen::MatrixXd seen = b.transpose() * quality_.residual_cofactor * b, weight = b.transpose() * b;
-    const linear_algebra::GeneralizedSymmetricEigen shown(seen, weight);
-    const Eigen::VectorXd pull = shown.eigenvectors().transpose() * (b.transpose() * quality_.rows.residual);
-    ExplainedByControl result;
-    result.off = Eigen::VectorXd::Zero(b.cols());
-    for (Eigen::Index i = 0; i < pull.size(); ++i) {
-      const double part = shown.eigenvalues()(i);
-      if (!(part > controlled)) continue;
-      ++result.freedom;
-      result.test += pull(i) * pull(i) / part;
-      result.off -= shown.eigenvectors().col(i) * (pull(i) / part);
-    }
-    return result;
-  }
-
- private:
-  const Eigen::MatrixXd& whitening_;
-  bundle::Cofactors::KnownQuality quality_;
-};
-
-}  // namespace
-
 bool control_holds(const std::vector<least_squares::VarianceComponent>& groups) {
   for (const auto& group : groups)
     if (group.name == "control" && group.redundancy > 0.1)
@@ -116,31 +72,20 @@ bool control_holds(const std::vector<least_squares::VarianceComponent>& groups) 
 }
 
 ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted) {
-  constexpr double level = 1e-3;  // over all points
   ControlTests result;
   if (model.control_term < 0) return result;
-  const size_t count = model.control_plates.size();
+  const auto term = static_cast<size_t>(model.control_term);
+  const Eigen::MatrixXd& whitening = model.problem.known[term].whitening;
+  const auto quality = adjusted.cofactors->known(adjusted.state, term);
+  const Eigen::MatrixXd seen = whitening.transpose() * quality.residual_cofactor * whitening;
+  const ControlSuspects suspects =
+      suspects_of(seen, whitening.transpose() * whitening, whitening.transpose() * quality.rows.residual);
   const auto plate = [&](size_t k) { return start.plates[model.control_plates[k]]; };
-  const auto limit = [&](int freedom) {
-    return chi_squared_quantile(1 - level / static_cast<double>(count), std::max(1, freedom));
-  };
-  const ControlResiduals residuals(model, adjusted);
-  std::vector<ExplainedByControl> alone;
-  size_t worst = count;
-  const auto excess = [&](size_t k) { return alone[k].test - limit(alone[k].freedom); };
-  for (size_t k = 0; k < count; ++k) {
-    alone.push_back(residuals.by({k}));
-    if (alone[k].freedom < 3) result.hidden.push_back(plate(k));
-    if (alone[k].freedom > 0 && excess(k) > (worst < count ? excess(worst) : 0)) worst = k;
-  }
-  if (worst == count) return result;
-  result.worst = RejectedControl{plate(worst), alone[worst].off, Eigen::Vector3d::Zero(), alone[worst].test,
-                                 limit(alone[worst].freedom)};
-  for (size_t k = 0; k < count; ++k) {
-    if (k == worst || !(excess(k) > 0)) continue;
-    const ExplainedByControl both = residuals.by({worst, k});
-    if (both.test - alone[k].test <= limit(both.freedom - alone[k].freedom)) result.rivals.push_back(plate(k));
-  }
+  for (const size_t k : suspects.rivals) result.rivals.push_back(plate(k));
+  for (const size_t k : suspects.hidden) result.hidden.push_back(plate(k));
+  if (suspects.worst)
+    result.worst = RejectedControl{plate(suspects.worst->point), suspects.worst->off, Eigen::Vector3d::Zero(),
+                                   suspects.worst->test, suspects.worst->limit};
   return result;
 }
 

@@ -597,6 +597,11 @@ TEST_P(ImageBlockNodes, WarnsOfControlThatContradictsTheImages) {
   adjust.run();
   EXPECT_THAT(adjust.output<Block>("block").warnings,
               testing::Contains(HasSubstr("control and images contradict each other")));
+  // Across the plane of four points an error of each looks like that of any other; the largest w was an innocent one's.
+  const std::string wrong = spoilt.control[2]->id;
+  for (const auto& point : spoilt.control)
+    EXPECT_THAT(adjust.output<Block>("block").warnings[0], HasSubstr(point->id)) << "wrong: " << wrong;
+  EXPECT_THAT(adjust.output<Block>("block").warnings[0], HasSubstr("would explain it alike"));
 }
 
 TEST_P(ImageBlockNodes, WarnsOfTargetsThatContradictTheirCamera) {
