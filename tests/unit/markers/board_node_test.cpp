@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
+#include "artifacts/file.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -113,6 +115,28 @@ TEST(MarkerStart, SaysHowManyNamesAListLeavesOut) {
   node.input<Plates>("plates", plates);
   EXPECT_THAT(said_by(node), HasSubstr("it has tag36h11:500, tag36h11:501, tag36h11:502, tag36h11:503, tag36h11:504, "
                                        "tag36h11:505, tag36h11:506, tag36h11:507 and 22 more, they show"));
+}
+
+/// In block.json, of which other programs take them.
+TEST(MarkerBoard, CornersOfATagLieAroundItsPlaceAndAreItsSizeApart) {
+  test::NodeHarness node("adjust.marker_board");
+  give(scene(0.05, 3), 0, node);
+  node.set("tag_size", "0.12"), node.set("distance", "0,1,0.3"), node.set("compare_halves", "false");
+  node.run();
+  const FileT file = node.output<File>("block");
+  const auto block = nlohmann::json::parse(file.content.begin(), file.content.end());
+  const auto vector = [](const nlohmann::json& v) { return Eigen::Vector3d(v.at(0), v.at(1), v.at(2)); };
+  ASSERT_FALSE(block["points"].empty());
+  for (const auto& point : block["points"]) {
+    ASSERT_EQ(point["corners"].size(), 4u) << point["id"];
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector3d corner = vector(point["corners"][k]), next = vector(point["corners"][(k + 1) % 4]);
+      middle += corner / 4;
+      EXPECT_NEAR((next - corner).norm(), 0.12 * point["size_ratio"].get<double>(), 1e-5) << point["id"];
+    }
+    EXPECT_LT((middle - vector(point["position"])).norm(), 1e-6) << point["id"];
+  }
 }
 
 TEST(MarkerBoardDistance, IsThreePlainNumbersOrFour) {

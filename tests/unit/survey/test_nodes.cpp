@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "artifacts/file.hpp"
@@ -234,6 +235,28 @@ TEST(AdjustNode, WithoutRedundancyTheGlobalTestIsNotCalledPassed) {
   EXPECT_EQ(adjust(survey::test::simulate({}, 3).survey).network.tests->verdict, "pass");
 }
 
+/// What tests are made at stands beside them, and the test of the whole is that of the sum of squares.
+TEST(AdjustNode, TestsAreMadeAtTheLevelsThatAreAsked) {
+  NodeHarness node("survey.adjust");
+  node.set("datum", "inner"), node.set("alpha", "0.02"), node.set("alpha0", "0.005"), node.set("power", "0.9");
+  node.input<SurveyObservations>("observations", survey::to_artifact(survey::test::simulate({}, 3).survey));
+  node.run();
+  const SurveyNetworkT network = node.output<SurveyNetwork>("network");
+  EXPECT_EQ(network.tests->alpha, 0.02);
+  EXPECT_EQ(network.tests->alpha0, 0.005);
+  EXPECT_EQ(network.tests->power, 0.9);
+  EXPECT_NEAR(network.tests->critical_w, normal_quantile(1 - 0.5 * 0.005), 1e-9);
+  const StatisticsT& s = *network.statistics;
+  const auto f = static_cast<double>(s.degrees_of_freedom);
+  EXPECT_EQ(s.degrees_of_freedom, s.observations - s.unknowns + s.datum_defect);
+  EXPECT_NEAR(s.sigma0, std::sqrt(s.weighted_sum_of_squares / f), 1e-9);
+  // Whatever the statistic is divided by, its bounds are quantiles of the same share.
+  EXPECT_NEAR(network.tests->lower / network.tests->statistic,
+              chi_squared_quantile(0.01, f) / s.weighted_sum_of_squares, 1e-6);
+  EXPECT_NEAR(network.tests->upper / network.tests->statistic,
+              chi_squared_quantile(0.99, f) / s.weighted_sum_of_squares, 1e-6);
+}
+
 TEST(CompareEpochsNode, AMarkerMovedByTwoMillimetresIsNamed) {
   NodeHarness node = compared(adjust(campaign(1)), adjust(campaign(2, "M12", {0, 0, 0.002})));
   node.run();
@@ -384,6 +407,30 @@ TEST_F(EpochSeriesNodes, ThePlantedMovementIsTheRecords) {
   for (const char* station : {"S1", "S2"}) EXPECT_THROW(point(station), std::out_of_range) << "no mark";
   EXPECT_EQ(node_.metric("points_told"), 1);
   EXPECT_EQ(node_.metric("alarms"), 0);
+}
+
+/// A field that is left out is missed by nobody who reads the others.
+TEST_F(EpochSeriesNodes, TheRecordHasAllItsFields) {
+  const auto names = [](const nlohmann::json& object) {
+    std::set<std::string> found;
+    for (const auto& [name, value] : object.items()) found.insert(name);
+    return found;
+  };
+  EXPECT_EQ(names(json_), (std::set<std::string>{"alarm_level", "bartlett", "bartlett_critical", "contradicted",
+                                                 "degrees_of_freedom", "epochs", "not_compared", "points", "seen_once",
+                                                 "sigma0", "stable", "unit_of_time", "variances", "warning_level"}));
+  EXPECT_EQ(names(json_["epochs"][0]), (std::set<std::string>{"name", "time", "variance_factor"}));
+  EXPECT_EQ(
+      names(json_["points"][0]),
+      (std::set<std::string>{"first_epoch", "id", "misfit", "misfit_critical", "movements", "moves", "reference_epochs",
+                             "stable", "velocity", "velocity_critical", "velocity_sigma", "velocity_statistic"}));
+  EXPECT_EQ(
+      names(json_["points"][0]["movements"][0]),
+      (std::set<std::string>{"alarm", "critical", "epoch", "moved", "movement", "sigma", "statistic", "warning"}));
+  EXPECT_EQ(json_["warning_level"], 0.003);
+  EXPECT_EQ(json_["alarm_level"], 0.2);
+  // Three epochs of two unknowns a coordinate: one is left to see whether it moves evenly.
+  EXPECT_NEAR(point("M12")["misfit_critical"].get<double>(), chi_squared_quantile(0.999, 3), 1e-6);
 }
 
 /// Page and verdict, element by element: what is on them is in the record, which the other tests look at.
