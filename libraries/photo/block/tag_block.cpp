@@ -349,7 +349,7 @@ class TagAdjustment {
     solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
     if (wrong == WrongControl::left_out && !leave_wrong_control_out())
       return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
-    if (!judged_.rejected.empty() && !control_holds(solved_.reliability.groups)) {
+    if (!judged_.rejected.empty() && !all_but_images_hold(solved_.reliability.groups)) {
       judged_.doubt = not_mended_in_words(given_, std::exchange(judged_.rejected, {}));
       return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
     }

@@ -54,8 +54,9 @@ TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, 
 /// are not tested.
 void test_groups(const TagBlock& block, TagBlockResult& result);
 
-/// Whether the control's variance factor passes the test of test_groups().
-bool control_holds(const std::vector<least_squares::VarianceComponent>& groups);
+/// Whether control and priors pass the tests of test_groups(). Where a prior does not, it may be that which control
+/// contradicts.
+bool all_but_images_hold(const std::vector<least_squares::VarianceComponent>& groups);
 
 /// What the tests of single control points say.
 struct ControlTests {

@@ -38,8 +38,8 @@ bool are_too_many(const TagBlock& given, const std::vector<RejectedControl>& rej
 namespace {
 
 constexpr const char* no_single_points =
-    "survey and photographs do not show the same state, or their standard deviations are wrong; that is no matter of "
-    "single points, so all are kept";
+    "survey and photographs do not show the same state, or what is stated of survey, tags or camera is wrong; that is "
+    "no matter of single points, so all are kept";
 
 std::string most_of(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
   std::vector<int> most;
@@ -57,7 +57,7 @@ std::string too_many_in_words(const TagBlock& given, const std::vector<RejectedC
 std::string not_mended_in_words(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
   return std::to_string(rejected.size()) + " of the " + std::to_string(given.control.plates.size()) +
          " control points contradict the photographs, " + most_of(given, rejected) +
-         " most, and so does the rest without them: " + no_single_points;
+         " most, and without them the rest still does not hold: " + no_single_points;
 }
 
 std::string rivals_in_words(const TagBlock& given, const RejectedControl& worst, const std::vector<int>& rivals) {

@@ -64,11 +64,11 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
 
 }  // namespace
 
-bool control_holds(const std::vector<least_squares::VarianceComponent>& groups) {
-  for (const auto& group : groups)
-    if (group.name == "control" && group.redundancy > 0.1)
-      return group.factor <= chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
-  return true;
+bool all_but_images_hold(const std::vector<least_squares::VarianceComponent>& groups) {
+  return std::all_of(groups.begin(), groups.end(), [](const auto& group) {
+    return group.name == "images" || !(group.redundancy > 0.1) ||
+           group.factor <= chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
+  });
 }
 
 ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted) {

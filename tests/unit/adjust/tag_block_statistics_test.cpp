@@ -321,6 +321,22 @@ TEST(RobustControl, KeepsASurveyOfWhichHalfIsWrongAndSaysSo) {
                           [](const auto& test) { return test.group == "control" && !test.passed; }));
 }
 
+/// Tags that are printed 4 in 1000 larger than 0.25 in 1000 allows: the control that contradicts is innocent.
+TEST(RobustControl, KeepsControlThatAWrongPriorContradicts) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 28});
+  for (auto& plate : synthetic.block.plates) plate.plate.tag_size /= 1.004;
+  auto ordinary = plain_options();
+  ordinary.tag_scale_sigma = 2.5e-4;
+  auto robust = ordinary;
+  robust.robust_control = true;
+  const auto expected = block::adjust_tag_block(synthetic.block, ordinary);
+  const auto result = block::adjust_tag_block(synthetic.block, robust);
+  EXPECT_TRUE(result.rejected_control.empty());
+  EXPECT_EQ(result.anchors, expected.anchors);
+  EXPECT_TRUE(std::any_of(result.tests.begin(), result.tests.end(),
+                          [](const auto& test) { return test.group == "tag scale prior" && !test.passed; }));
+}
+
 /// Across the plane of four points one degree of freedom is left: an error of any of them looks like that of any other.
 TEST(RobustControl, LeavesNoInnocentPointOutWhereFourCannotTell) {
   auto synthetic = test::make_block({.floors = 1, .stations = 3, .scatter = 0, .seed = 25});
