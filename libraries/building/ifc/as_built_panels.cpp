@@ -22,6 +22,7 @@ const char* property_of(const std::string& part) {
                                                            {"missing_anchor", "MissingAnchor"},
                                                            {"one_anchor", "OneAnchor"},
                                                            {"anchors_in_line", "AnchorsInLine"},
+                                                           {"held_below", "HeldBelow"},
                                                            {"facade", "Facade"},
                                                            {"not_judged", "NotJudged"},
                                                            {"doubt", "Doubt"}};

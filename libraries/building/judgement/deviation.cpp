@@ -11,6 +11,7 @@
 #include "building/judgement/deviation_shifts.hpp"
 #include "building/judgement/difference.hpp"
 #include "building/judgement/figures.hpp"
+#include "building/judgement/panel_stack.hpp"
 #include "building/judgement/panels.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "plumbline/stop.hpp"
@@ -376,6 +377,7 @@ DeviationT judge_deviations(DeviationInputs inputs, const DeviationOptions& opti
   take_doubts(work);
   find_exchanged(work);
   work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
+  for (std::string& warning : support_warnings(work.out.panels)) work.out.warnings.push_back(std::move(warning));
   take_doubts_of_panels(work);
   list_requests(work);
   judge_floors(work);

@@ -4,12 +4,14 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "artifacts/deviation.hpp"
 #include "building/ifc/facades.hpp"
 #include "building/judgement/accuracy.hpp"
+#include "building/judgement/held_below.hpp"
 #include "building/judgement/tolerance_rules.hpp"
 #include "plumbline/rigid_transform.hpp"
 
@@ -29,6 +31,7 @@ struct AnchorCase {
   ifc::FacadeFrame facade;  ///< which way it faces: in_plane, out_of_plane and orders are told in it
   Tolerances tolerances;
   std::vector<ifc::NotApplied> refused;  ///< what was asked for it and cannot be judged: then it does not pass
+  bool is_sill = false;  ///< a place of a sill that holds the panel above it at its edge: none hangs on it
   /// Of the anchor against the plate that was measured [m²]; see mounting.hpp.
   Eigen::Matrix3d mounting = Eigen::Matrix3d::Zero();
 };
@@ -43,6 +46,7 @@ struct PanelCase {
   Tolerances tolerances;
   ifc::FacadeFrame facade = {};
   std::vector<ifc::NotApplied> refused = {};
+  std::optional<StackJoint> held_below = {};  ///< its bottom edge is held by what is there
 };
 
 /// Something that was asked for: a rule, a property of the design, panels. What cannot be judged says why; then nothing
@@ -56,6 +60,7 @@ struct Request {
 struct DeviationInputs {
   std::vector<AnchorCase> anchors;
   std::vector<PanelCase> panels;
+  std::vector<PanelCase> loose;      ///< those that no anchor holds: not judged, though another may stand on them
   std::vector<ifc::Facade> facades;  ///< that the frames of anchors and panels name
   judgement::PointSet model;         ///< as built, by anchor id
   std::string design_file;

@@ -3,8 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -13,6 +16,7 @@
 #include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/figures.hpp"
+#include "building/judgement/linear_length.hpp"
 #include "building/judgement/panels.hpp"
 #include "geometry/panel_fit.hpp"
 
@@ -20,6 +24,15 @@ namespace plumbline::judgement {
 
 /// Panels farther apart than this are no neighbours [m].
 inline constexpr double kWidestJoint = 0.2;
+
+/// Panels that face more differently than this share no joint: at a corner they meet in an edge.
+inline const double kOneFacade = std::cos(20 * std::numbers::pi / 180);
+
+/// How far panels of one facade may be set back from one another and still be neighbours: `turn` is the cosine of the
+/// directions they face, by which a facade of panels so wide bends [m].
+inline double most_set_back(double turn, double width) {
+  return 0.2 + std::tan(std::acos(std::min(1.0, turn))) * width;
+}
 
 /// Not judged where no tolerance is given: its value is nan then.
 inline Tolerance tolerance_for(const Tolerances& tolerances, Axis axis, const Tolerance& fallback = {}) {
@@ -33,12 +46,36 @@ inline Tolerance about_zero(Tolerance tolerance) {
   return tolerance;
 }
 
-/// A panel on its anchors: every length is a row that acts on the deviations of `part`.
+/// The box of a panel along right, up and out.
+inline std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const PanelCase& panel, const ifc::FacadeFrame& axes) {
+  Eigen::Vector3d least = Eigen::Vector3d::Constant(1e300), most = -least;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d own(corner & 1 ? panel.high.x() : panel.low.x(), corner & 2 ? panel.high.y() : panel.low.y(),
+                              corner & 4 ? panel.high.z() : panel.low.z());
+    const Eigen::Vector3d p = panel.frame_from_panel * own;
+    const Eigen::Vector3d seen(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p));
+    least = least.cwiseMin(seen), most = most.cwiseMax(seen);
+  }
+  return {least, most};
+}
+
+/// What holds the bottom edge of a panel: how far out, at both ends of what is common to both.
+struct Seat {
+  HeldEdge edge;
+  LinearLength left, right;
+  bool tells_turn = true;  ///< both ends are known; else only their middle is
+};
+
+/// A panel on its anchors: every length is a row that acts on their deviations and, where its bottom edge is held, on
+/// how far out that is at both ends.
 class JudgedPanel {
  public:
-  JudgedPanel(const PanelCase& panel, const DeviationInputs& inputs, const judgement::DifferenceSet& part,
-              const DeviationOptions& options)
-      : panel_(panel), part_(part), covariance_(part.covariance.dense()), axes_(panel.facade), options_(options) {
+  /// `own`: positions of its anchors in `all`.
+  JudgedPanel(const PanelCase& panel, const DeviationInputs& inputs, const DifferenceSet& all,
+              const std::vector<std::size_t>& own, const DeviationOptions& options)
+      : panel_(panel), own_(own), axes_(panel.facade), options_(options) {
+    const DifferenceSet part = all.subset(own);
+    x_ = part.difference, covariance_ = part.covariance.dense();
     for (const std::size_t anchor : part.anchors) fixings_.push_back(inputs.anchors[anchor].design);
     centre_ = panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high));
     motion_ = fit_panel(fixings_, centre_);
@@ -52,8 +89,35 @@ class JudgedPanel {
     if (!axes_.confirmed) leave_out();
   }
 
+  /// Whether its anchors are in a line, so that something else has to tell how it is turned about that.
+  bool is_in_line() const { return motion_.rotations == 2; }
+
+  /// How much of what its held edge is off by another place of it is, both along `out`; nothing where that edge does
+  /// not tell the turn.
+  std::optional<double> hold(const Seat& seat, const LengthBasis& basis, const Eigen::Vector3d& carrying) {
+    const std::optional<HeldMotion> held = hold_edge(motion_, centre_, seat.edge);
+    if (!held) return {};
+    motion_ = held->motion, seat_ = seat;
+    if (seat.tells_turn) twist_ = held->twist;
+    const Eigen::Index n = x_.size();
+    x_.conservativeResize(n + 2);
+    x_.tail<2>() << basis.value(seat.left), basis.value(seat.right);
+    if (covariance_.size() > 0) add_to_covariance(basis);
+    return handed_on(*held, centre_, carrying, seat.edge.out);
+  }
+
+  /// A length of this panel, as what it is made of.
+  LinearLength in_full(const Eigen::RowVectorXd& row) const {
+    LinearLength length;
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      length.anchors[own_[i]] = row.segment<3>(3 * static_cast<Eigen::Index>(i));
+    if (seat_) length.add(seat_->left, row[row.size() - 2]), length.add(seat_->right, row[row.size() - 1]);
+    return length;
+  }
+  double value(const Eigen::RowVectorXd& row) const { return row.dot(x_); }
+
   void fill(PanelDeviationT& out) {
-    const Eigen::VectorXd motion = motion_.pose * part_.difference;
+    const Eigen::VectorXd motion = motion_.pose * x_;
     out.shift = motion.head<3>(), out.rotation = motion.tail<3>();
     for (std::unique_ptr<JudgedLengthT>* length :
          {&out.out_of_plane, &out.sideways, &out.vertical, &out.tilt, &out.warp, &out.misfit, &out.corner})
@@ -68,11 +132,12 @@ class JudgedPanel {
       for (const Eigen::Vector3d& fixing : fixings_)
         judge(*out.tilt, -skew(fixing - centre_) * motion_.pose.bottomRows<3>(), out_of_place_);
     if (motion_.rotations == 3 && fixings_.size() > 3) judge_residuals(*out.warp, {axes_.out}, out_of_place_);
+    if (twist_.size() > 0) judge(*out.warp, twist_, out_of_place_);
     out.warp->value = std::abs(out.warp->value);  // two corners stand out as far as the other two stand back
     if (fixings_.size() > 1) judge_residuals(*out.misfit, {axes_.right, axes_.up}, in_plane_);
     fill_corners(out);
     if (!axes_.confirmed) drop_signs(out);
-    const Conformance found = conformance(part_.difference, covariance_, limits_, options_.risk, options_.tau);
+    const Conformance found = conformance(x_, covariance_, limits_, options_.risk, options_.tau);
     for (std::size_t i = 0; i < limits_.size(); ++i)
       lengths_[i]->verdict = std::max(lengths_[i]->verdict, verdict_of(found.of_each[i], options_.risk));
     out.pass_probability = found.probability, out.tau_pass = found.tau_pass, out.tau_fail = found.tau_fail;
@@ -100,7 +165,6 @@ class JudgedPanel {
   /// about that line, moves a corner that is held against a limit. Known after fill().
   bool turn_is_open() const { return turn_is_open_; }
 
-  const judgement::DifferenceSet& part() const { return part_; }
   const PanelCase& panel() const { return panel_; }
   const ifc::FacadeFrame& axes() const { return axes_; }
   const Tolerance& joint_tolerance() const { return joint_; }
@@ -114,16 +178,7 @@ class JudgedPanel {
   Eigen::Vector3d low, high;
   /// The same along those of another.
   std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const ifc::FacadeFrame& axes) const {
-    Eigen::Vector3d least = Eigen::Vector3d::Constant(1e300), most = -least;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d own(corner & 1 ? panel_.high.x() : panel_.low.x(),
-                                corner & 2 ? panel_.high.y() : panel_.low.y(),
-                                corner & 4 ? panel_.high.z() : panel_.low.z());
-      const Eigen::Vector3d p = panel_.frame_from_panel * own;
-      const Eigen::Vector3d seen(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p));
-      least = least.cwiseMin(seen), most = most.cwiseMax(seen);
-    }
-    return {least, most};
+    return judgement::box_in(panel_, axes);
   }
   Eigen::Vector3d at(double right, double up, double out) const {
     return right * axes_.right + up * axes_.up + out * axes_.out;
@@ -131,6 +186,21 @@ class JudgedPanel {
 
  private:
   void find_box() { std::tie(low, high) = box_in(axes_); }
+
+  /// Of how far out its edge is held, with itself and with what its own anchors are off by.
+  void add_to_covariance(const LengthBasis& basis) {
+    const Eigen::Index n = covariance_.rows();
+    covariance_.conservativeResize(n + 2, n + 2);
+    const std::array<const LinearLength*, 2> ends = {&seat_->left, &seat_->right};
+    for (Eigen::Index e = 0; e < 2; ++e) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        LinearLength own;
+        own.anchors[own_[static_cast<std::size_t>(i / 3)]] = Eigen::RowVector3d::Unit(i % 3);
+        covariance_(i, n + e) = covariance_(n + e, i) = basis.covariance(own, *ends[e]);
+      }
+      for (Eigen::Index f = 0; f < 2; ++f) covariance_(n + e, n + f) = basis.covariance(*ends[e], *ends[f]);
+    }
+  }
 
   double uncertainty(const Eigen::RowVectorXd& row) const {
     if (covariance_.size() == 0) return nan;
@@ -152,7 +222,7 @@ class JudgedPanel {
     if (motion_.rotations == 0) return;
     if (motion_.rotations == 2 && std::abs(line_of_fixings().dot(axis)) > 0.05) return;
     const Eigen::RowVectorXd row = sign * axis.transpose() * motion_.pose.bottomRows<3>();
-    out = row.dot(part_.difference), u = uncertainty(row);
+    out = row.dot(x_), u = uncertainty(row);
   }
 
   /// What depends on a side that is not confirmed, or on a plane that is only guessed, is not held against a limit: a
@@ -177,7 +247,7 @@ class JudgedPanel {
   /// Takes a signed value (one row) or the length of a vector among what the panel is held against; of several for one
   /// `shown` the largest is. `level`: it does not ask which way the panel faces.
   void judge(JudgedLengthT& shown, const Eigen::MatrixXd& rows, const Tolerance& tolerance, bool level = false) {
-    const Eigen::VectorXd vector = rows * part_.difference;
+    const Eigen::VectorXd vector = rows * x_;
     const bool one = rows.rows() == 1;
     const double value = one ? vector[0] : vector.norm();
     if (!(std::abs(value) <= std::abs(shown.value))) {
@@ -221,7 +291,7 @@ class JudgedPanel {
       for (const auto& [direction, tolerance] :
            {std::pair{axes_.right, &sideways_}, {axes_.up, &vertical_}, {axes_.out, &outward_}}) {
         const Eigen::RowVectorXd row = movement(corner->design, direction);
-        moved += (row.size() == 0 ? nan : row.dot(part_.difference)) * direction;
+        moved += (row.size() == 0 ? nan : row.dot(x_)) * direction;
         if (row.size() == 0 && motion_.rotations == 2 && !std::isnan(tolerance->value)) turn_is_open_ = true;
       }
       if (moved.allFinite()) corner->movement = moved;
@@ -232,8 +302,11 @@ class JudgedPanel {
   }
 
   const PanelCase& panel_;
-  judgement::DifferenceSet part_;
+  std::vector<std::size_t> own_;  // positions of its anchors
+  Eigen::VectorXd x_;             // what its lengths act on
   Eigen::MatrixXd covariance_;
+  std::optional<Seat> seat_;
+  Eigen::RowVectorXd twist_;  // of its held edge against what holds it
   ifc::FacadeFrame axes_;
   const DeviationOptions& options_;
   std::vector<Limited> limits_;  // what it is held against, and where each is shown

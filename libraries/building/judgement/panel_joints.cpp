@@ -2,15 +2,11 @@
 
 #include <array>
 #include <map>
-#include <numbers>
 
 #include "building/ifc/tolerance_source.hpp"
 
 namespace plumbline::judgement {
 namespace {
-
-/// Panels that face more differently than this share no joint: at a corner they meet in an edge.
-const double kOneFacade = std::cos(20 * std::numbers::pi / 180);
 
 /// The gap between two panels where `from` ends and `to` begins along axis 0 (right) or 1 (up) of `from`.
 struct Gap {
@@ -27,9 +23,8 @@ bool follows(const JudgedPanel& a, const JudgedPanel& b, int axis, Gap& gap) {
   const auto [low, high] = b.box_in(a.axes());
   const double width = low[axis] - a.high[axis];
   if (width < -0.02 || width > kWidestJoint) return false;
-  const double bend = std::tan(std::acos(std::min(1.0, turn)));
   const double middles = std::abs((low.z() + high.z()) - (a.low.z() + a.high.z()));
-  if (middles > 0.2 + bend * (high[axis] - a.low[axis])) return false;
+  if (middles > most_set_back(turn, high[axis] - a.low[axis])) return false;
   const double begin = std::max(a.low[other], low[other]), end = std::min(a.high[other], high[other]);
   const double shorter = std::min(a.high[other] - a.low[other], high[other] - low[other]);
   if (end - begin < 0.5 * shorter || end - begin < 0.05) return false;
@@ -39,43 +34,26 @@ bool follows(const JudgedPanel& a, const JudgedPanel& b, int axis, Gap& gap) {
 
 /// Change of the gap at one end with its uncertainty: movement of `b` minus movement of `a`, whose anchors may be
 /// shared.
-bool change_at(const JudgedPanel& a, const JudgedPanel& b, const Gap& gap, double place,
-               const judgement::DifferenceSet& all, const std::map<std::size_t, std::size_t>& position, double& value,
-               double& u) {
+bool change_at(const JudgedPanel& a, const JudgedPanel& b, const Gap& gap, double place, const LengthBasis& basis,
+               double& value, double& u) {
   const Eigen::Vector3d direction = gap.axis == 0 ? a.axes().right : a.axes().up;
   const double face = 0.5 * (a.low.z() + a.high.z());
   const auto point = [&](double along) { return gap.axis == 0 ? a.at(along, place, face) : a.at(place, along, face); };
   const Eigen::RowVectorXd of_a = a.movement(point(gap.from), direction), of_b = b.movement(point(gap.to), direction);
   if (of_a.size() == 0 || of_b.size() == 0) return false;
-  std::map<std::size_t, Eigen::RowVector3d> rows;  // by anchor
-  const auto add = [&](const JudgedPanel& panel, const Eigen::RowVectorXd& row, double sign) {
-    for (std::size_t i = 0; i < panel.part().size(); ++i) {
-      auto& entry = rows.try_emplace(panel.part().anchors[i], Eigen::RowVector3d::Zero()).first->second;
-      entry += sign * row.segment<3>(3 * static_cast<Eigen::Index>(i));
-    }
-  };
-  add(b, of_b, 1), add(a, of_a, -1);
-  value = of_b.dot(b.part().difference) - of_a.dot(a.part().difference);
-  u = nan;
-  if (all.covariance.size() == 0) return true;
-  double variance = 0;
-  for (const auto& [i, row_i] : rows)
-    for (const auto& [j, row_j] : rows)
-      variance +=
-          row_i *
-          all.covariance.block(static_cast<Eigen::Index>(position.at(i)), static_cast<Eigen::Index>(position.at(j))) *
-          row_j.transpose();
-  u = std::sqrt(std::max(0.0, variance));
+  LinearLength change = b.in_full(of_b);
+  change.add(a.in_full(of_a), -1);
+  value = b.value(of_b) - a.value(of_a);
+  const double variance = basis.covariance(change, change);
+  u = std::isnan(variance) ? nan : std::sqrt(std::max(0.0, variance));
   return true;
 }
 
 class Joints {
  public:
   Joints(const std::vector<JudgedPanel>& panels, std::vector<std::unique_ptr<PanelDeviationT>>& out,
-         const judgement::DifferenceSet& all, const DeviationOptions& options)
-      : panels_(panels), out_(out), all_(all), options_(options) {
-    for (std::size_t i = 0; i < all.size(); ++i) position_[all.anchors[i]] = i;
-  }
+         const LengthBasis& basis, const DeviationOptions& options)
+      : panels_(panels), out_(out), basis_(basis), options_(options) {}
 
   void find() {
     double reach = 0;
@@ -106,8 +84,8 @@ class Joints {
  private:
   void add(std::size_t a, std::size_t b, const Gap& gap) {
     double value[2], u[2];
-    if (!change_at(panels_[a], panels_[b], gap, gap.begin, all_, position_, value[0], u[0])) return;
-    if (!change_at(panels_[a], panels_[b], gap, gap.end, all_, position_, value[1], u[1])) return;
+    if (!change_at(panels_[a], panels_[b], gap, gap.begin, basis_, value[0], u[0])) return;
+    if (!change_at(panels_[a], panels_[b], gap, gap.end, basis_, value[1], u[1])) return;
     const int worse = std::abs(value[1]) > std::abs(value[0]);
     const double width = std::max(0.0, gap.width());
     for (const auto& [own, other, side] :
@@ -141,16 +119,15 @@ class Joints {
 
   const std::vector<JudgedPanel>& panels_;
   std::vector<std::unique_ptr<PanelDeviationT>>& out_;
-  const judgement::DifferenceSet& all_;
+  const LengthBasis& basis_;
   const DeviationOptions& options_;
-  std::map<std::size_t, std::size_t> position_;
 };
 
 }  // namespace
 
-void judge_joints(const std::vector<JudgedPanel>& panels, const DifferenceSet& all, const DeviationOptions& options,
+void judge_joints(const std::vector<JudgedPanel>& panels, const LengthBasis& basis, const DeviationOptions& options,
                   std::vector<std::unique_ptr<PanelDeviationT>>& out) {
-  Joints(panels, out, all, options).find();
+  Joints(panels, out, basis, options).find();
 }
 
 }  // namespace plumbline::judgement

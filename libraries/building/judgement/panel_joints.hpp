@@ -9,8 +9,8 @@
 namespace plumbline::judgement {
 
 /// Finds the gaps between neighbours, judges how they change with the anchors, and adds each to the two panels of `out`
-/// (in the order of `panels`). `all`: the deviations of all anchors, whose covariance two panels share.
-void judge_joints(const std::vector<JudgedPanel>& panels, const DifferenceSet& all, const DeviationOptions& options,
+/// (in the order of `panels`). `basis`: the deviations of all anchors, whose covariance two panels share.
+void judge_joints(const std::vector<JudgedPanel>& panels, const LengthBasis& basis, const DeviationOptions& options,
                   std::vector<std::unique_ptr<PanelDeviationT>>& out);
 
 }  // namespace plumbline::judgement

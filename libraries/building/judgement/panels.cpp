@@ -4,11 +4,11 @@
 
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/panel_joints.hpp"
+#include "building/judgement/panel_stack.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
@@ -90,8 +90,26 @@ void hold(PanelDeviationT& out, const char* by, const std::string& why) {
   out.tau_pass = std::numeric_limits<double>::infinity();
 }
 
-/// `open_turn`: its anchors are in one line, and how it is turned about that moves corners that are judged.
-void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviationT*>& anchors, bool open_turn) {
+/// Its anchors are in one line, and how it is turned about that moves corners that are judged.
+void hold_open_turn(PanelDeviationT& out) {
+  if (out.below)
+    hold(out, "held_below", out.below->why);
+  else
+    hold(out, "anchors_in_line",
+         "its " + std::to_string(out.fixings.size()) +
+             " anchors are in one line: how it is turned about that is not known, nor how far its corners are out; "
+             "where the panel below or a sill holds its bottom edge, held_below says so");
+  out.pass_probability = nan;
+}
+
+/// What is found besides the panel itself.
+struct Finding {
+  bool open_turn = false;
+  std::string doubt;  ///< of what holds it below; empty: none
+};
+
+void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviationT*>& anchors,
+            const Finding& finding) {
   // All its lengths at once, and the one that speaks for it.
   const ToleranceVerdict together = out.verdict;
   out.verdict = ToleranceVerdict::not_measured;
@@ -130,12 +148,8 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
          "its place is known from anchor " + out.fixings.front()->anchor + " alone: how it is turned is not known");
     out.pass_probability = nan;
   }
-  if (open_turn) {
-    hold(out, "anchors_in_line",
-         "its " + std::to_string(out.fixings.size()) +
-             " anchors are in one line: how it is turned about that is not known, nor how far its corners are out");
-    out.pass_probability = nan;
-  }
+  if (finding.open_turn) hold_open_turn(out);
+  if (!finding.doubt.empty()) hold(out, "held_below", finding.doubt);
 }
 
 }  // namespace
@@ -152,7 +166,6 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
   std::map<std::size_t, std::size_t> position;
   for (std::size_t i = 0; i < deviations.size(); ++i) position[deviations.anchors[i]] = i;
   std::vector<std::unique_ptr<PanelDeviationT>> nowhere;  // face nowhere that is known
-  std::set<const PanelDeviationT*> open_turns;
   std::vector<JudgedPanel> panels;
   panels.reserve(inputs.panels.size());
   for (const PanelCase& panel : inputs.panels) {
@@ -167,20 +180,28 @@ std::vector<std::unique_ptr<PanelDeviationT>> judge_panels(const DeviationInputs
     fill_limits(panel.tolerances, *out);
     fill_fixings(panel, inputs, judged, panel.facade, *out);
     if (panel.facade.known()) {
-      panels.emplace_back(panel, inputs, deviations.subset(own), options);
-      panels.back().fill(*out);
-      if (panels.back().turn_is_open()) open_turns.insert(out.get());
+      panels.emplace_back(panel, inputs, deviations, own, options);
       result.push_back(std::move(out));
     } else {
       fill_unknown(*out);
       nowhere.push_back(std::move(out));
     }
   }
-  judge_joints(panels, deviations, options, result);
-  for (auto& panel : nowhere) result.push_back(std::move(panel));
+  LengthBasis basis{deviations, {}};
+  std::vector<Support> supports = hold_panels(panels, inputs, basis);
+  std::vector<Finding> findings(panels.size());
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    stop_point();
+    panels[i].fill(*result[i]);
+    findings[i].open_turn = panels[i].turn_is_open();
+    if (supports[i].told.by == "panel") findings[i].doubt = supports[i].doubt;
+    if (!supports[i].told.by.empty()) result[i]->below = std::make_unique<PanelSupportT>(std::move(supports[i].told));
+  }
+  judge_joints(panels, basis, options, result);
   std::map<std::string, const AnchorDeviationT*> anchors;
   for (const auto& anchor : judged) anchors[anchor->id] = anchor.get();
-  for (auto& panel : result) decide(*panel, anchors, open_turns.count(panel.get()) > 0);
+  for (std::size_t i = 0; i < panels.size(); ++i) decide(*result[i], anchors, findings[i]);
+  for (auto& panel : nowhere) decide(*panel, anchors, {}), result.push_back(std::move(panel));
   return result;
 }
 

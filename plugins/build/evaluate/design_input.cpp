@@ -49,13 +49,17 @@ Eigen::Quaterniond axes_of(const PlateT& plate, const ifc::FacadeFrame& facade) 
 
 class Builder {
  public:
-  Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting)
+  Builder(const DesignT& design, const judgement::ToleranceTable& tolerances, const judgement::Mounting& mounting,
+          const judgement::HeldBelow& held_below)
       : design_(design),
         grid_(ifc::grid_of(design)),
         tolerances_(tolerances),
         mounting_(mounting),
+        held_below_(held_below),
         rules_(tolerances.rules.size()),
-        mounting_rules_(mounting.rules.size()) {
+        mounting_rules_(mounting.rules.size()),
+        held_rules_(held_below.rules.size()),
+        sill_rules_(held_below.sills.size()) {
     for (const auto& element : design.elements) elements_[element->guid] = element.get();
   }
 
@@ -124,18 +128,23 @@ class Builder {
       judgement::ToleranceFindings findings;
       panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
       panel.refused = findings.refused;
+      panel.held_below = held_below_.of(facts_of(*element, properties_), panel.refused);
+      held_by_.push_back(rules_that_select(held_below_.rules, facts_of(*element, properties_)));
       said.emplace_back(element->anchor_guids.begin(), element->anchor_guids.end());
       panels.push_back(std::move(panel)), rules.push_back(std::move(findings));
     }
     const std::vector<char> others_alone = find_own_anchors(panels, said, inputs_.anchors, reach);
     for (std::size_t p = 0; p < panels.size(); ++p) {
       PanelCase& panel = panels[p];
+      std::erase_if(panel.anchors, [&](const std::size_t a) { return inputs_.anchors[a].is_sill; });
       const judgement::ToleranceFindings& findings = rules[p];
       if (panel.anchors.empty()) {
         (others_alone[p] ? beside : loose).push_back(name_of(panel));
+        inputs_.loose.push_back(std::move(panel));
         continue;
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
+      for (const std::size_t rule : held_by_[p]) ++held_rules_[rule];
       note(findings);
       inputs_.panels.push_back(std::move(panel));
     }
@@ -170,6 +179,8 @@ class Builder {
       anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, axes_of(*plate, anchor.facade));
       from_table_ += plate->mounting_sigma.size() == 3;
     }
+    anchor.is_sill = held_below_.is_sill(anchor.element);
+    for (std::size_t i = 0; i < sill_rules_.size(); ++i) sill_rules_[i] += held_below_.sills[i].matches(anchor.element);
     judgement::ToleranceFindings findings;
     anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element, &findings);
     anchor.refused = findings.refused;
@@ -216,6 +227,14 @@ class Builder {
     return (extent(a) - extent(b)).norm() < kOnePlace;
   }
 
+  static std::vector<std::size_t> rules_that_select(const std::vector<judgement::HeldBelowRule>& rules,
+                                                    const ifc::ElementFacts& panel) {
+    std::vector<std::size_t> found;
+    for (std::size_t i = 0; i < rules.size(); ++i)
+      if (rules[i].selection.matches(panel)) found.push_back(i);
+    return found;
+  }
+
   static std::string name_of(const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; }
 
   void note(const judgement::ToleranceFindings& findings) {
@@ -245,6 +264,12 @@ class Builder {
     for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
       inputs_.requests.push_back({mounting_.rules[i].text, "mounting", mounting_rules_[i], 0,
                                   mounting_rules_[i] > 0 ? "" : "it selects no anchor of the plate table"});
+    for (std::size_t i = 0; i < held_rules_.size(); ++i)
+      inputs_.requests.push_back({held_below_.rules[i].text, "held_below", 0, held_rules_[i],
+                                  held_rules_[i] > 0 ? "" : "it selects no panel"});
+    for (std::size_t i = 0; i < sill_rules_.size(); ++i)
+      inputs_.requests.push_back(
+          {held_below_.sills[i].text(), "sills", sill_rules_[i], 0, sill_rules_[i] > 0 ? "" : "it selects no anchor"});
   }
 
   /// The plates may have turned what the design left open: facades are grouped anew, and what no plate stands at
@@ -316,10 +341,13 @@ class Builder {
   std::vector<ifc::GridAxis> grid_;
   const judgement::ToleranceTable& tolerances_;
   const judgement::Mounting& mounting_;
+  const judgement::HeldBelow& held_below_;
   std::vector<std::pair<int, int>> rules_;      // anchors and panels that each rule selects
   std::set<std::size_t> in_force_;              // rules that hold somewhere
   std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
   std::vector<int> mounting_rules_;
+  std::vector<int> held_rules_, sill_rules_;       // panels that each selects, anchors
+  std::vector<std::vector<std::size_t>> held_by_;  // by panel, rules that select it
   std::size_t from_table_ = 0;
   std::map<std::string, const DesignElementT*> elements_;
   std::map<std::string, std::size_t> index_;
@@ -332,8 +360,9 @@ class Builder {
 
 judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
                                             const PlatesT& plates, const judgement::ToleranceTable& tolerances,
-                                            double panel_reach, const judgement::Mounting& mounting) {
-  Builder builder(design, tolerances, mounting);
+                                            double panel_reach, const judgement::Mounting& mounting,
+                                            const judgement::HeldBelow& held_below) {
+  Builder builder(design, tolerances, mounting, held_below);
   builder.add_listed(matches, plates);
   builder.add_unlisted();
   builder.add_panels(panel_reach);

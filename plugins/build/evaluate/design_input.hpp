@@ -13,9 +13,11 @@ namespace plumbline::judgement {
 /// with the anchors that hold them: those the design says, else those within kPanelReach of the panel's box. Wholes
 /// made of other panels (a curtain wall of plates) are left out. Which way anchors and panels face is what the design
 /// says and, before that, the azimuths of the plates.
+/// Anchors that `held_below` has as places of a sill hold no panel, whatever the design says.
 /// `model` is not filled. Throws std::runtime_error if `matches` names elements that `design` does not have.
 judgement::DeviationInputs deviation_inputs(const DesignT& design, const ElementMatchesT& matches,
                                             const PlatesT& plates, const judgement::ToleranceTable& tolerances,
-                                            double panel_reach, const judgement::Mounting& mounting = {});
+                                            double panel_reach, const judgement::Mounting& mounting = {},
+                                            const judgement::HeldBelow& held_below = {});
 
 }  // namespace plumbline::judgement

@@ -21,8 +21,11 @@ void EvaluateDeviation::run(Context& context) {
   judgement::Mounting how;
   how.sigma = *mounting_sigma;
   for (const std::string& rule : *mounting) how.rules.push_back(judgement::parse_mounting(rule));
+  judgement::HeldBelow stack;
+  for (const std::string& rule : *held_below) stack.rules.push_back(judgement::parse_held_below(rule));
+  for (const std::string& sill : *sills) stack.sills.emplace_back(sill);
   judgement::DeviationInputs inputs =
-      deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how);
+      deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how, stack);
   inputs.model = point_set(*model, "model");
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;

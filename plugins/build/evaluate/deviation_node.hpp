@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 8,
+      "evaluate.deviation", "", 9,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
@@ -60,6 +60,15 @@ struct EvaluateDeviation : Node {
       "mounting", std::vector<std::string>{},
       "the same for some anchors: 'class=IfcMechanicalFastener & batch=march: right=0.3mm, up=0.3mm, out=1mm'; goes "
       "before plates.csv, later rules before earlier ones"};
+  Param<std::vector<std::string>> held_below{
+      "held_below", std::vector<std::string>{},
+      "panels whose bottom edge is held out of plane by the panel below (stack joint) or by a sill: 'class=IfcPlate: "
+      "sigma=0.5mm, sill_sigma=2mm' (sigma or play: of the joint; sill_sigma: of a sill that nobody measured, else "
+      "such "
+      "panels stay undecided); later rules go before earlier ones, both before the design's Pset_StackJoint"};
+  Param<std::vector<std::string>> sills{
+      "sills", std::vector<std::string>{},
+      "anchors that are measured places of such a sill: 'name~^SILL-'; no panel hangs on them"};
   Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
                             "anchors so near to a panel hold it, where the design does not say"};
   Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};

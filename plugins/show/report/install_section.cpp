@@ -142,6 +142,13 @@ Task task_of(const PanelDeviationT& panel, const DeviationT& deviation) {
     task.todo = "Measure a place of it beside the line of its anchors, or see with a level how it is turned about it.";
     return task;
   }
+  if (panel.decided_by == "held_below") {
+    task.todo = panel.below && !panel.below->panel.empty()
+                    ? "First measure what it stands on."
+                    : "Say what holds its bottom edge and how well, or see with a level how it is turned about the "
+                      "line of its anchors.";
+    return task;
+  }
   if (!panel.facade || !panel.facade->confirmed) {
     task.todo = "Say which way its facade faces before anything is shimmed.";
     return task;

@@ -128,6 +128,53 @@ TEST(DesignInput, ANarrowRuleThatALaterWideOneReplacesIsNotJudged) {
   EXPECT_EQ(not_judged({narrow, "*: vertical=0mm"}).size(), 1u) << "not judged at all is wider than any";
 }
 
+/// A place of a sill holds no panel, and a rule that nothing follows is not judged.
+TEST(DesignInput, WhatHoldsPanelsBelowIsSaidByRules) {
+  Site site({0, -1, 0});
+  HeldBelow held;
+  held.rules = {parse_held_below("class=IfcPlate: sigma=0.5mm"), parse_held_below("name=none: sigma=1mm")};
+  held.sills = {ifc::Selection("name~^S-1"), ifc::Selection("name~^SILL")};
+  auto inputs = deviation_inputs(site.design, site.matches, site.plates, {}, 0.3, {}, held);
+  ASSERT_EQ(inputs.panels.size(), 2u);
+  for (const PanelCase& panel : inputs.panels) {
+    ASSERT_TRUE(panel.held_below);
+    EXPECT_NEAR(panel.held_below->sigma, 0.5 * mm, 1e-12);
+    EXPECT_EQ(panel.anchors.size(), 2u);
+    for (const std::size_t anchor : panel.anchors) EXPECT_FALSE(inputs.anchors[anchor].is_sill);
+  }
+  const auto request = [&](const std::string& asked) {
+    for (const Request& one : inputs.requests)
+      if (one.asked == asked) return std::to_string(one.panels) + " " + std::to_string(one.anchors) + one.not_judged;
+    return std::string("none");
+  };
+  EXPECT_EQ(request("class=IfcPlate: sigma=0.5mm"), "2 0");
+  EXPECT_EQ(request("name=none: sigma=1mm"), "0 0it selects no panel");
+  EXPECT_EQ(request("name~^S-1"), "0 3");
+  EXPECT_EQ(request("name~^SILL"), "0 0it selects no anchor");
+  inputs.model = site.model;
+  const DeviationT judged = judge_deviations(std::move(inputs), {});
+  for (const auto& panel : judged.panels) EXPECT_EQ(panel->verdict, ToleranceVerdict::pass) << panel->reason;
+  // A panel of the design without any anchor is found below all the same: no sill is assumed in its place.
+  Site above({0, -1, 0});
+  DesignElementT& lower = above.add("PL", "IfcPlate", {0, -0.1, -0.02});
+  lower.is_panel = true, lower.box_low = {0.01, -0.02, -3}, lower.box_high = {1.99, 0.02, 0};
+  held.rules = {parse_held_below("*: sigma=0.5mm, sill_sigma=0.5mm")};
+  held.sills.clear();
+  for (auto& panel : above.design.elements)
+    if (panel->is_panel && panel->name != "PL") {
+      panel->anchor_guids.erase(panel->anchor_guids.begin(), panel->anchor_guids.begin() + 2);
+      panel->placement.translation.z() = 3;
+    }
+  lower.placement.translation.z() = 2.98;
+  auto more = deviation_inputs(above.design, above.matches, above.plates, {}, 0.01, {}, held);
+  ASSERT_EQ(more.loose.size(), 1u);
+  more.model = above.model;
+  const DeviationT stacked = judge_deviations(std::move(more), {});
+  EXPECT_EQ(stacked.panels[0]->decided_by, "held_below");
+  EXPECT_NE(stacked.panels[0]->reason.find("held by panel PL"), std::string::npos) << stacked.panels[0]->reason;
+  EXPECT_EQ(stacked.panels[1]->below->by, "assumed_sill");
+}
+
 /// The rule that is printed, by what a user would copy.
 std::string rule_in(const std::string& warning) {
   std::smatch found;

@@ -127,7 +127,8 @@ TEST(Panels, AnchorsInOneLineShowNoPanelToBeInPlace) {
   EXPECT_EQ(two->verdict, ToleranceVerdict::undecided);
   EXPECT_EQ(two->decided_by, "anchors_in_line");
   EXPECT_EQ(two->reason,
-            "its 2 anchors are in one line: how it is turned about that is not known, nor how far its corners are out");
+            "its 2 anchors are in one line: how it is turned about that is not known, nor how far its corners are out; "
+            "where the panel below or a sill holds its bottom edge, held_below says so");
   EXPECT_TRUE(std::isinf(two->tau_pass)) << "at no tolerance";
   EXPECT_TRUE(std::isnan(two->pass_probability)) << "of what is asked, a part is known";
   EXPECT_EQ(judged(facade(4))->verdict, ToleranceVerdict::pass);

@@ -115,9 +115,10 @@ TEST(German, WhatTenKelvinDoAndReportsThatWereNotTaken) {
             "keine Konsole und kein Paneel dieses Namens ist bekannt; bis auf Groß- und Kleinschreibung, Trennzeichen "
             "oder führende Nullen ist es B2");
   EXPECT_EQ(said("its 2 anchors are in one line: how it is turned about that is not known, nor how far its corners are "
-                 "out"),
+                 "out; where the panel below or a sill holds its bottom edge, held_below says so"),
             "seine 2 Anker liegen in einer Linie: wie es um sie gedreht ist, ist nicht bekannt, auch nicht, wie weit "
-            "seine Ecken außen stehen");
+            "seine Ecken außen stehen; wo das Paneel darunter oder eine Schwelle seine Unterkante hält, sagt das "
+            "held_below");
 }
 
 TEST(Catalogue, UsesOfControlPoints) {
