@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plumbline::loop {
@@ -38,8 +40,10 @@ struct Bracket {
   std::string basis;   ///< hash of its own measurement by the last campaign; empty: of `deviation`
   int campaigns = 0;   ///< that `deviation` rests on; 0: not combined
   Eigen::Vector3d difference_sigma = Eigen::Vector3d::Zero();  ///< to the place of campaigns before [m]; 0: unknown
+  bool is_sill = false;          ///< a measured place of a sill: panels stand on it, and nobody sets it
   bool holds_unplanned = false;  ///< a panel of the design hangs on it, or may, that is none of Facade::panels
   bool measured() const { return deviation.allFinite(); }
+  bool stays() const { return fixed || is_sill; }
 };
 
 /// What a hook takes up; the other directions slide.
@@ -59,6 +63,15 @@ struct CornerLimits {
   }
 };
 
+/// What holds a panel's bottom edge out of its plane, and in no other way: the panel below, a measured sill, or one
+/// that is only assumed to be in place. As the judgement found it (PanelSupport of the deviation).
+struct Support {
+  int panel = -1;                                     ///< of Facade::panels; -1: a sill
+  std::vector<std::pair<std::size_t, double>> sills;  ///< brackets, and their part in how far out the edge is held
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< middle of the edge
+  double sigma = 0;                                   ///< of the edge against what holds it [m]
+};
+
 struct Panel {
   std::string id, name;
   int floor = 0;
@@ -67,6 +80,8 @@ struct Panel {
   std::array<Eigen::Vector3d, 4> corners = {};  ///< bottom left, bottom right, top left, top right, seen from outside
   std::vector<Hook> hooks;
   CornerLimits limits;
+  std::optional<Support> below;
+  std::string below_unknown;            ///< it is held below, and this is why nobody knows where; empty: it is known
   std::vector<std::string> depends_on;  ///< ids of panels that hang first
   bool installed = false;
   std::string open;  ///< why it cannot be GO whatever its probability, in words; empty: nothing is known against it

@@ -52,6 +52,88 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
 
 namespace {
 
+/// Parts of a movement that are nothing: of a high column the hooks far below have none in the uppermost panel.
+constexpr double kNoPart = 1e-7;
+
+class Stack {
+ public:
+  explicit Stack(const Facade& facade) : facade_(facade), asked_(facade.panels.size(), false) {
+    for (const Panel& panel : facade.panels) poses_.push_back(pose_of(panel, facade.brackets));
+  }
+
+  std::vector<PanelPose> poses() {
+    for (std::size_t j = 0; j < poses_.size(); ++j) close(j);
+    return std::move(poses_);
+  }
+
+ private:
+  void close(std::size_t j) {
+    if (asked_[j]) return;  // depends_on has no circle, and who stands on another depends on it
+    asked_[j] = true;
+    const Panel& panel = facade_.panels[j];
+    PanelPose& pose = poses_[j];
+    if (!panel.below || pose.open.cols() != 1) return;
+    const Support& below = *panel.below;
+    const auto held = pose.movement(panel, below.place, panel.axes.col(2));
+    const auto lift = lift_of(pose.open.col(0), pose.open.col(0).tail<3>().norm() / pose.arm, held);
+    if (!lift) return;
+    std::vector<PanelPose::Held> carrying;
+    Eigen::RowVectorXd row;
+    std::vector<std::pair<std::size_t, double>> seats{{j, 1.0}};
+    if (!carried_by(below, panel.axes.col(2), carrying, row, seats)) return;
+    const auto own = static_cast<Eigen::Index>(pose.held.size());
+    const Eigen::MatrixXd told = pose.solve - *lift * (held * pose.solve);
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < row.size(); ++i)
+      if (std::abs(row[i]) * lift->norm() > kNoPart) kept.push_back(i);
+    pose.solve.resize(6, own + static_cast<Eigen::Index>(kept.size()));
+    pose.solve.leftCols(own) = told;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      pose.solve.col(own + static_cast<Eigen::Index>(i)) = row[kept[i]] * *lift;
+      pose.held.push_back(carrying[static_cast<std::size_t>(kept[i])]);
+    }
+    pose.strain.conservativeResize(pose.solve.cols(), pose.strain.cols());
+    pose.strain.bottomRows(pose.solve.cols() - own).setZero();
+    pose.open.resize(6, 0);
+    for (const auto& [seat, factor] : seats) pose.seats.emplace_back(seat, factor * *lift);
+  }
+
+  /// How far out the edge is held, as a row over the directions that hooks of the panel below hold, or the sill; false
+  /// where that is not told.
+  bool carried_by(const Support& below, const Eigen::Vector3d& out, std::vector<PanelPose::Held>& carrying,
+                  Eigen::RowVectorXd& row, std::vector<std::pair<std::size_t, double>>& seats) {
+    if (below.panel < 0) {
+      row.resize(static_cast<Eigen::Index>(below.sills.size()));
+      for (const auto& [sill, weight] : below.sills) {
+        if (!facade_.brackets[sill].measured()) return false;
+        row[static_cast<Eigen::Index>(carrying.size())] = weight;
+        carrying.push_back({sill, out, true});
+      }
+      return true;
+    }
+    const auto carrier = static_cast<std::size_t>(below.panel);
+    close(carrier);
+    const PanelPose& pose = poses_[carrier];
+    const auto edge = pose.movement(facade_.panels[carrier], below.place, out);
+    if (pose.held.empty() || !pose.tells(edge)) return false;
+    row = edge * pose.solve;
+    for (const PanelPose::Held& held : pose.held) carrying.push_back({held.bracket, held.direction, true});
+    for (const auto& [seat, lift] : pose.seats)
+      if (const double factor = edge * lift; std::abs(factor) > kNoPart) seats.emplace_back(seat, factor);
+    return true;
+  }
+
+  const Facade& facade_;
+  std::vector<PanelPose> poses_;
+  std::vector<bool> asked_;
+};
+
+}  // namespace
+
+std::vector<PanelPose> poses_of(const Facade& facade) { return Stack(facade).poses(); }
+
+namespace {
+
 constexpr const char* kCorners[] = {"bottom left", "bottom right", "top left", "top right"};
 
 void add_corners(const Facade& facade, std::size_t j, const PanelPose& pose, std::vector<JudgedValue>& values,
@@ -165,7 +247,7 @@ void add_rare_events(const Facade& facade, ValueErrors& errors) {
   for (std::size_t i = 0; i < errors.brackets.size(); ++i) {
     const Bracket& bracket = facade.brackets[errors.brackets[i]];
     const Eigen::MatrixXd rows = errors.rows.middleCols<3>(3 * static_cast<Eigen::Index>(i));
-    if (model.slip_share * model.slip > 0 && !bracket.fixed)
+    if (model.slip_share * model.slip > 0 && !bracket.stays())
       errors.rare.push_back({model.slip_share, model.slip * rows});
     if (model.knock_share * model.knock > 0) errors.rare.push_back({model.knock_share, model.knock * rows});
     Eigen::MatrixXd& height = heights.try_emplace(bracket.floor, Eigen::MatrixXd::Zero(rows.rows(), 1)).first->second;
@@ -181,16 +263,19 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
                       const std::vector<PanelPose>& poses) {
   const auto m = static_cast<Eigen::Index>(values.size());
   std::vector<std::map<std::size_t, Eigen::RowVector3d>> gradients;
-  std::map<std::size_t, Eigen::Index> place, edge;  // of a bracket and of an edge among those concerned
+  std::map<std::size_t, Eigen::Index> place, edge, seat;  // of a bracket, an edge, a seat among those concerned
   for (const JudgedValue* value : values) {
     gradients.push_back(bracket_gradient(*value, poses));
     for (const auto& [bracket, row] : gradients.back()) place.try_emplace(bracket, 0);
     for (const auto& [at, factor] : value->edges) edge.try_emplace(at, 0);
+    for (const auto& [panel, row] : value->rows)
+      for (const auto& [at, lift] : poses[panel].seats) seat.try_emplace(at, 0);
   }
   Eigen::Index n = 0, edges = 0;
   ValueErrors out;
   for (auto& [bracket, at] : place) at = n++, out.brackets.push_back(bracket);
   for (auto& [which, at] : edge) at = edges++;
+  for (auto& [which, at] : seat) at = edges++;
   const ErrorModel& errors = facade.errors;
   out.measured.resize(3 * n, 3 * n);
   out.own.resize(3 * n, 3 * n);
@@ -202,7 +287,7 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
           facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
       out.own.block<3, 3>(3 * at_i, 3 * at_j) =
           own.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
-      if (facade.brackets[i].fixed || facade.brackets[j].fixed) continue;
+      if (facade.brackets[i].stays() || facade.brackets[j].stays()) continue;
       if (i == j) out.setting.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.setting * errors.setting);
       if (facade.brackets[i].floor == facade.brackets[j].floor)
         out.station.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.station * errors.station);
@@ -217,6 +302,9 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
     for (const auto& [bracket, row] : gradients[v]) out.rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
     for (const auto& [which, factor] : value.edges)
       made(v, edge.at(which)) = factor * (which % 5 == 4 ? errors.face : errors.edge);
+    for (const auto& [panel, row] : value.rows)
+      for (const auto& [at, lift] : poses[panel].seats)
+        made(v, seat.at(at)) += row.dot(lift) * facade.panels[at].below->sigma;
   }
   out.made = made * made.transpose();
   add_rare_events(facade, out);

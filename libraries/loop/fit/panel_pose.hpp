@@ -20,8 +20,11 @@ struct PanelPose {
   struct Held {
     std::size_t bracket;
     Eigen::Vector3d direction;  ///< unit vector, in the frame
+    bool is_below = false;      ///< no hook of this panel, but one of what it stands on
   };
-  std::vector<Held> held;  ///< the h directions, in the order of the hooks
+  std::vector<Held> held;  ///< the h directions: its hooks in their order, then those of what it stands on
+  /// What a metre that a bottom edge is off its support (Support::sigma of that panel) does to the twist.
+  std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 1>>> seats;
 
   /// 1 x 6: movement of a point of the panel along a direction.
   Eigen::Matrix<double, 1, 6> movement(const Panel& panel, const Eigen::Vector3d& point,
@@ -34,6 +37,10 @@ struct PanelPose {
 
 /// Hooks on brackets that were not measured are left out: what they hold is then open.
 PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets);
+
+/// Of all panels, the turn about their brackets' line closed where something holds their bottom edge: it follows the
+/// hooks of the panels below, too, as they are planned or hang. Where those do not tell, it stays open.
+std::vector<PanelPose> poses_of(const Facade& facade);
 
 /// What a value is judged as.
 enum class Quantity { corner, gap, step };

@@ -282,7 +282,7 @@ Eigen::VectorXd movements(const Facade& facade, const PanelPose& pose, const std
 /// What is judged, with its uncertainty; nothing is set yet.
 Fit judged_fit(const Facade& facade) {
   Fit fit;
-  for (const Panel& panel : facade.panels) fit.poses.push_back(pose_of(panel, facade.brackets));
+  fit.poses = poses_of(facade);
   fit.judged = judged_values(facade, fit.poses, fit.notes);
   add_uncertainties(facade, fit);
   return fit;
@@ -292,8 +292,8 @@ Fit judged_fit(const Facade& facade) {
 void take_settings(const Facade& facade, Fit& fit) {
   for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
     const Bracket& bracket = facade.brackets[b];
-    fit.settings.push_back(bracket.measured() && !bracket.fixed ? settable(bracket.type, fit.asked[b])
-                                                                : Eigen::Vector3d::Zero());
+    fit.settings.push_back(bracket.measured() && !bracket.stays() ? settable(bracket.type, fit.asked[b])
+                                                                  : Eigen::Vector3d::Zero());
   }
   for (const PanelPose& pose : fit.poses) fit.twists.push_back(pose.solve * movements(facade, pose, fit.settings));
   const std::vector<double> values = values_of(facade, fit, fit.settings);
@@ -348,7 +348,7 @@ Fit fit_of_settings(const Facade& facade, const std::vector<Eigen::Vector3d>& as
   note_what_is_missing(facade, fit);
   for (std::size_t b = 0; b < asked.size(); ++b) {
     const Bracket& bracket = facade.brackets[b];
-    const bool is_set = bracket.measured() && !bracket.fixed;
+    const bool is_set = bracket.measured() && !bracket.stays();
     fit.asked.push_back(is_set               ? asked[b]
                         : bracket.measured() ? Eigen::Vector3d::Zero()
                                              : Eigen::Vector3d::Constant(kUnknown));

@@ -53,7 +53,7 @@ SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPo
 /// A direction that no hook of a panel holds which is still to be hung stays unset.
 void SettingsProgram::choose_settings() {
   settings_.resize(facade_.brackets.size());
-  for (const Bracket& bracket : facade_.brackets) is_set_.push_back(bracket.measured() && !bracket.fixed);
+  for (const Bracket& bracket : facade_.brackets) is_set_.push_back(bracket.measured() && !bracket.stays());
   std::vector<std::array<bool, 3>> holds(facade_.brackets.size(), {false, false, false});
   for (std::size_t j = 0; j < facade_.panels.size(); ++j)
     for (const PanelPose::Held& held : poses_[j].held) {
@@ -74,11 +74,12 @@ void SettingsProgram::add_hooks(std::size_t panel) {
     const auto hook = static_cast<Eigen::Index>(hooks_[panel].size());
     Term& moved = hooks_[panel].emplace_back();
     moved.constant = 1e3 * held.direction.dot(bracket.deviation);
-    if (facade_.panels[panel].installed) continue;
+    if (facade_.panels[panel].installed && !held.is_below) continue;
     const Eigen::Vector3d along = bracket.axes.transpose() * held.direction;
     for (int c = 0; is_set_[held.bracket] && c < 3; ++c)
       if (std::abs(along[c]) > kNothing) moved.add(along[c], settings_[held.bracket][c]);
-    if (is_set_[held.bracket] || pose.strain.cols() == 0 || pose.strain.row(hook).norm() <= kNothing) continue;
+    if (held.is_below || is_set_[held.bracket] || pose.strain.cols() == 0 || pose.strain.row(hook).norm() <= kNothing)
+      continue;
     moved.row.emplace_back(unknowns_, 1.0);
     squares_.emplace_back(static_cast<int>(unknowns_), static_cast<int>(unknowns_), 2 * kHoldWeight);
     ++unknowns_;

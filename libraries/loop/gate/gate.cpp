@@ -162,6 +162,16 @@ std::string untold_directions(const Panel& panel, const PanelPose& pose) {
   return words;
 }
 
+/// What would tell it.
+std::string way_to_tell(const Facade& facade, const Panel& panel) {
+  if (!panel.below_unknown.empty()) return panel.below_unknown;
+  if (panel.below && panel.below->panel >= 0)
+    return "its bottom edge is held by panel " + facade.panels[static_cast<std::size_t>(panel.below->panel)].id +
+           ", and how far out the top edge of that is is not known";
+  return "a hook more, one that holds more, or held_below of evaluate.deviation where the panel below or a sill holds "
+         "its bottom edge";
+}
+
 /// The obstacle, and its words; none and empty if there is none.
 std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fit, std::size_t j) {
   const Panel& panel = facade.panels[j];
@@ -174,7 +184,7 @@ std::pair<Obstacle, std::string> obstacle_of(const Facade& facade, const Fit& fi
   if (panel.hooks.size() == 1) return {Obstacle::one_bracket, "hangs on one bracket: how it turns is open"};
   if (const std::string untold = untold_directions(panel, fit.poses[j]); !untold.empty())
     return {Obstacle::not_told,
-            "its hooks do not tell how far its corners move " + untold + ": a hook more, or one that holds more"};
+            "its hooks do not tell how far its corners move " + untold + ": " + way_to_tell(facade, panel)};
   if (!panel.open.empty()) return {Obstacle::not_judged, panel.open};
   return {};
 }

@@ -44,6 +44,8 @@ class Builder {
     if (rules.normal.allFinite()) only_axes_ = facade_axes(rules.normal);
     for (const auto& element : design.elements) elements_[element->guid] = element.get();
     in_.facade.errors = rules.errors;
+    for (const auto& panel : deviation.panels)
+      if (panel->below) sills_.insert(panel->below->sills.begin(), panel->below->sills.end());
     name_panels();
   }
 
@@ -65,7 +67,9 @@ class Builder {
                             "; no setting is planned for it, and its panels wait");
         bracket.axes.setIdentity(), bracket.deviation.setConstant(kUnknown);
       }
-      const std::optional<BracketType> type = bracket_type_of(rules_.brackets, facts_of(*anchor));
+      bracket.is_sill = sills_.contains(anchor->id);
+      const std::optional<BracketType> type =
+          bracket.is_sill ? BracketType() : bracket_type_of(rules_.brackets, facts_of(*anchor));
       if (!type) unknown.push_back(anchor->id + " (" + anchor->class_ + ")");
       if (type) bracket.type = *type;
       bracket_at_[anchor->id] = in_.facade.brackets.size();
@@ -145,6 +149,34 @@ class Builder {
     find_unplanned();
   }
 
+  /// What holds bottom edges, as the judgement found it. Who stands on another hangs after it, on whichever of their
+  /// joint is judged.
+  void add_supports() {
+    for (const auto& judged : deviation_.panels) {
+      const auto at = panel_at_.find(judged->guid);
+      if (!judged->below || at == panel_at_.end()) continue;
+      const PanelSupportT& said = *judged->below;
+      Panel& panel = in_.facade.panels[at->second];
+      if (said.by == "unknown") {
+        panel.below_unknown = said.why;
+        continue;
+      }
+      Support support{-1, {}, said.place, said.sigma};
+      if (said.by == "panel") {
+        const auto carrier = panel_at_.find(said.panel);
+        if (carrier == panel_at_.end()) {
+          panel.below_unknown = "its bottom edge is held by panel " + said.name + ", which is not planned";
+          continue;
+        }
+        support.panel = static_cast<int>(carrier->second);
+        depend(panel, in_.facade.panels[carrier->second].id);
+      }
+      for (std::size_t i = 0; i < said.sills.size() && i < said.weights.size(); ++i)
+        support.sills.emplace_back(bracket_at_.at(said.sills[i]), said.weights[i]);
+      panel.below = std::move(support);
+    }
+  }
+
   void add_joints() {
     for (const auto& judged : deviation_.panels)
       for (const auto& said : judged->joints) {
@@ -152,7 +184,7 @@ class Builder {
         if (!panel_at_.count(judged->guid)) continue;
         if ((!upward && said->side != "right") || !panel_at_.count(said->panel)) continue;
         const std::size_t a = panel_at_.at(judged->guid), b = panel_at_.at(said->panel);
-        if (upward) in_.facade.panels[b].depends_on.push_back(in_.facade.panels[a].id);
+        if (upward) depend(in_.facade.panels[b], in_.facade.panels[a].id);
         const JointLimits limits = joint_limits(*judged, *said, judged_.at(said->panel));
         if (!(limits.wider + limits.narrower > 0)) continue;
         in_.facade.joints.push_back(joint_of(a, b, upward, said->design, limits));
@@ -168,6 +200,11 @@ class Builder {
   FacadeInput take() { return std::move(in_); }
 
  private:
+  static void depend(Panel& panel, const std::string& before) {
+    if (std::find(panel.depends_on.begin(), panel.depends_on.end(), before) == panel.depends_on.end())
+      panel.depends_on.push_back(before);
+  }
+
   /// Reports tell them apart; a person, or a tool that makes no difference between F and f, may not.
   void tell_names_alike() {
     std::map<std::string, std::string> known;
@@ -364,7 +401,7 @@ class Builder {
   std::map<std::string, std::size_t> bracket_at_, panel_at_;  ///< by anchor id, by GlobalId
   std::map<std::string, const PanelDeviationT*> judged_;      ///< by GlobalId
   std::map<std::string, std::string> id_of_;
-  std::set<std::string> wholes_;
+  std::set<std::string> wholes_, sills_;  ///< sills_: ids of anchors
   std::vector<ifc::Property> properties_;
 };
 
@@ -392,6 +429,7 @@ FacadeInput facade_of(const DeviationT& deviation, const PointsT& model, const D
   builder.add_brackets();
   builder.add_covariance(model, control);
   builder.add_panels();
+  builder.add_supports();
   builder.add_joints();
   builder.add_state();
   return builder.take();

@@ -145,6 +145,45 @@ TEST(FacadeInput, NamesThatDifferInCaseAloneAreTold) {
   EXPECT_EQ(made.notes[0].find("brackets South0 and SOUTH0 have one name but for case"), 0u) << made.notes[0];
 }
 
+/// The judgement says what holds bottom edges, and where; the planner looks for nothing of its own.
+TEST(FacadeInput, WhatHoldsABottomEdgeIsThatOfTheJudgement) {
+  Input input = two_facades();
+  add_panel(input, "Above", {0, 0, 2.02}, {0, -1, 0});
+  input.model.covariance.clear();
+  for (std::size_t i = 0; i < 36; ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 0.0003 * 0.0003 : 0.0);
+  const auto support = [](const std::string& by) {
+    auto below = std::make_unique<PanelSupportT>();
+    below->by = by, below->place = Eigen::Vector3d(1, 0, 2.01), below->sigma = 0.0004;
+    return below;
+  };
+  auto& panels = input.deviation.panels;
+  for (std::size_t p : {0u, 2u}) panels[p]->fixings.erase(panels[p]->fixings.begin(), panels[p]->fixings.begin() + 2);
+  panels[0]->below = support("sill"), panels[0]->below->sills = {"South0", "South1"};
+  panels[0]->below->weights = {0.5, 0.5}, panels[0]->below->place.z() = 0;
+  panels[2]->below = support("panel"), panels[2]->below->panel = panels[2]->below->name = "South";
+  FacadeRules rules;
+  rules.brackets = {parse_bracket_rule("name~[2-3]$|^East|^Above: out=20mm")};  // none for the sill
+  FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  const std::vector<Panel>& planned = made.facade.panels;
+  ASSERT_TRUE(planned[0].below && planned[2].below);
+  EXPECT_EQ(planned[0].below->panel, -1);
+  EXPECT_EQ(planned[0].below->sills, (std::vector<std::pair<std::size_t, double>>{{0, 0.5}, {1, 0.5}}));
+  EXPECT_TRUE(made.facade.brackets[0].is_sill && made.facade.brackets[1].is_sill);
+  EXPECT_FALSE(made.facade.brackets[2].is_sill);
+  EXPECT_EQ(planned[2].below->panel, 0);
+  EXPECT_EQ(planned[2].below->sigma, 0.0004);
+  EXPECT_EQ(planned[2].depends_on, std::vector<std::string>{"South"});
+  EXPECT_FALSE(planned[1].below);
+  const Fit fit = plan_settings(made.facade);
+  for (const PanelGate& gate : judge_plan(made.facade, fit))
+    EXPECT_NE(gate.obstacle, Obstacle::not_told) << gate.reason;
+  panels[0]->below = support("unknown"), panels[0]->below->why = "no sill was measured below";
+  made = facade_of(input.deviation, input.model, input.design, nullptr, {});
+  EXPECT_EQ(made.facade.panels[0].below_unknown, "no sill was measured below");
+  EXPECT_FALSE(made.facade.panels[0].below);
+}
+
 /// '4 mm' as text is no tolerance: nobody may hang a panel by the 5 mm that are assumed instead.
 TEST(FacadeInput, WhatWasAskedOfPanelsAndCouldNotBeJudgedHoldsThem) {
   Input input = two_facades();
