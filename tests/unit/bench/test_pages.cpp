@@ -6,6 +6,7 @@
 #include "record.hpp"
 #include "show/bench/figures.hpp"
 #include "show/bench/page.hpp"
+#include "show/bench/sentences.hpp"
 #include "show/bench/tables.hpp"
 
 namespace plumbline::bench {
@@ -71,6 +72,18 @@ TEST(BenchPages, AllThatIsWrittenOfASmallBench) {
   const std::string pdf = to_pdf(figure(bench, analysis));
   EXPECT_EQ(pdf.rfind("%PDF-1.4", 0), 0u);
   expect_file("pdf", pdf);
+}
+
+/// One alternative by itself, where above two always share a sentence.
+TEST(BenchPages, AnAlternativeThatAloneStatesTooLittleIsNamed) {
+  Bench bench = small_bench();
+  for (Cell& cell : bench.cells)
+    if (cell.choices["detector"] == "detect.aruco") cell.modes.clear(), cell.measures.erase("predicted");
+  const auto sentences = calibration_verdicts(analyse(bench));
+  ASSERT_EQ(sentences.size(), 5u) << "of four places, and how many rows are right";
+  EXPECT_EQ(sentences[0].rfind("single floor, outliers=0.1: adjust.ceres · detect.tag_pyramid stated 2.6 times too", 0),
+            0u)
+      << sentences[0];
 }
 
 }  // namespace test_pages

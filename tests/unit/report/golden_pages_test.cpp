@@ -12,6 +12,7 @@
 #include "show/report/network_page.hpp"
 #include "show/report/report.hpp"
 #include "show/report/sections.hpp"
+#include "show/report/sheets_page.hpp"
 #include "show/report/surface_page.hpp"
 
 namespace plumbline::report {
@@ -35,6 +36,15 @@ TEST(GoldenPages, BuildingOfTwoFloors) {
   }
   input.changes = std::move(changes);
   expect_page("building", render_report(input));
+}
+
+TEST(GoldenPages, SheetsOfAFloor) {
+  ReportInput input = test::example(1);
+  input.grid = {{"A", "u", {0, 0, 0}, {1, 0, 0}}, {"1", "v", {2, -5, 0}, {0, 1, 0}}};
+  // Of one of them nobody knows which way is right.
+  for (const auto& anchor : input.deviation->anchors)
+    if (anchor->id == "F01-C02-R1" && anchor->facade) anchor->facade->confirmed = false;
+  expect_page("sheets", render_sheets(input));
 }
 
 TEST(GoldenPages, Network) {
