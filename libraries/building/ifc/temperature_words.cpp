@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "geometry/median.hpp"
+#include "geometry/thermal_extent.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -20,38 +20,18 @@ double median_known(std::vector<double> values) {
   return median(std::move(values));
 }
 
-/// Extent along a direction [m].
-double extent(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& direction) {
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (const Eigen::Vector3d& p : places)
-    least = std::min(least, direction.dot(p)), most = std::max(most, direction.dot(p));
-  return most - least;
-}
-
-/// The longest one in plan, to a thousandth.
-double width_of(const std::vector<Eigen::Vector3d>& places) {
-  constexpr int kDirections = 36;
-  double width = 0;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = std::numbers::pi * i / kDirections;
-    width = std::max(width, extent(places, {std::cos(angle), std::sin(angle), 0}));
-  }
-  return width;
-}
-
 }  // namespace
 
 std::string temperature_words(const std::vector<Eigen::Vector3d>& places, double tolerance,
                               std::vector<double> sigmas) {
   if (places.empty()) return {};
-  const double height = extent(places, Eigen::Vector3d::UnitZ()), width = width_of(places);
-  const double up = 10 * kConcretePerKelvin * height, along = 10 * kConcretePerKelvin * width;
-  const double sigma = median_known(std::move(sigmas)), effect = std::max(up, along);
+  const ThermalExtent of = thermal_extent(places);
+  const double sigma = median_known(std::move(sigmas)), effect = of.larger();
   if (!(effect > kToldShare * tolerance) && !(effect > kToldSigmas * sigma)) return {};
   std::string text = fmt::format(
       "The model knows no temperature: 10 K make the {:.1f} m of height between these anchors {:.1f} mm longer or "
       "shorter, and their {:.1f} m of width {:.1f} mm (concrete, 1e-5 a kelvin by EN 1991-1-5)",
-      height, 1e3 * up, width, 1e3 * along);
+      of.height, 1e3 * of.up(), of.width, 1e3 * of.along());
   if (std::isfinite(tolerance)) text += fmt::format("; the smallest tolerance is {:.1f} mm", 1e3 * tolerance);
   if (std::isfinite(sigma))
     text += fmt::format("; the median standard deviation of a height is {:.2f} mm", 1e3 * sigma);

@@ -11,8 +11,6 @@
 
 namespace plumbline::ifc {
 
-/// Of concrete, a kelvin (EN 1991-1-5, table C.1; steel 12e-6).
-inline constexpr double kConcretePerKelvin = 10e-6;
 /// What 10 K do is told where it is more than this share of the smallest tolerance, or more than so many median
 /// standard deviations of a height: below that it drowns.
 inline constexpr double kToldShare = 0.2, kToldSigmas = 2;

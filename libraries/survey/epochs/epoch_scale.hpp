@@ -3,6 +3,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "survey/epochs/compare_epochs.hpp"
 
@@ -14,6 +16,12 @@ std::optional<double> common_scale(const Epoch& first, const Epoch& second);
 
 /// "3.28084 times those of the first epoch: it is in feet"; "by 387 ppm longer than ..." of a scale near 1.
 std::string scale_in_words(double scale);
+
+/// What the page has to say of both, beside what moved: a scale near 1 that they do not share, and what 10 K do to the
+/// extent of the points where it is more than two median standard deviations of a coordinate of `sigmas` [m; not
+/// finite: not known].
+std::vector<std::string> size_notes(std::optional<double> scale, const std::vector<Eigen::Vector3d>& places,
+                                    const std::vector<Eigen::Vector3d>& sigmas);
 
 /// From this difference from 1 on no instrument explains it: the epochs must not be compared.
 constexpr double kImpossibleScale = 0.01;

@@ -123,6 +123,7 @@ void write_epochs(Markup& html, const SurveyComparisonT& c) {
   write_box(html, moved.empty() && c.congruent, heading,
             count(static_cast<long>(c.points.size()), "common point", "common points") + ", global congruency test " +
                 (c.congruent ? "passed: " : "failed: ") + test_in_words(c) + ". " + datum_in_words(c.free_motions));
+  for (const std::string& note : c.notes) html.element("p", {{"class", "note"}}, "Note: " + note + ".");
   write_network_drawings(html, drawing_of(c));
   html.element("h3", "Movement of every point, most significant first");
   html.element("p",

@@ -159,11 +159,9 @@ void CompareEpochsNode::run(Context& context) {
     return part_of(epoch, keep);
   };
   const Epoch before = chosen(epoch_of(a, "first")), after = chosen(epoch_of(b, "second"));
-  if (const auto scale = common_scale(before, after)) {
-    if (std::abs(*scale - 1) > kImpossibleScale)
-      throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
-    context.warn(scale_in_words(*scale) + ": a ppm setting or a map scale was another; movements below hold it");
-  }
+  const auto scale = common_scale(before, after);
+  if (scale && std::abs(*scale - 1) > kImpossibleScale)
+    throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
   options.first_variance = variance_of(a, first_network ? first_network.unpack().scaled_with_sigma0 : false);
   options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
   const Comparison c = compare_epochs(before, after, options);
@@ -172,6 +170,10 @@ void CompareEpochsNode::run(Context& context) {
   else
     context.info(c.variances.text);
   SurveyComparisonT out = to_artifact(c, options);
+  std::vector<Eigen::Vector3d> places, sigmas;
+  for (const Movement& m : c.movements) places.push_back(m.position), sigmas.push_back(m.sigma);
+  out.notes = size_notes(scale, places, sigmas);
+  for (const std::string& note : out.notes) context.warn(note);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;
   for (const Movement& m : c.movements) {

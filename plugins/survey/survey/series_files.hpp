@@ -13,6 +13,7 @@ struct SeriesText {
   std::vector<std::string> labels;  ///< one per epoch
   std::vector<double> times;        ///< likewise
   SeriesOptions options;
+  std::vector<std::string> notes;  ///< scale and temperature, as size_notes() has them
 };
 
 /// A velocity as people read it: per year where time is in days.

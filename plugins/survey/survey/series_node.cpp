@@ -11,6 +11,7 @@
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/epochs/check_control.hpp"
+#include "survey/epochs/epoch_scale.hpp"
 #include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
@@ -23,6 +24,19 @@ std::set<std::string> stations_without_mark(const plumbline::survey::SurveyObser
   for (const SetUp& s : survey.set_ups) stations.insert(s.station);
   for (const Observation& o : survey.observations) stations.erase(o.to), stations.erase(o.second_to);
   return stations;
+}
+
+/// Of the points that are told, where the first epoch that has them saw them.
+std::vector<std::string> notes_of_temperature(const EpochSeries& series, const std::vector<DatedEpoch>& dated) {
+  std::vector<Eigen::Vector3d> places, sigmas;
+  for (const SeriesPoint& p : series.points) {
+    const Epoch& first = dated.at(p.first).epoch;
+    const auto at = std::find(first.ids.begin(), first.ids.end(), p.id);
+    if (at != first.ids.end())
+      places.push_back(first.coordinates.segment<3>(3 * static_cast<Eigen::Index>(at - first.ids.begin())));
+    for (const SeriesPoint::At& seen : p.at) sigmas.push_back(seen.sigma);
+  }
+  return size_notes(std::nullopt, places, sigmas);
 }
 
 FileT series_file(const char* name, const char* media_type, const std::string& text) {
@@ -113,7 +127,17 @@ void EpochSeriesNode::run(Context& context) {
                  "), which of exports (JobXML, LandXML) are those of the export: give days=[0, 30, ...] if it was "
                  "measured on others");
   }
+  for (size_t k = 1; k < dated.size(); ++k)
+    if (const auto scale = common_scale(dated[0].epoch, dated[k].epoch)) {
+      if (std::abs(*scale - 1) > kImpossibleScale)
+        throw std::runtime_error(dated[k].name + " beside " + dated[0].name + ": " + scale_in_words(*scale) +
+                                 "; read it in its unit, these are no movements");
+      for (const std::string& note : size_notes(scale, {}, {}))
+        text.notes.push_back(text.labels[k] + " beside " + text.labels[0] + ": " + note);
+    }
   const EpochSeries result = epoch_series(dated, text.options);
+  for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
+  for (const std::string& note : text.notes) context.warn(note);
   if (result.degrees_of_freedom > 0)
     context.warn(result.variances);
   else

@@ -172,6 +172,7 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
     for (const std::string& words : s.not_compared) out += "<li>" + xml_escaped(words) + "</li>";
     out += "</ul></div>";
   }
+  for (const std::string& words : text.notes) out += "<p>Note: " + xml_escaped(words) + ".</p>";
   if (!s.seen_once.empty())
     out += "<p class=\"n\">Not compared (seen in one epoch only, or held without error): " +
            xml_escaped(join(s.seen_once, 20)) + ".</p>";

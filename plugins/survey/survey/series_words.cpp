@@ -108,6 +108,7 @@ std::string series_verdict(const EpochSeries& s, const SeriesText& text) {
   out += order_words(text) + "\nOf the epochs: " + s.variances + ".\n" + datum_words(s, text) + "\n";
   if (!s.contradicted.empty()) out += "Of them moved, against most other points: " + join(s.contradicted, 20) + "\n";
   for (const std::string& words : s.not_compared) out += "Note: " + words + "\n";
+  for (const std::string& words : text.notes) out += "Note: " + words + "\n";
   return out;
 }
 

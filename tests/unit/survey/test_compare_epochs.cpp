@@ -57,6 +57,26 @@ TEST(CompareEpochs, AnEpochOfAnotherSizeIsSeenAndANoisyOneIsNot) {
   EXPECT_NE(scale_in_words(*common_scale(first, longer)).find("387 ppm longer"), std::string::npos);
 }
 
+/// 10 K make 60 m of concrete 6 mm longer, which looks like movement; what the page says goes with the numbers.
+TEST(CompareEpochs, WhatTheTemperatureMayDoIsSaidWhereItMatters) {
+  const double nan = std::nan("");
+  const std::vector<Eigen::Vector3d> tower = {{0, 0, 0}, {30, 0, 0}, {30, 0, 60}, {0, 0, 60}},
+                                     marks = {{nan, nan, 3}, {nan, nan, 63}};
+  const auto of = [](double sigma) { return std::vector<Eigen::Vector3d>(4, Eigen::Vector3d::Constant(sigma)); };
+  ASSERT_EQ(size_notes(std::nullopt, tower, of(0.002)).size(), 1u);
+  EXPECT_NE(size_notes(std::nullopt, tower, of(0.002))[0].find(
+                "its 60.0 m of height 6.0 mm longer or shorter, and its 30.0 m of width 3.0 mm"),
+            std::string::npos);
+  EXPECT_TRUE(size_notes(std::nullopt, tower, of(0.0031)).empty());
+  EXPECT_TRUE(size_notes(std::nullopt, tower, of(nan)).empty());
+  ASSERT_EQ(size_notes(std::nullopt, marks, of(0.001)).size(), 1u);
+  EXPECT_NE(size_notes(std::nullopt, marks, of(0.001))[0].find("60.0 m of height"), std::string::npos);
+  ASSERT_EQ(size_notes(1 + 120e-6, tower, of(1)).size(), 1u);
+  EXPECT_NE(size_notes(1 + 120e-6, tower, of(1))[0].find("120 ppm longer than those of the first: a ppm setting, a map "
+                                                         "scale or the temperature"),
+            std::string::npos);
+}
+
 EpochVariance variance(const SurveyObservations& survey) {
   AdjustOptions options;
   options.curvature = Switch::off;

@@ -409,6 +409,26 @@ TEST_F(EpochSeriesNodes, ThePlantedMovementIsTheRecords) {
   EXPECT_EQ(node_.metric("alarms"), 0);
 }
 
+/// Two epochs were held against each other's size, more than two were not: an epoch in feet moved every point.
+TEST(EpochSeriesSize, AnEpochInFeetIsNoSeries) {
+  NodeHarness node("survey.epoch_series");
+  for (int k = 0; k < 3; ++k) {
+    survey::SurveyObservations epoch = campaign(40 + static_cast<std::uint64_t>(k));
+    if (k == 1)
+      for (Observation& o : epoch.observations)
+        if (o.kind == ObservationKind::slope_distance) o.value /= 0.3048;
+    for (SetUp& s : epoch.set_ups)
+      if (k == 1) s.instrument_height /= 0.3048;
+    node.input<SurveyObservations>("epochs", survey::to_artifact(epoch));
+  }
+  try {
+    node.run();
+    FAIL() << "no error";
+  } catch (const NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("the second is in feet"), std::string::npos) << error.what();
+  }
+}
+
 /// A field that is left out is missed by nobody who reads the others.
 TEST_F(EpochSeriesNodes, TheRecordHasAllItsFields) {
   const auto names = [](const nlohmann::json& object) {
@@ -416,9 +436,10 @@ TEST_F(EpochSeriesNodes, TheRecordHasAllItsFields) {
     for (const auto& [name, value] : object.items()) found.insert(name);
     return found;
   };
-  EXPECT_EQ(names(json_), (std::set<std::string>{"alarm_level", "bartlett", "bartlett_critical", "contradicted",
-                                                 "degrees_of_freedom", "epochs", "not_compared", "points", "seen_once",
-                                                 "sigma0", "stable", "unit_of_time", "variances", "warning_level"}));
+  EXPECT_EQ(names(json_),
+            (std::set<std::string>{"alarm_level", "bartlett", "bartlett_critical", "contradicted", "degrees_of_freedom",
+                                   "epochs", "not_compared", "notes", "points", "seen_once", "sigma0", "stable",
+                                   "unit_of_time", "variances", "warning_level"}));
   EXPECT_EQ(names(json_["epochs"][0]), (std::set<std::string>{"name", "time", "variance_factor"}));
   EXPECT_EQ(
       names(json_["points"][0]),
