@@ -136,8 +136,9 @@ void EpochSeriesNode::run(Context& context) {
         text.notes.push_back(text.labels[k] + " beside " + text.labels[0] + ": " + note);
     }
   const EpochSeries result = epoch_series(dated, text.options);
-  for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
   for (const std::string& note : text.notes) context.warn(note);
+  // What 10 K do is no finding: page and verdict have it.
+  for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
   if (result.degrees_of_freedom > 0)
     context.warn(result.variances);
   else

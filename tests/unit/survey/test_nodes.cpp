@@ -276,6 +276,8 @@ TEST(CompareEpochsNode, AMarkerMovedByTwoMillimetresIsNamed) {
   ASSERT_EQ(node.warnings().size(), 1u);
   EXPECT_EQ(node.warnings()[0].find("point M12 has moved: E "), 0u) << node.warnings()[0];
   EXPECT_NE(c.remark.find("; moved: M12"), std::string::npos) << c.remark;
+  ASSERT_EQ(c.notes.size(), 1u) << "markers 6 m high to 0.1 mm";
+  EXPECT_EQ(c.notes[0].find("no epoch says how warm it was"), 0u) << c.notes[0];
 }
 
 TEST(CompareEpochsNode, NothingMovedIsCalledCongruentAsOftenAsAlphaSays) {
@@ -415,9 +417,9 @@ TEST(EpochSeriesSize, AnEpochInFeetIsNoSeries) {
   for (int k = 0; k < 3; ++k) {
     survey::SurveyObservations epoch = campaign(40 + static_cast<std::uint64_t>(k));
     if (k == 1)
-      for (Observation& o : epoch.observations)
-        if (o.kind == ObservationKind::slope_distance) o.value /= 0.3048;
-    for (SetUp& s : epoch.set_ups)
+      for (survey::Observation& o : epoch.observations)
+        if (o.kind == survey::ObservationKind::slope_distance) o.value /= 0.3048;
+    for (survey::SetUp& s : epoch.set_ups)
       if (k == 1) s.instrument_height /= 0.3048;
     node.input<SurveyObservations>("epochs", survey::to_artifact(epoch));
   }
