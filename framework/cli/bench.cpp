@@ -233,7 +233,7 @@ void part_seeds_from_overrides(BenchOptions& options) {
   options.seeds.erase(first, options.seeds.end());
 }
 
-/// Keeps the scenarios that somebody named, in the file's order, and what speaks of them.
+/// The same, of names that somebody typed.
 void keep_scenarios(runtime::SweepFile& file, const std::vector<std::string>& wanted) {
   std::vector<std::string> known;
   for (const auto& scenario : file.scenarios)
@@ -246,15 +246,7 @@ void keep_scenarios(runtime::SweepFile& file, const std::vector<std::string>& wa
                      runtime::did_you_mean(name, known) +
                      (known.empty() ? "; it has none at all" : "; it has " + names));
   }
-  const auto unwanted = [&](const std::string& name) {
-    return std::find(wanted.begin(), wanted.end(), name) == wanted.end();
-  };
-  std::erase_if(file.scenarios, [&](const auto& scenario) { return unwanted(scenario.name); });
-  std::erase_if(file.weights, [&](const auto& weight) { return unwanted(weight.first); });
-  std::erase_if(file.exclude, [&](const auto& exclusion) {
-    const auto named = exclusion.where.find("scenario");
-    return named != exclusion.where.end() && unwanted(named->second);
-  });
+  keep_only(file, wanted);
 }
 
 }  // namespace

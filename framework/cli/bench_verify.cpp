@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -61,6 +62,18 @@ std::vector<std::string> without_cell(const runtime::SweepPlan& plan, const runt
 
 }  // namespace
 
+void keep_only(runtime::SweepFile& file, const std::vector<std::string>& wanted) {
+  const auto unwanted = [&](const std::string& name) {
+    return std::find(wanted.begin(), wanted.end(), name) == wanted.end();
+  };
+  std::erase_if(file.scenarios, [&](const auto& scenario) { return unwanted(scenario.name); });
+  std::erase_if(file.weights, [&](const auto& weight) { return unwanted(weight.first); });
+  std::erase_if(file.exclude, [&](const auto& exclusion) {
+    const auto named = exclusion.where.find("scenario");
+    return named != exclusion.where.end() && unwanted(named->second);
+  });
+}
+
 int verify_bench(const std::string& folder, const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
   if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / "cells.jsonl"))
@@ -69,6 +82,7 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   const runtime::Registry registry = discover();
   runtime::SweepFile file = read_sweep(archive.bench, registry, archive.folders);
   file.seeds = archive.seeds;
+  if (!archive.scenarios.empty()) keep_only(file, archive.scenarios);
   const PassingFolder passing;
   runtime::Store store(passing.path());
   const runtime::SweepPlan plan = plan_sweep(file, archive.overrides, registry, store.file_hashes());

@@ -36,8 +36,6 @@ Function* next(const char* name) {
 pid_t (*const real_fork)() = next<pid_t()>("fork");
 using Spawn = int(pid_t*, const char*, const posix_spawn_file_actions_t*, const posix_spawnattr_t*, char* const*,
                   char* const*);
-Spawn *const real_spawn = next<Spawn>("posix_spawn"), *const real_spawnp = next<Spawn>("posix_spawnp");
-FILE* (*const real_popen)(const char*, const char*) = next<FILE*(const char*, const char*)>("popen");
 using WithEnvironment = int(const char*, char* const*, char* const*);
 WithEnvironment* const real_execve = next<WithEnvironment>("execve");
 WithEnvironment* const real_execvpe = next<WithEnvironment>("execvpe");
@@ -89,18 +87,21 @@ PLUMBLINE_FOR_ALL pid_t fork() noexcept {
 PLUMBLINE_FOR_ALL int posix_spawn(pid_t* child, const char* path, const posix_spawn_file_actions_t* files,
                                   const posix_spawnattr_t* attributes, char* const* arguments,
                                   char* const* environment) {
-  return spawn_noted(real_spawn, child, path, files, attributes, arguments, environment);
+  static Spawn* const real = next<Spawn>("posix_spawn");  // libraries may spawn while they are loaded
+  return spawn_noted(real, child, path, files, attributes, arguments, environment);
 }
 
 PLUMBLINE_FOR_ALL int posix_spawnp(pid_t* child, const char* file, const posix_spawn_file_actions_t* files,
                                    const posix_spawnattr_t* attributes, char* const* arguments,
                                    char* const* environment) {
-  return spawn_noted(real_spawnp, child, file, files, attributes, arguments, environment);
+  static Spawn* const real = next<Spawn>("posix_spawnp");
+  return spawn_noted(real, child, file, files, attributes, arguments, environment);
 }
 
 PLUMBLINE_FOR_ALL FILE* popen(const char* command, const char* mode) {
   const plumbline::runtime::NewChildren children;  // which one it is libc keeps to itself
-  FILE* const stream = real_popen(command, mode);
+  static auto* const real = next<FILE*(const char*, const char*)>("popen");
+  FILE* const stream = real(command, mode);
   if (stream) children.note();
   return stream;
 }

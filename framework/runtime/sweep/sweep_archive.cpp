@@ -151,6 +151,7 @@ Archive read_archive(const fs::path& folder) {
     archive.bench = folder / json.at("bench").get<std::string>();
     json.at("overrides").get_to(archive.overrides);
     json.at("seeds").get_to(archive.seeds);
+    if (json.contains("scenarios")) json.at("scenarios").get_to(archive.scenarios);
     archive.commit = json.at("machine").at("commit");
     if (json.contains("cells")) json.at("cells").at("of_the_bench").get_to(archive.planned);
     for (const auto& input : json.at("inputs")) archive.inputs[input.at("path")] = input.at("sha256");

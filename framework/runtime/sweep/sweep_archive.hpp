@@ -31,6 +31,7 @@ struct Archive {
   std::vector<std::filesystem::path> folders;  ///< of its files: where pipelines are found by name, and nowhere else
   Overrides overrides;
   std::vector<uint64_t> seeds;
+  std::vector<std::string> scenarios;  ///< of the file's, those that ran
   std::string commit;
   std::size_t planned = 0;                     ///< cells of the bench, archived or not; 0: not told
   std::map<std::string, std::string> results;  ///< by label of the cell

@@ -131,7 +131,9 @@ DifferenceSet against_survey(Evaluation& evaluation) {
   std::vector<Match> control;
   if (evaluation.options.correlation == Correlation::from_control)
     for (const Match& match : matches)
-      if (evaluation.inputs.anchors[match.anchor].use == AnchorUse::control) control.push_back(match);
+      if (const AnchorEntry& anchor = evaluation.inputs.anchors[match.anchor];
+          anchor.use == AnchorUse::control && !evaluation.inputs.not_adjusted_to.contains(anchor.id))
+        control.push_back(match);
   DifferenceCovariance covariance = difference_covariance(evaluation.model, evaluation.survey, matches, control);
   set.covariance = std::move(covariance.matrix);
   if (control.empty()) {

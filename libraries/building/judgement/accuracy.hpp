@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,8 @@ struct Inputs {
   PointSet survey;
   /// Measured by total station alone: the model is the survey, `survey` is empty, and nothing is compared with it.
   bool model_is_survey = false;
+  /// Control anchors that the model was adjusted without, because they contradict it: it shares no error with them.
+  std::set<std::string> not_adjusted_to;
   bool of_photographs = false;    ///< with model_is_survey: not a total station but photographs alone measured it
   std::optional<PointSet> truth;  ///< simulation only; taken as exact whatever its covariance
   /// The truth is of anchors, model and survey are of plates: standard deviation of a plate's place on its anchor, on

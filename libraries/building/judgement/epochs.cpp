@@ -282,6 +282,10 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   const Known known(before.items);
   std::set<const EpochItem*> met;
   std::vector<MeasuredTwice> pairs;
+  if (!after.datum.empty())
+    out.warnings.push_back(
+        "this campaign was fitted to its own anchors: what all of them moved by together is not seen, and a single one "
+        "has moved only beyond what the place of the whole is uncertain by");
   std::size_t other_design = 0;
   std::map<std::string, std::size_t> other_limits;  // by kind
   for (const EpochItem& now : items_of(after)) {

@@ -83,6 +83,11 @@ class Stack {
       stand_on_panel(i, joint, below.front());
     else if (below.size() > 1)
       told.why = more_than_one(below);
+    else if (const std::string missed = missed_sill(panel); !missed.empty())
+      told.why =
+          "the place " + missed +
+          " of a sill was measured near its bottom edge and is not of it (further than 0.3 m away, or on another "
+          "side of the building): nothing is assumed instead";
     else if (std::isfinite(joint.sill_sigma))
       assume_sill(i, joint);
     else
@@ -213,19 +218,33 @@ class Stack {
     return {panel.at(begin, height, face), panel.at(end, height, face), panel.axes().out};
   }
 
+  double distance_from_edge(const JudgedPanel& panel, const AnchorCase& anchor, double& along) const {
+    const Eigen::Vector3d low = panel.low, high(panel.high.x(), panel.low.y(), panel.high.z());
+    const ifc::FacadeFrame& axes = panel.axes();
+    const Eigen::Vector3d at = anchor.design - anchor.target_offset;
+    const Eigen::Vector3d seen(axes.right.dot(at), axes.up.dot(at), axes.out.dot(at));
+    along = seen.x();
+    return distance_from_box(low, high, seen);
+  }
+
   /// Measured places of a sill within reach of its bottom edge.
   std::vector<SillPoint> sill_of(const JudgedPanel& panel) const {
     std::vector<SillPoint> points;
-    const Eigen::Vector3d low = panel.low, high(panel.high.x(), panel.low.y(), panel.high.z());
     for (const auto& [a, position] : sills_) {
       const AnchorCase& anchor = inputs_.anchors[a];
       if (anchor.facade.known() && anchor.facade.out.dot(panel.axes().out) < kOneFacade) continue;
-      const ifc::FacadeFrame& axes = panel.axes();
-      const Eigen::Vector3d at = anchor.design - anchor.target_offset;
-      const Eigen::Vector3d seen(axes.right.dot(at), axes.up.dot(at), axes.out.dot(at));
-      if (distance_from_box(low, high, seen) <= kPanelReach) points.push_back({a, position, seen.x()});
+      double along = 0;
+      if (distance_from_edge(panel, anchor, along) <= kPanelReach) points.push_back({a, position, along});
     }
     return points;
+  }
+
+  /// One that somebody may have meant for it: within twice the reach, whichever way it faces.
+  std::string missed_sill(const JudgedPanel& panel) const {
+    double along = 0;
+    for (const auto& [a, position] : sills_)
+      if (distance_from_edge(panel, inputs_.anchors[a], along) <= 2 * kPanelReach) return inputs_.anchors[a].id;
+    return {};
   }
 
   std::string doubt_of_anchors(const PanelCase& panel) const {

@@ -71,14 +71,17 @@ std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_sur
                                     "the measurement was " + text_of(design_from_survey.origin()) +
                                         "; these are to be judged, and a shift or turn of all of them together cannot "
                                         "be seen");
-  doubt.mend = "frames.with.datum_sigma=0.005";
+  doubt.mend = "frames.with.datum_sigma=SIGMA";
   doubt.mend_note =
-      "m, how well other measurements show that the whole stands as designed; 0: by agreement about the best fit";
+      "SIGMA: m, how well other measurements show that the whole stands as designed; 0: by agreement about the best "
+      "fit";
   return doubt;
 }
 
 std::string about_best_fit(const Transform& design_from_survey) {
   if (!design_from_survey.fitted_to_design() || !std::isfinite(design_from_survey.datum_sigma())) return "";
+  if (design_from_survey.datum_sigma() == 0)
+    return "Judged about the best fit of the anchors, as agreed (datum_sigma): where the whole stands is not judged.";
   return fmt::format(
       "Judged about the best fit of the anchors: that the whole stands as designed is taken as known to {:.1f} mm "
       "(datum_sigma), nothing here measures it.",

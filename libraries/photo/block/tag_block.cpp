@@ -347,11 +347,11 @@ class TagAdjustment {
     }
     layout_.emplace(model_.problem);
     solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
-    if (wrong == WrongControl::left_out && !leave_wrong_control_out())
-      return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
-    if (!judged_.rejected.empty() && !all_but_images_hold(solved_.reliability.groups)) {
-      judged_.doubt = not_mended_in_words(given_, std::exchange(judged_.rejected, {}));
-      return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
+    if (wrong == WrongControl::left_out && !leave_wrong_control_out()) return as_judged();
+    // What stays in doubt fails the test of the control by itself: it says nothing of those that are out.
+    if (judged_.doubt.empty() && !judged_.rejected.empty() && !all_but_images_hold(solved_.reliability.groups)) {
+      judged_.doubt = not_mended_in_words(given_, judged_.tested, std::exchange(judged_.rejected, {}));
+      return as_judged();
     }
     fill();
     // Weights by λ are no claims about variances.
@@ -373,6 +373,11 @@ class TagAdjustment {
     require_datum(options_, model_, result_);
   }
 
+  TagBlockResult as_judged() {
+    solved_ = {};  // its cofactors and those of the next adjustment are not there at once
+    return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
+  }
+
   void begin_again() {
     block_ = with_poses(block_, start_, model_);
     begin();
@@ -383,15 +388,16 @@ class TagAdjustment {
   bool leave_wrong_control_out() {
     for (;;) {
       const ControlTests tests = test_control(model_, start_, solved_.adjusted);
-      if (judged_.rejected.empty()) judged_.hidden = tests.hidden;
+      if (judged_.rejected.empty()) judged_.tested = model_.control_plates.size();
+      judged_.hidden = tests.hidden;
       if (!tests.worst) return true;
       if (!tests.rivals.empty()) {
         judged_.doubt = rivals_in_words(given_, *tests.worst, tests.rivals);
         return true;
       }
       judged_.rejected.push_back(*tests.worst);
-      if (are_too_many(given_, judged_.rejected)) {
-        judged_.doubt = too_many_in_words(given_, std::exchange(judged_.rejected, {}));
+      if (are_too_many(judged_.tested, judged_.rejected)) {
+        judged_.doubt = too_many_in_words(given_, judged_.tested, std::exchange(judged_.rejected, {}));
         return false;
       }
       leave_out(tests.worst->plate, block_.control);

@@ -30,9 +30,9 @@ void leave_out(int plate, TagControl& control) {
   std::erase(control.plates, plate);
 }
 
-bool are_too_many(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
+bool are_too_many(size_t tested, const std::vector<RejectedControl>& rejected) {
   constexpr size_t part = 3;
-  return part * rejected.size() > given.control.plates.size();
+  return part * rejected.size() > tested;
 }
 
 namespace {
@@ -49,13 +49,13 @@ std::string most_of(const TagBlock& given, const std::vector<RejectedControl>& r
 
 }  // namespace
 
-std::string too_many_in_words(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
-  return "more than a third of the " + std::to_string(given.control.plates.size()) +
-         " control points contradict the photographs, " + most_of(given, rejected) + " most: " + no_single_points;
+std::string too_many_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
+  return "more than a third of the " + std::to_string(tested) + " control points contradict the photographs, " +
+         most_of(given, rejected) + " most: " + no_single_points;
 }
 
-std::string not_mended_in_words(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
-  return std::to_string(rejected.size()) + " of the " + std::to_string(given.control.plates.size()) +
+std::string not_mended_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
+  return std::to_string(rejected.size()) + " of the " + std::to_string(tested) +
          " control points contradict the photographs, " + most_of(given, rejected) +
          " most, and without them the rest still does not hold: " + no_single_points;
 }

@@ -11,6 +11,7 @@ namespace plumbline::block {
 /// What the tests of the control came to.
 struct JudgedControl {
   std::vector<RejectedControl> rejected;
+  size_t tested = 0;        ///< points that the photographs show, before any was left out
   std::string doubt;        ///< of control that contradicts and stays all the same, with the reason; else empty
   std::vector<int> hidden;  ///< plates whose control may be off in some direction without that it shows
 };
@@ -19,12 +20,12 @@ struct JudgedControl {
 void leave_out(int plate, TagControl& control);
 
 /// Contradictions of more than a third have another cause than single points.
-bool are_too_many(const TagBlock& given, const std::vector<RejectedControl>& rejected);
+bool are_too_many(size_t tested, const std::vector<RejectedControl>& rejected);
 
 /// Doubts: too many points contradict; without these the rest still contradicts; several explain the same; without this
 /// one the rest does not hold the block.
-std::string too_many_in_words(const TagBlock& given, const std::vector<RejectedControl>& rejected);
-std::string not_mended_in_words(const TagBlock& given, const std::vector<RejectedControl>& rejected);
+std::string too_many_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected);
+std::string not_mended_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected);
 std::string rivals_in_words(const TagBlock& given, const RejectedControl& worst, const std::vector<int>& rivals);
 std::string needed_in_words(const TagBlock& given, const RejectedControl& worst, const std::string& without);
 

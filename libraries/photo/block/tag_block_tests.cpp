@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 
@@ -71,15 +72,29 @@ bool all_but_images_hold(const std::vector<least_squares::VarianceComponent>& gr
   });
 }
 
+namespace {
+
+/// W' A W. W is of independent points mostly: the three coordinates of one hang together, and a thousand points are no
+/// products of full matrices.
+Eigen::MatrixXd between(const Eigen::MatrixXd& w, const Eigen::MatrixXd& a) {
+  constexpr double kSparse = 0.1;
+  const Eigen::SparseMatrix<double> sparse = w.sparseView();
+  if (static_cast<double>(sparse.nonZeros()) > kSparse * static_cast<double>(w.size())) return w.transpose() * a * w;
+  return sparse.transpose() * (a * sparse);
+}
+
+}  // namespace
+
 ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted) {
   ControlTests result;
   if (model.control_term < 0) return result;
   const auto term = static_cast<size_t>(model.control_term);
   const Eigen::MatrixXd& whitening = model.problem.known[term].whitening;
   const auto quality = adjusted.cofactors->known(adjusted.state, term);
-  const Eigen::MatrixXd seen = whitening.transpose() * quality.residual_cofactor * whitening;
-  const ControlSuspects suspects =
-      suspects_of(seen, whitening.transpose() * whitening, whitening.transpose() * quality.rows.residual);
+  const auto rows = whitening.rows();
+  const ControlSuspects suspects = suspects_of(between(whitening, quality.residual_cofactor),
+                                               between(whitening, Eigen::MatrixXd::Identity(rows, rows)),
+                                               whitening.transpose() * quality.rows.residual);
   const auto plate = [&](size_t k) { return start.plates[model.control_plates[k]]; };
   for (const size_t k : suspects.rivals) result.rivals.push_back(plate(k));
   for (const size_t k : suspects.hidden) result.hidden.push_back(plate(k));

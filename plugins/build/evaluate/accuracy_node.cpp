@@ -129,6 +129,9 @@ struct EvaluateAccuracy : Node {
     inputs.model_is_survey = *correlation == "same", inputs.of_photographs = static_cast<bool>(block);
     if (!inputs.model_is_survey) inputs.survey = point_set(*survey, "survey");
     inputs.mounting_sigma = *mounting_sigma;
+    if (block && block->control())
+      for (const auto* control : *block->control())
+        if (control->left_out()) inputs.not_adjusted_to.insert(control->anchor()->str());
     if (truth) inputs.truth = point_set(*truth, "truth");
     AccuracyT result = evaluate_accuracy(std::move(inputs), options());
     if (block) result.adjustment = summary_of(block.unpack());

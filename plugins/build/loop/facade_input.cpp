@@ -134,6 +134,7 @@ class Builder {
       }
       panel.centre = 0.25 * (panel.corners[0] + panel.corners[1] + panel.corners[2] + panel.corners[3]);
       panel.limits = limits_of(*judged), panel.open = not_judged_of(deviation_, *judged);
+      if (panel.open.empty()) panel.open = twisted_edge_of(*judged);
       add_hooks(*judged, panel);
       panel_at_[judged->guid] = in_.facade.panels.size();
       in_.panel_guids.push_back(judged->guid);

@@ -3,6 +3,8 @@
 // other.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -30,6 +32,18 @@ inline CornerLimits limits_of(const PanelDeviationT& judged) {
   if (const PanelLimitT* outward = limit_along(judged, "out_of_plane"))
     limits.out = outward->above, limits.in = outward->below;
   return limits;
+}
+
+/// What holds its bottom edge is twisted against its brackets, as judged: the plan knows the middle of that edge alone.
+/// Empty: it is not, or nothing is said to hold it.
+inline std::string twisted_edge_of(const PanelDeviationT& judged) {
+  if (!judged.below || !judged.warp || judged.warp->verdict == ToleranceVerdict::pass ||
+      judged.warp->verdict == ToleranceVerdict::not_measured)
+    return {};
+  return fmt::format(
+      "the ends of what holds its bottom edge are off by {:.1f} mm against its brackets, which the plan "
+      "does not know: level them, or let somebody look how it sits",
+      1e3 * std::abs(judged.warp->value));
 }
 
 /// What was asked of panels and could not be judged, where this one may be meant: something of its place is held

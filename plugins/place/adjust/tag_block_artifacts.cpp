@@ -366,6 +366,7 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
       coordinate->effect_on_height = 0;
       entry->coordinates.push_back(std::move(coordinate));
     }
+    entry->left_out = true;
     artifact.control.push_back(std::move(entry));
   }
   describe_images(result, artifact);

@@ -184,8 +184,12 @@ bool are_one_trial(const std::vector<const Cell*>& cells) {
     ++count;
     if (!first) first = cell;
     if (cell->status != first->status) return false;
-    const double a = cell->measure("error"), b = first->measure("error");
-    if (cell->status == "done" && std::abs(a - b) > 1e-12 * std::abs(b)) return false;
+    if (cell->status != "done") continue;
+    // One measure alone may be alike for another reason: nothing wrong, or as wrong as it can be.
+    for (const auto& [name, b] : first->measures) {
+      const double a = cell->measure(name);
+      if (std::isfinite(a) != std::isfinite(b) || std::abs(a - b) > 1e-12 * std::abs(b)) return false;
+    }
   }
   return count > 1 && first->status == "done";
 }

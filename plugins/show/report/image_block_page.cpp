@@ -135,7 +135,7 @@ void write_scene(Markup& html, const Json& block) {
   html.element(
       "p", {{"class", "note"}},
       "Squares with a stroke are cameras and the way they look; dots are points" +
-          (step > 1 ? ", every " + std::to_string(step) + "th of " + std::to_string(all.size()) : std::string()) + ".");
+          (step > 1 ? ", one in " + std::to_string(step) + " of " + std::to_string(all.size()) : std::string()) + ".");
 }
 
 void write_groups(Markup& html, const Json& block) {

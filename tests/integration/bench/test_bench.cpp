@@ -641,6 +641,17 @@ TEST(Bench, AnArchiveSaysWhatItLacksAndVerifyWhatIsNotTheSame) {
   EXPECT_THAT(answer.out, HasSubstr("solver=outside.solver, seed 1: it failed for another reason: "));
 }
 
+/// An archive of some of the file's scenarios is one of those: verify planned all, and was refused by the others.
+TEST(Bench, AnArchiveOfOneScenarioIsVerifiedAsThat) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-3\nscenarios: {near: {}, far: {solver.with.factor: 2}}\nalternatives: {solver: [trial.plain]}\n");
+  plumbline.run({"--scenario", "near", "solver.with.factor=3", "--archive", "near"});
+  const Answer answer = plumbline({"bench", "verify", "near", "--cells", "0"});
+  EXPECT_EQ(answer.code, 0) << answer.out << answer.err;
+  EXPECT_THAT(answer.out, HasSubstr("3 of 3 archived cells made again, 3 agree"));
+}
+
 TEST(Bench, VerifyTellsCellsThatItCannotPlanAndInputsThatChanged) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-3\nalternatives: {method: {a: {}, b: {solver.with.factor: 2}}}\n");

@@ -5,7 +5,7 @@ TAGS = "detector=aruco family=DICT_6X6_1000"
 SMALL = "floors=2 columns=2 camera=quick_6mp site.with.images_per_floor=4"
 SMALL_OF = {"single_floor": "columns=2 camera=quick_6mp site.with.images_per_floor=4"}
 ROUND = "first=true now=2026-05-05T08:00:00Z measured=2026-05-04T08:00:00Z"
-RENDERED = "columns=2 images_per_floor=4 --seeds 1 --out out/rendered"
+RENDERED = "--seeds 1 --out out/rendered"
 # NOT HERE: a test of its own types it, named by its file. SERVED: runs until its page is there, is looked at, and is stopped.
 WHERE, SERVED = "NOT HERE: ", "SERVED: "
 
@@ -36,6 +36,8 @@ def rules(data):
         (r"plumbline run site_survey_scan .*", WHERE + "tests/integration/cli/test_building.cpp scans its panels and runs it"),
         (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*?)( --out \S+)?", r"\1 folder=site\2"),
         (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),
+        (r"plumbline run plan_installation folder=\S+ 'deviation.with.held_below=.*", "plumbline run plan_installation folder=observed "
+         "'deviation.with.held_below=[\"class=IfcPlate: sigma=0.5mm, sill_sigma=0.5mm\"]'"),
         (r"plumbline run (site_observations|plan_installation) folder=\S+(.*)", r"plumbline run \1 folder=observed\2"),
         (r"plumbline run site_loop folder=(\S+) first=true(.*)", f"plumbline run site_loop folder=site {ROUND} --out rounds/1"),
         (r"plumbline run site_loop folder=tuesday .*",
@@ -101,7 +103,7 @@ def rules(data):
          rf'plumbline bench \1 --scenario "single floor" --scenario "JPEG quality 50" {RENDERED}'),
         (r"plumbline bench (benchmarks/paper/detectors.yaml).*", rf'plumbline bench \1 --scenario ideal {RENDERED}'),
         (r"plumbline bench (benchmarks/surfaces/depth_kinds.yaml).*",
-         r"plumbline bench \1 --seeds 1 columns=2 rows=1 photographs=3 site.with.width=500 site.with.height=340 --out out/kinds"),
+         r"plumbline bench \1 --seeds 1 site.with.width=500 site.with.height=340 --out out/kinds"),
         (r"plumbline bench (benchmarks/\S+\.yaml).*", r"plumbline bench \1 --seeds 1 --out out/paper"),
     ]
 

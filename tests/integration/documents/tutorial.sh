@@ -11,7 +11,7 @@ bash typed > said 2>&1
 missing=0
 says() { grep -qF -- "$1" said || { echo "the tutorial did not come to '$1'"; missing=1; }; }
 says "check against survey             6     6         0     0     0.03      0.11"   # photographs that somebody took
-says "most at B07 (w = 92)"
+says "left out: the control of B07, which contradicts the photographs and the other control by 10.0"
 says "Recognised:"
 says "The folder is whole."
 says "Took part:"

@@ -168,8 +168,7 @@ TEST_F(ScanOfAPanel, BothAreConnectedToOneDepth) {
 /// One takes photographs, the other a scan: what they started from is the same facade.
 TEST_F(ScanOfAPanel, KindsOfDepthAreComparedInABench) {
   const Answer answer = plumbline({"bench", std::string(source_dir()) + "/benchmarks/surfaces/depth_kinds.yaml",
-                                   "--seeds", "1", "columns=2", "rows=1", "photographs=3", "site.with.width=500",
-                                   "site.with.height=340", "--out", "out"});
+                                   "--seeds", "1", "site.with.width=500", "site.with.height=340", "--out", "out"});
   EXPECT_EQ(answer.code, 0) << answer.err;
   const std::string said = read_file(plumbline.work() / "out/bench.md");
   EXPECT_NE(said.find("3 finished, 0 failed"), std::string::npos) << said;

@@ -321,10 +321,10 @@ TEST(RobustControl, KeepsASurveyOfWhichHalfIsWrongAndSaysSo) {
                           [](const auto& test) { return test.group == "control" && !test.passed; }));
 }
 
-/// Tags that are printed 4 in 1000 larger than 0.25 in 1000 allows: the control that contradicts is innocent.
+/// Tags that are printed 12 in 1000 larger than 0.25 in 1000 allows: the control that contradicts is innocent.
 TEST(RobustControl, KeepsControlThatAWrongPriorContradicts) {
   auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 28});
-  for (auto& plate : synthetic.block.plates) plate.plate.tag_size /= 1.004;
+  for (auto& plate : synthetic.block.plates) plate.plate.tag_size /= 1.012;
   auto ordinary = plain_options();
   ordinary.tag_scale_sigma = 2.5e-4;
   auto robust = ordinary;
@@ -332,6 +332,7 @@ TEST(RobustControl, KeepsControlThatAWrongPriorContradicts) {
   const auto expected = block::adjust_tag_block(synthetic.block, ordinary);
   const auto result = block::adjust_tag_block(synthetic.block, robust);
   EXPECT_TRUE(result.rejected_control.empty());
+  EXPECT_FALSE(result.control_doubt.empty()) << "nothing contradicts, so nothing is shown";
   EXPECT_EQ(result.anchors, expected.anchors);
   EXPECT_TRUE(std::any_of(result.tests.begin(), result.tests.end(),
                           [](const auto& test) { return test.group == "tag scale prior" && !test.passed; }));
@@ -364,6 +365,43 @@ TEST(RobustControl, KeepsThePointWithoutWhichTheRestDoesNotHoldTheBlock) {
   expect_the_ordinary_adjustment(synthetic.block, result);
   EXPECT_THAT(result.control_doubt, HasSubstr("the control of F01-C04-R1 contradicts the photographs"));
   EXPECT_THAT(result.control_doubt, HasSubstr("is kept, because without it: the control leaves rotation about"));
+}
+
+/// One of the line is wrong by much and goes; the one off it, wrong too, stays in doubt. Once that brought the first
+/// back.
+TEST(RobustControl, WhatStaysInDoubtBringsNoBlunderBack) {
+  auto synthetic = test::make_block({.floors = 3, .stations = 3, .scatter = 0, .seed = 26});
+  synthetic.use_control(synthetic.choose(
+      [](int floor, int column, int row) { return column == 1 || (floor == 1 && column == 4 && row == 1); }));
+  const auto place = [&](const std::string& anchor) {
+    return std::find_if(synthetic.block.control.plates.begin(), synthetic.block.control.plates.end(),
+                        [&](int plate) { return synthetic.block.plates[plate].anchor == anchor; }) -
+           synthetic.block.control.plates.begin();
+  };
+  synthetic.block.control.position(3 * place("F01-C04-R1") + 2) += 0.05;
+  synthetic.block.control.position(3 * place("F02-C01-R1")) += 0.3;
+  const auto result = block::adjust_tag_block(synthetic.block, robust_options());
+  ASSERT_EQ(result.rejected_control.size(), 1u) << result.control_doubt;
+  EXPECT_EQ(synthetic.block.plates[result.rejected_control[0].plate].anchor, "F02-C01-R1");
+  EXPECT_THAT(result.control_doubt, HasSubstr("the control of F01-C04-R1 contradicts the photographs"));
+}
+
+/// Anchors that no photograph shows test nothing: a third is a third of those that take part.
+TEST(RobustControl, CountsWhatThePhotographsShow) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 22});
+  std::vector<int> upper;
+  for (int plate : synthetic.block.control.plates)
+    if (synthetic.block.plates[plate].anchor.starts_with("F02")) upper.push_back(plate);
+  ASSERT_EQ(upper.size(), 8u);
+  std::erase_if(synthetic.block.observations,
+                [&](const auto& seen) { return synthetic.block.plates[seen.plate].anchor.starts_with("F02"); });
+  test::Random random(3);
+  for (size_t k = 0; k < synthetic.block.control.plates.size(); ++k)
+    if (synthetic.block.plates[synthetic.block.control.plates[k]].anchor.starts_with("F01"))
+      synthetic.block.control.position(3 * static_cast<Eigen::Index>(k)) += 0.03 * random.normal();
+  const auto result = block::adjust_tag_block(synthetic.block, robust_options());
+  EXPECT_TRUE(result.rejected_control.empty());
+  EXPECT_THAT(result.control_doubt, HasSubstr("of the 8 control points contradict the photographs"));
 }
 
 TEST(RobustControl, SaysOfWhichPointsAnErrorWouldNotShow) {

@@ -63,6 +63,16 @@ TEST(Formulas, AModelThatIsTheSurveyIsComparedWithNothing) {
   EXPECT_EQ(evaluate_accuracy(inputs, {}).anchors[0]->note, "not surveyed");
 }
 
+/// Control that the adjustment left out has no error in common with the model: once its difference was stated to less
+/// than the survey itself.
+TEST(Formulas, ControlThatWasLeftOutIsIndependentOfTheModel) {
+  Inputs inputs = test::small_building(AnchorUse::control);
+  inputs.not_adjusted_to = {inputs.anchors[2].id};
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
+    EXPECT_NEAR(accuracy.anchors[i]->survey->u_dz, (i == 2 ? 0.5 : std::sqrt(0.16 - 0.09)) * mm, 1e-12) << i;
+}
+
 TEST(Formulas, SlopeOfFloorMeans) {
   const AccuracyT accuracy = evaluate_small();
   const DriftSlopeT& slope = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->slope;

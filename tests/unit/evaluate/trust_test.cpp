@@ -65,9 +65,11 @@ TEST(Trust, AFrameThatIsFittedToTheAnchorsIsADoubtUntilSomebodySaysWhatElseShows
   ASSERT_TRUE(doubt);
   EXPECT_EQ(doubt->part, MeasurementPart::datum);
   EXPECT_EQ(doubt->grade, DoubtGrade::doubt);
-  EXPECT_NE(ifc::in_words(*doubt).find("run again with \"frames.with.datum_sigma=0.005\""), std::string::npos);
+  EXPECT_NE(ifc::in_words(*doubt).find("run again with \"frames.with.datum_sigma=SIGMA\""), std::string::npos);
   EXPECT_EQ(silent, "");
   EXPECT_FALSE(about(true, 0.0).first);
+  EXPECT_NE(about(true, 0.0).second.find("as agreed (datum_sigma): where the whole stands is not judged"),
+            std::string::npos);
   EXPECT_NE(about(true, 0.003).second.find("known to 3.0 mm"), std::string::npos);
   EXPECT_FALSE(about(false, nan).first);
   EXPECT_EQ(about(false, nan).second, "");

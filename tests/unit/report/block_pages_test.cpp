@@ -133,7 +133,7 @@ TEST(BlockPages, OfManyPointsSomeAreDrawnAndThePageSaysWhich) {
   };
   EXPECT_THAT(page(3000), HasSubstr("dots are points."));
   const std::string many = page(10000);
-  EXPECT_THAT(many, HasSubstr("dots are points, every 4th of 10000."));
+  EXPECT_THAT(many, HasSubstr("dots are points, one in 4 of 10000."));
   EXPECT_THAT(many, HasSubstr("{\"n\":\"P9996\""));
   EXPECT_LT(many.size(), 1.3 * static_cast<double>(page(3000).size()));
 }
