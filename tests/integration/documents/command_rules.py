@@ -37,7 +37,7 @@ def rules(data):
         (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*?)( --out \S+)?", r"\1 folder=site\2"),
         (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),
         (r"plumbline run plan_installation folder=\S+ 'deviation.with.held_below=.*", "plumbline run plan_installation folder=observed "
-         "'deviation.with.held_below=[\"class=IfcPlate: sigma=0.5mm, sill_sigma=0.5mm\"]'"),
+         "'deviation.with.held_below=[\"class=IfcPlate: sigma=0.5mm, sill_sigma=0.5mm\"]' 'deviation.with.sills=[\"name~R1$\"]'"),
         (r"plumbline run (site_observations|plan_installation) folder=\S+(.*)", r"plumbline run \1 folder=observed\2"),
         (r"plumbline run site_loop folder=(\S+) first=true(.*)", f"plumbline run site_loop folder=site {ROUND} --out rounds/1"),
         (r"plumbline run site_loop folder=tuesday .*",
