@@ -292,7 +292,7 @@ std::vector<std::string> support_warnings(const std::vector<std::unique_ptr<Pane
   if (!assumed.empty())
     warnings.push_back(
         fmt::format("The sill below {} was not measured: it is taken to be in place to {:.1f} mm "
-                    "(standard deviation), as the rule of held_below says.",
+                    "(standard deviation, with that of the joint), which nothing here measures.",
                     list_of(assumed, 4), 1e3 * sigma));
   if (!growing.empty())
     warnings.push_back(

@@ -83,6 +83,25 @@ TEST(AsBuiltEpochs, EveryWayFromOneVerdictToAnotherHasItsName) {
 }
 
 /// Three campaigns: mended in June, failing in July. What June did not look at is still known in July.
+/// Fitted to its own anchors a campaign cannot see that all of them sank.
+TEST(AsBuiltEpochs, ACampaignThatIsFittedToItselfSaysWhatItDoesNotSee) {
+  const auto one = [](const char* datum) {
+    std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+    anchors.push_back(anchor("A", kPass, kThere));
+    DeviationT made = campaign(std::move(anchors));
+    made.datum = datum;
+    return made;
+  };
+  const auto told = [&](const char* datum) {
+    std::string all;
+    for (const std::string& warning : compare_epochs(record_of(one(""), "May"), one(datum), "June").warnings)
+      all += warning + "\n";
+    return all.find("what all of them moved by together is not seen") != std::string::npos;
+  };
+  EXPECT_TRUE(told("Judged about the best fit of the anchors, as agreed (datum_sigma)."));
+  EXPECT_FALSE(told(""));
+}
+
 TEST(AsBuiltEpochs, WhatWasMendedAndFailsIsOpenedAgainAndNothingOpenIsForgotten) {
   const auto one = [](ToleranceVerdict a, ToleranceVerdict b) {
     std::vector<std::unique_ptr<AnchorDeviationT>> anchors;

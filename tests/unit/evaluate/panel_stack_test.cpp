@@ -271,6 +271,24 @@ TEST(PanelStack, ASillThatIsOutLetsNoPanelPass) {
 }
 
 /// 8 mm out with a rule of 4 mm, drawn: whatever is measured of it and however badly, at most the risk passes.
+/// Measured 8 mm out and 0.4 m below the edge: once an assumed sill stood in for it, and the panel passed.
+TEST(PanelStack, NoSillIsAssumedWhereOneWasMeasuredNearby) {
+  for (const double below : {0.02, 0.4, 0.7}) {
+    Column column;
+    column.add_column(2), column.add_sill();
+    column.hold(joint(0.2 * mm, 0.5 * mm));
+    for (const std::size_t sill : {4, 5}) {
+      column.inputs.anchors[sill].design = column.inputs.model.positions[sill] += (0.02 - below) * column.axes.up;
+      column.move(sill, 8 * mm);
+    }
+    const DeviationT judged = column.judged();
+    EXPECT_EQ(judged.panels[0]->below->by, below < 0.3 ? "sill" : below < 0.6 ? "unknown" : "assumed_sill") << below;
+    if (below > 0.6) continue;
+    EXPECT_NE(judged.panels[0]->verdict, ToleranceVerdict::pass) << below;
+    EXPECT_EQ(judged.panels[0]->below->why.find("nothing is assumed instead") != std::string::npos, below > 0.3);
+  }
+}
+
 TEST(PanelStack, HardlyAnyPanelOnABadSillPasses) {
   for (const double sigma : {0.3 * mm, 1 * mm, 3 * mm}) {
     test::Normal normal(3);
@@ -308,7 +326,7 @@ TEST(PanelStack, WhereNobodyKnowsWhatHoldsAnEdgeItIsSaid) {
   ASSERT_EQ(judged.warnings.size(), 1u);
   EXPECT_EQ(judged.warnings[0],
             "The sill below P0 was not measured: it is taken to be in place to 0.5 mm (standard "
-            "deviation), as the rule of held_below says.");
+            "deviation, with that of the joint), which nothing here measures.");
   column.hold(joint(0.2 * mm, 4 * mm));
   judged = column.judged();
   EXPECT_EQ(judged.panels[0]->verdict, ToleranceVerdict::undecided) << "4 mm of 4 mm";

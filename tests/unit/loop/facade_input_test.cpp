@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "loop/fit/plan_settings.hpp"
 #include "loop/gate/gate.hpp"
@@ -86,6 +87,23 @@ TEST(FacadeInput, EachFacadeIsSetAlongItsOwnDirections) {
   const Fit fit = plan_settings(made.facade, {1, 1, 1, 1e-9});
   ASSERT_EQ(fit.settings.size(), 8u);
   for (const Eigen::Vector3d& setting : fit.settings) EXPECT_LT((setting - Eigen::Vector3d(0, 0, -0.005)).norm(), 1e-6);
+}
+
+/// The judgement failed it by its warp, the plan knew the middle of the edge alone and released it.
+TEST(FacadeInput, APanelOnATwistedEdgeWaits) {
+  for (const auto verdict : {ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail}) {
+    Input input = two_facades();
+    PanelDeviationT& south = *input.deviation.panels[0];
+    south.warp = within(0.005), south.warp->value = -0.008, south.warp->verdict = verdict;
+    const auto open = [&] {
+      return facade_of(input.deviation, input.model, input.design, nullptr, {}).facade.panels[0].open;
+    };
+    EXPECT_EQ(open(), "") << "nothing is said to hold its edge";
+    south.below = std::make_unique<PanelSupportT>();
+    south.below->by = "unknown", south.below->place.setConstant(std::numeric_limits<double>::quiet_NaN());
+    EXPECT_EQ(open().find("the ends of what holds its bottom edge are off by 8.0 mm") != std::string::npos,
+              verdict != ToleranceVerdict::pass);
+  }
 }
 
 TEST(FacadeInput, WhatFacesNobodyKnowsWhereIsSaidAndWaits) {
