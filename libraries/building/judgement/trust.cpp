@@ -43,9 +43,13 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     const std::string reason = text_of(network->verdict() ? network->verdict() : network->validity());
     const double factor =
         tested && !network->scaled_with_sigma0() ? std::max(std::pow(statistics->sigma0(), 2), 1.0) : 1;
-    if (!tested || !std::isfinite(factor))
+    if (!tested || !std::isfinite(factor)) {
       trust.doubts.push_back(finding(MeasurementPart::survey, DoubtGrade::doubt, reason));
-    else
+      if (network->without_readings() && !tested) {
+        trust.doubts.back().mend = "network.with.coordinates=tested";
+        trust.doubts.back().mend_note = "if another program adjusted and tested them";
+      }
+    } else
       take_misfit(finding(MeasurementPart::survey, DoubtGrade::misfit, reason), factor, trust);
   }
   if (!block || !block->tests()) return trust;

@@ -157,6 +157,8 @@ NetworkResult Adjuster::report(Pass& pass) {
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors.multiply(result.variance_factor);
   report_points(pass, result);
+  result.without_readings =
+      m_.survey.observations.empty() && m_.survey.vectors.empty() && m_.survey.local_coordinates.empty();
   if (m_.map) {
     std::vector<Eigen::Vector3d> places;
     for (const ResultPoint& p : result.points)
@@ -170,7 +172,7 @@ NetworkResult Adjuster::report(Pass& pass) {
   if (result.compares_known_points()) result.findings.insert(result.findings.begin(), in_words(result.known_points));
   const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
-  judge(m_, critical_removal(), result);
+  judge(m_, options_, critical_removal(), result);
   if (tell_missing_map(m_, options_, scale_of_all(common), result) && result.validity == Validity::sound)
     result.verdict += "; lengths are those of a plane, though the coordinates look like a map's";
   return result;

@@ -198,7 +198,7 @@ void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<
 
 std::vector<Finding> examine(const NetworkModel& model, const AdjustOptions& options, const NetworkResult& result) {
   std::vector<Finding> findings;
-  if (result.degrees_of_freedom == 0)
+  if (result.degrees_of_freedom == 0 && !result.without_readings)
     findings.push_back({Finding::Severity::warning, "there is no redundancy: nothing controls the observations", {}});
   using Verdict = least_squares::GlobalTest::Verdict;
   const std::string sigma0 = fixed_digits(result.sigma0, 2);

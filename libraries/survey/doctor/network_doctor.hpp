@@ -18,7 +18,7 @@ bool tell_missing_map(const NetworkModel& model, const AdjustOptions& options, c
 
 /// Whether the result may be used: `validity` and `verdict` of the result. An invalid result's cofactors are multiplied
 /// with sigma0 squared, so that nobody who takes it all the same believes it. `critical` is that of removals.
-void judge(const NetworkModel& model, double critical, NetworkResult& result);
+void judge(const NetworkModel& model, const AdjustOptions& options, double critical, NetworkResult& result);
 
 /// Readings that agree among themselves say nothing of where the network lies: while `points` are measured under names
 /// that known points have in another spelling (MergedSurvey), so that these hold nothing, a sound result is doubtful.

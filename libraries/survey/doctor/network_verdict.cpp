@@ -62,9 +62,22 @@ std::string broken_set_up(const NetworkResult& r) {
   return "";
 }
 
+/// Of coordinates that nothing here measured again.
+std::string verdict_of_list(const SurveyObservations& list, const AdjustOptions& options) {
+  if (!options.coordinates_are_tested)
+    return "not tested: a list of coordinates without readings is taken as given, and nothing here tests it";
+  const bool apart = std::all_of(list.coordinates.begin(), list.coordinates.end(), [](const CoordinateGroup& g) {
+    return std::all_of(g.components.begin(), g.components.end(),
+                       [&](const auto& component) { return component.point == g.components.front().point; });
+  });
+  return std::string(
+             "as given: a list of coordinates without readings, adjusted and tested elsewhere by what was said") +
+         (apart ? "; the errors of each point are taken as its own" : "");
+}
+
 }  // namespace
 
-void judge(const NetworkModel& model, double critical, NetworkResult& r) {
+void judge(const NetworkModel& model, const AdjustOptions& options, double critical, NetworkResult& r) {
   const std::string sigma0 = "sigma0 " + fixed_digits(r.sigma0, 2);
   const bool high = r.degrees_of_freedom > 0 && r.global_test.verdict == least_squares::GlobalTest::Verdict::high;
   // One sound network in forty fails its global test; without a suspect it is doubted only if it fails clearly.
@@ -86,6 +99,9 @@ void judge(const NetworkModel& model, double critical, NetworkResult& r) {
     const double factor = std::max(1.0, r.sigma0 * r.sigma0 / r.variance_factor);
     r.cofactors.multiply(factor);
     r.variance_factor *= factor;
+  } else if (r.without_readings && !clearly && suspects == 0) {
+    r.validity = options.coordinates_are_tested ? Validity::sound : Validity::doubtful;
+    r.verdict = verdict_of_list(model.survey, options);
   } else if (r.degrees_of_freedom == 0) {
     r.validity = Validity::doubtful;
     r.verdict = "cannot be tested: no reading is controlled by another";

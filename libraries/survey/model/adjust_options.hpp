@@ -76,6 +76,8 @@ struct AdjustOptions {
   /// and the external effects of readings are those on their own points.
   int largest_whole = least_squares::Cofactors::kLargestWhole;
   bool measure_control = false;  ///< NetworkResult::measured_control is filled
+  /// Of a survey without readings, which is a list of coordinates: another program adjusted and tested them.
+  bool coordinates_are_tested = false;
   double known_sigma = 1e-4;  ///< [m], each coordinate of points that were keyed in as known, where nothing states it
 };
 

@@ -103,6 +103,7 @@ enum class Validity {
 struct NetworkResult {
   Validity validity = Validity::sound;
   std::string verdict;                ///< one sentence: may it be used, and why not
+  bool without_readings = false;      ///< a list of coordinates, taken as given
   std::vector<std::string> left_out;  ///< points that the observations do not determine
   std::vector<ResultPoint> points;
   std::vector<ResultSetUp> set_ups;

@@ -145,7 +145,13 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
     take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });
   if (mapping.has("date")) take([&] { take_date(mapping, c); });
   if (wanted("survey") && use != CampaignUse::alone)
-    take([&] { c.survey = resolver.many("survey"), c.survey_in_order = resolver.in_order("survey"); });
+    take([&] {
+      if (!mapping.has("survey") && mapping.has("control"))
+        throw CampaignError(shown, 0,
+                            "the key 'survey' is missing; a list of coordinates that somebody measured is a survey, "
+                            "too: write `survey:` for `control:` in front of it");
+      c.survey = resolver.many("survey"), c.survey_in_order = resolver.in_order("survey");
+    });
   if (mapping.has("control")) one("control", c.control);
   if (use == CampaignUse::survey) return c;
   if (use == CampaignUse::measured) {

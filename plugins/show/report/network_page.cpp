@@ -136,6 +136,7 @@ NetworkPage network_page(const SurveyNetworkT& network, const SurveyNetworkT* in
   fill_coordinates(in_file_axes ? *in_file_axes : network, page);
   if (points) fill_relative(network, *points, page);
   page.stochastic_model = network.stochastic_model;
+  page.without_readings = network.without_readings;
   page.validity = network.validity, page.outcome = network.verdict;
   page.instrument = network.instrument, page.date = network.date, page.files = network.files;
   for (const auto& s : network.set_ups)

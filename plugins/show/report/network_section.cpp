@@ -46,6 +46,7 @@ std::string name_of(const NetworkPage::Observation& o) {
 }
 
 std::string datum_in_words(const NetworkPage& n) {
+  if (n.without_readings) return "the coordinates themselves";
   if (n.datum == "inner") return "free network, nothing outside is trusted";
   if (n.datum == "fixed") return "control points held as if free of error";
   if (n.datum == "weighted") return "control points with their standard deviations";
@@ -81,7 +82,7 @@ void write_global_test(Markup& html, const NetworkPage& n) {
                  "pessimistic, and so are the ellipses. Global "
                  "test too low: " +
                      bounds);
-  } else {
+  } else if (!n.without_readings) {
     html.element("p", "There is no redundancy to test the network with: blunders would stay unseen.");
   }
 }

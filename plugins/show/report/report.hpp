@@ -104,6 +104,7 @@ struct NetworkPage {
   std::vector<Group> groups;
   std::vector<Pointing> pointings;
   std::vector<Finding> findings;
+  bool without_readings = false;  ///< a list of coordinates, taken as given
   std::string datum;
   double sigma0 = nan;
   long degrees_of_freedom = 0, unknowns = 0;

@@ -114,6 +114,7 @@ AdjustOptions AdjustNode::options() const {
   o.vertical_index_sigma = *vertical_index_sigma * kArcsecond;
   o.tilt_sigma = *tilt_sigma * kArcsecond;
   o.instrument_height_sigma = *instrument_height_sigma;
+  o.coordinates_are_tested = *coordinates == "tested";
   o.known_sigma = *known_sigma;
   o.map = *map;
   o.geoid = geoid();
@@ -162,6 +163,8 @@ void AdjustNode::run(Context& context) {
                          merged.findings.end());
   doubt_known_names(merged.known_by_other_names, result);
   if (result.validity != Validity::sound) context.warn(result.verdict);
+  if (o.coordinates_are_tested && !result.without_readings)
+    context.warn("coordinates=tested does nothing here: the survey has readings, and these are tested");
   for (const Finding& finding : result.findings)
     if (finding.severity != Finding::Severity::note) context.warn(finding.text);
   // What was decided when the files were read (which of X and Y is east, which stations are one) was said there; it

@@ -62,6 +62,10 @@ struct AdjustNode : MappedNode {
   Param<double> known_sigma{"known_sigma", 1e-4, "m", between(1e-6, 10),
                             "standard deviation of each coordinate that the file has as known (keyed in), where no "
                             "control is given; datum inner ignores them"};
+  Param<std::string> coordinates{
+      "coordinates", "untested", one_of("untested", "tested"),
+      "of a survey without readings, a list of coordinates: tested says that another program adjusted and tested them, "
+      "so that verdicts may rest on them and on the standard deviations that they come with"};
   Param<std::string> centring{"centring", "set_up", one_of("set_up", "reading"),
                               "the instrument's centring over a mark is one amount for all readings of a set-up, or "
                               "another for each reading, as STAR*NET has it in direction sets"};

@@ -213,6 +213,7 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   static const char* const validities[] = {"sound", "doubtful", "invalid"};
   n.validity = validities[static_cast<int>(r.validity)];
   n.verdict = r.verdict;
+  n.without_readings = r.without_readings;
   n.frame = r.frame;
   n.left_out = r.left_out;
   if (r.validity != Validity::invalid)  // what is no result has no precision

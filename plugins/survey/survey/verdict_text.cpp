@@ -116,6 +116,16 @@ void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
   text << ".\n";
 }
 
+/// How much was measured, and what holds it.
+std::string extent(const SurveyNetworkT& n) {
+  const std::string points = std::to_string(n.points.size()) + " points, ";
+  if (n.without_readings) return points + "no readings.\n";
+  std::string text = points + std::to_string(n.set_ups.size()) + (n.set_ups.size() == 1 ? " set-up, " : " set-ups, ") +
+                     std::to_string(n.observations.size()) + " readings";
+  if (n.statistics) text += ", " + std::to_string(n.statistics->degrees_of_freedom) + " more than needed";
+  return text + "; datum: " + n.datum + ".\n";
+}
+
 }  // namespace
 
 std::string verdict_text(const SurveyNetworkT& n) {
@@ -130,10 +140,7 @@ std::string verdict_text(const SurveyNetworkT& n) {
       std::any_of(n.known_points.begin(), n.known_points.end(), [](const auto& k) { return k->rank > 0; }) &&
       !n.findings.empty();
   if (first_is_known) text << (n.findings.front()->severity == "note" ? "" : "! ") << n.findings.front()->text << ".\n";
-  text << n.points.size() << " points, " << n.set_ups.size() << (n.set_ups.size() == 1 ? " set-up, " : " set-ups, ")
-       << n.observations.size() << " readings";
-  if (n.statistics) text << ", " << n.statistics->degrees_of_freedom << " more than needed";
-  text << "; datum: " << n.datum << ".\n";
+  text << extent(n);
   if (!n.frame.empty()) text << "Map " << n.frame << ".\n";
   size_t said = 0;
   for (const auto& f : n.findings) {
@@ -152,7 +159,7 @@ std::string verdict_text(const SurveyNetworkT& n) {
     return a->removed != b->removed ? a->removed : std::abs(a->w) > std::abs(b->w);
   });
   write_worst(worst, text);
-  write_again(n, worst, text);
+  if (!n.without_readings) write_again(n, worst, text);
   write_precision(n, text);
   return text.str();
 }

@@ -66,6 +66,10 @@ TEST(CampaignYaml, PhotographsNeedASurveyButNeitherDesignNorCalibration) {
   EXPECT_EQ(parse_campaign(kCampaign, "campaign.yaml", kFiles, use).plates, "p.csv") << "what is there is taken";
   EXPECT_EQ(message_of([&] { parse_campaign(replaced(yaml, "control: k.csv\n", ""), "c.yaml", kFiles, use); }),
             "c.yaml: found neither 'survey' nor 'control': where the points are, nothing says");
+  EXPECT_NE(message_of([&] {
+              parse_campaign(yaml, "c.yaml", kFiles);
+            }).find("a list of coordinates that somebody measured is a survey, too"),
+            std::string::npos);
   const CampaignDescription found =
       find_campaign("site", {"survey/b.gsi", "camera.yaml", "x/2.JPG", "1.png", "notes.txt", "control.csv"});
   EXPECT_EQ(found.images, (std::vector<std::string>{"1.png", "x/2.JPG"}));

@@ -50,6 +50,28 @@ TEST(Trust, ATestThatFailsByNobodyKnowsHowMuchIsADoubt) {
   EXPECT_EQ(ifc::in_words(trust.doubts[0]), "the image block: it does not fit");
 }
 
+/// Once no word said how such a survey can be used, and nothing ever passed with it.
+TEST(Trust, AListOfCoordinatesIsADoubtThatSaysHowItEnds) {
+  const auto of = [](const char* validity, bool without_readings, double freedom) {
+    flatbuffers::FlatBufferBuilder made;
+    SurveyNetworkT network;
+    network.statistics = std::make_unique<StatisticsT>();
+    network.statistics->degrees_of_freedom = static_cast<int>(freedom), network.statistics->sigma0 = 3;
+    network.tests = std::make_unique<NetworkTestsT>();
+    network.validity = validity, network.verdict = "not tested", network.without_readings = without_readings;
+    made.Finish(SurveyNetwork::Pack(made, &network));
+    return trust_of(nullptr, flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()));
+  };
+  EXPECT_TRUE(of("sound", true, 0).doubts.empty());
+  ASSERT_EQ(of("doubtful", true, 0).doubts.size(), 1u);
+  EXPECT_EQ(of("doubtful", true, 0).doubts[0].mend, "network.with.coordinates=tested");
+  ASSERT_EQ(of("doubtful", false, 0).doubts.size(), 1u);
+  EXPECT_EQ(of("doubtful", false, 0).doubts[0].mend, "") << "readings that nothing controls have to be measured again";
+  const Trust contradicted = of("doubtful", true, 4);
+  EXPECT_TRUE(contradicted.doubts.empty());
+  EXPECT_EQ(contradicted.factor, 9);
+}
+
 /// Fitted to the anchors themselves: once every anchor of a building that stood 30 mm out passed, "ready to install".
 TEST(Trust, AFrameThatIsFittedToTheAnchorsIsADoubtUntilSomebodySaysWhatElseShowsIt) {
   const auto about = [](bool fitted, double sigma) {

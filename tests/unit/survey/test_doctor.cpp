@@ -252,7 +252,7 @@ constexpr double kCritical = 4.5;
 NetworkResult judged(NetworkResult r, bool contradicted = false) {
   NetworkModel model;
   if (contradicted) model.contradiction = "set-up S1 is in feet";
-  judge(model, kCritical, r);
+  judge(model, AdjustOptions(), kCritical, r);
   return r;
 }
 

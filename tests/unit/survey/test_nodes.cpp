@@ -236,6 +236,16 @@ TEST(AdjustNode, WithoutRedundancyTheGlobalTestIsNotCalledPassed) {
 }
 
 /// What tests are made at stands beside them, and the test of the whole is that of the sum of squares.
+TEST(AdjustNode, ThatCoordinatesWereTestedSaysNothingOfReadings) {
+  NodeHarness node("survey.adjust");
+  node.set("coordinates", "tested");
+  node.input<SurveyObservations>("observations", survey::to_artifact(survey::test::simulate({}, 3).survey));
+  node.run();
+  EXPECT_FALSE(node.output<SurveyNetwork>("network").without_readings);
+  const std::string said = testing::PrintToString(node.warnings());
+  EXPECT_NE(said.find("coordinates=tested does nothing here"), std::string::npos) << said;
+}
+
 TEST(AdjustNode, TestsAreMadeAtTheLevelsThatAreAsked) {
   NodeHarness node("survey.adjust");
   node.set("datum", "inner"), node.set("alpha", "0.02"), node.set("alpha0", "0.005"), node.set("power", "0.9");

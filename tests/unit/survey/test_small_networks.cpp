@@ -182,5 +182,44 @@ TEST(SmallNetworks, TheFileSaysWhatIsTooFarOff) {
   EXPECT_NE(r.findings.front().text.find("(t.gkf:3:4) is not used"), std::string::npos) << r.findings.front().text;
 }
 
+/// Two points and their coordinates; `together`: with one covariance.
+SurveyObservations list_of_two(bool together) {
+  SurveyObservations list;
+  const std::vector<std::string> ids = {"A", "B"};
+  for (size_t i = 0; i < 2; ++i) {
+    Point point;
+    point.id = ids[i], point.coordinates = Eigen::Vector3d(10, 20, 30 + static_cast<double>(i));
+    list.points.push_back(point);
+    if (i == 0 || !together) list.coordinates.emplace_back();
+    CoordinateGroup& group = list.coordinates.back();
+    const auto n = static_cast<Eigen::Index>(group.components.size());
+    for (int k = 0; k < 3; ++k) group.components.push_back({ids[i], k});
+    group.values.conservativeResize(n + 3), group.values.tail<3>() = point.coordinates;
+    group.covariance = 1e-6 * Eigen::MatrixXd::Identity(n + 3, n + 3);
+  }
+  return list;
+}
+
+/// What another program adjusted comes as a list; nothing here can test it, and that is no "no reading is controlled".
+TEST(SmallNetworks, AListOfCoordinatesIsTakenAsGivenAndSoundOnlyWhereSomebodySaysSo) {
+  AdjustOptions options;
+  const NetworkResult plain = adjust_network(list_of_two(false), options);
+  EXPECT_TRUE(plain.without_readings);
+  EXPECT_EQ(plain.validity, Validity::doubtful);
+  EXPECT_TRUE(plain.verdict.starts_with("not tested: a list of coordinates")) << plain.verdict;
+  EXPECT_TRUE(plain.findings.empty()) << plain.findings.front().text;
+  options.coordinates_are_tested = true;
+  const NetworkResult tested = adjust_network(list_of_two(false), options);
+  EXPECT_EQ(tested.validity, Validity::sound);
+  EXPECT_TRUE(tested.verdict.ends_with("; the errors of each point are taken as its own")) << tested.verdict;
+  EXPECT_NEAR(tested.sigma(tested.point("B")).z(), 1e-3, 1e-9);
+  EXPECT_EQ(adjust_network(list_of_two(true), options).verdict.find("its own"), std::string::npos);
+  SurveyObservations twice = list_of_two(false);
+  twice.coordinates.push_back(twice.coordinates[0]);
+  twice.coordinates.back().values.z() += 0.02;
+  const NetworkResult contradicted = adjust_network(twice, options);
+  EXPECT_NE(contradicted.validity, Validity::sound) << contradicted.verdict;
+}
+
 }  // namespace test_small_networks
 }  // namespace plumbline::survey
