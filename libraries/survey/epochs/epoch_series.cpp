@@ -154,6 +154,105 @@ void align(const Epoch& reference, const std::vector<std::string>& stable, int f
   epoch.covariance = (s * epoch.covariance * s.transpose()).eval();
 }
 
+void require_series(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options) {
+  if (epochs.size() < 2) throw std::runtime_error("a series needs two epochs at least");
+  for (size_t k = 1; k < epochs.size(); ++k)
+    if (!(epochs[k].time > epochs[k - 1].time))
+      throw std::runtime_error("epoch " + epochs[k].name + " is not later than " + epochs[k - 1].name +
+                               ": give the epochs in the order of their times");
+  if (options.free_motions != 0 && options.free_motions != 3 && options.free_motions != 4)
+    throw std::runtime_error(
+        "a series of epochs that are free in scale or tilt is not compared; hold them, or compare two");
+  for (const std::string& id : options.stable)
+    for (const DatedEpoch& e : epochs)
+      if (row_of(e.epoch, id) < 0)
+        throw std::runtime_error("point '" + id + "' is to carry the datum, and epoch " + e.name + " has not seen it");
+}
+
+/// Points that carry the datum: those that were named, else those that stayed. Named ones that moved are noted.
+void choose_datum(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options, EpochSeries& series) {
+  series.stable = stable_points(epochs, options, series);
+  if (!options.stable.empty()) {
+    for (const std::string& id : options.stable)
+      if (std::find(series.stable.begin(), series.stable.end(), id) == series.stable.end())
+        series.contradicted.push_back(id);
+    series.stable = options.stable;
+  }
+  const size_t needed = options.free_motions == 0 ? 0 : options.free_motions == 3 ? 1 : 2;
+  if (series.stable.size() < needed)
+    throw std::runtime_error("only " + std::to_string(series.stable.size()) +
+                             " points have stayed in all epochs: name those that carry the datum (stable)");
+}
+
+/// All epochs in the datum of the stable points.
+struct LaidEpochs {
+  std::vector<double> times;
+  std::vector<Epoch> epochs;
+  std::vector<Eigen::VectorXd> before;  ///< variances, not yet in that datum
+
+  LaidEpochs(const std::vector<DatedEpoch>& dated, const EpochSeries& series, int free_motions) {
+    for (size_t k = 0; k < dated.size(); ++k) {
+      stop_point();
+      times.push_back(dated[k].time);
+      Epoch& laid = epochs.emplace_back(dated[k].epoch);
+      laid.covariance *= series.factors[k];
+      // What does not exist has no variance either.
+      laid.covariance = laid.covariance.array().isFinite().select(laid.covariance, 0.0).eval();
+      before.push_back(laid.covariance.diagonal());
+      align(dated.front().epoch, series.stable, free_motions, laid);
+    }
+  }
+
+  /// Points of all epochs, each once, in the order in which they appear.
+  std::vector<std::string> ids() const {
+    std::vector<std::string> all;
+    std::set<std::string> known;
+    for (const Epoch& e : epochs)
+      for (const std::string& id : e.ids)
+        if (known.insert(id).second) all.push_back(id);
+    return all;
+  }
+};
+
+/// A point in the epochs that have it, and which of its axes are compared.
+struct FollowedPoint {
+  std::vector<SeenPoint> seen;
+  std::vector<std::array<Measured, 3>> measured;
+  std::array<bool, 3> compared{};
+
+  FollowedPoint(const LaidEpochs& laid, const std::string& id, NotCompared& not_compared) {
+    std::vector<size_t> numbers;
+    for (size_t k = 0; k < laid.epochs.size(); ++k) {
+      const Index row = row_of(laid.epochs[k], id);
+      if (row < 0) continue;
+      const Epoch& e = laid.epochs[k];
+      seen.push_back({k,
+                      laid.times[k],
+                      e.coordinates.segment<3>(row),
+                      e.covariance.block<3, 3>(row, row),
+                      laid.before[k].segment<3>(row),
+                      {}});
+      numbers.push_back(k);
+      auto& of = measured.emplace_back();
+      for (Index c = 0; c < 3; ++c)
+        of[c] = !std::isfinite(seen.back().at[c]) ? Measured::missing
+                : seen.back().before[c] > 0       ? Measured::yes
+                                                  : Measured::held;
+    }
+    compared = compared_axes(measured);
+    not_compared.add(id, measured, numbers, compared);
+    for (size_t k = 0; k < seen.size(); ++k)
+      for (size_t c = 0; c < 3; ++c) seen[k].compared[c] = compared[c] && measured[k][c] == Measured::yes;
+    std::erase_if(seen, [](const SeenPoint& s) { return s.axes().empty(); });
+  }
+
+  bool lacks_velocity(const SeriesPoint& point) const {
+    for (size_t c = 0; c < 3; ++c)
+      if (compared[c] && !std::isfinite(point.velocity[static_cast<Index>(c)])) return true;
+    return false;
+  }
+};
+
 }  // namespace
 
 std::vector<const SeriesPoint::At*> SeriesPoint::latest() const {
@@ -202,88 +301,26 @@ std::optional<double> day_of_date(const std::string& date) {
 }
 
 EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options) {
-  if (epochs.size() < 2) throw std::runtime_error("a series needs two epochs at least");
-  for (size_t k = 1; k < epochs.size(); ++k)
-    if (!(epochs[k].time > epochs[k - 1].time))
-      throw std::runtime_error("epoch " + epochs[k].name + " is not later than " + epochs[k - 1].name +
-                               ": give the epochs in the order of their times");
-  if (options.free_motions != 0 && options.free_motions != 3 && options.free_motions != 4)
-    throw std::runtime_error(
-        "a series of epochs that are free in scale or tilt is not compared; hold them, or compare two");
+  require_series(epochs, options);
   EpochSeries series;
   test_variances_of(epochs, options.alpha, series);
-  for (const std::string& id : options.stable)
-    for (const DatedEpoch& e : epochs)
-      if (row_of(e.epoch, id) < 0)
-        throw std::runtime_error("point '" + id + "' is to carry the datum, and epoch " + e.name + " has not seen it");
-  series.stable = stable_points(epochs, options, series);
-  if (!options.stable.empty()) {
-    for (const std::string& id : options.stable)
-      if (std::find(series.stable.begin(), series.stable.end(), id) == series.stable.end())
-        series.contradicted.push_back(id);
-    series.stable = options.stable;
-  }
-  const size_t needed = options.free_motions == 0 ? 0 : options.free_motions == 3 ? 1 : 2;
-  if (series.stable.size() < needed)
-    throw std::runtime_error("only " + std::to_string(series.stable.size()) +
-                             " points have stayed in all epochs: name those that carry the datum (stable)");
-  std::vector<Epoch> laid;
-  std::vector<Eigen::VectorXd> before;  // variances, not yet in the datum of the stable points
-  for (size_t k = 0; k < epochs.size(); ++k) {
-    stop_point();
-    laid.push_back(epochs[k].epoch);
-    laid.back().covariance *= series.factors[k];
-    // What does not exist has no variance either.
-    laid.back().covariance = laid.back().covariance.array().isFinite().select(laid.back().covariance, 0.0).eval();
-    before.push_back(laid.back().covariance.diagonal());
-    align(epochs.front().epoch, series.stable, options.free_motions, laid.back());
-  }
-  std::vector<std::string> ids;
-  std::set<std::string> known;
-  for (const Epoch& e : laid)
-    for (const std::string& id : e.ids)
-      if (known.insert(id).second) ids.push_back(id);
+  choose_datum(epochs, options, series);
+  const LaidEpochs laid(epochs, series, options.free_motions);
   NotCompared not_compared;
   std::vector<std::string> without_velocity;
-  for (const std::string& id : ids) {
+  for (const std::string& id : laid.ids()) {
     stop_point();
-    std::vector<SeenPoint> seen;
-    std::vector<std::array<Measured, 3>> measured;
-    std::vector<size_t> numbers;
-    for (size_t k = 0; k < laid.size(); ++k)
-      if (const Index row = row_of(laid[k], id); row >= 0) {
-        seen.push_back({k,
-                        epochs[k].time,
-                        laid[k].coordinates.segment<3>(row),
-                        laid[k].covariance.block<3, 3>(row, row),
-                        before[k].segment<3>(row),
-                        {}});
-        numbers.push_back(k);
-        auto& of = measured.emplace_back();
-        for (Index c = 0; c < 3; ++c)
-          of[c] = !std::isfinite(seen.back().at[c]) ? Measured::missing
-                  : seen.back().before[c] > 0       ? Measured::yes
-                                                    : Measured::held;
-      }
-    const std::array<bool, 3> compared = compared_axes(measured);
-    not_compared.add(id, measured, numbers, compared);
-    for (size_t k = 0; k < seen.size(); ++k)
-      for (size_t c = 0; c < 3; ++c) seen[k].compared[c] = compared[c] && measured[k][c] == Measured::yes;
-    std::erase_if(seen, [](const SeenPoint& s) { return s.axes().empty(); });
-    if (seen.empty()) {
+    const FollowedPoint followed(laid, id, not_compared);
+    if (followed.seen.empty()) {
       series.seen_once.push_back(id);
       continue;
     }
     SeriesPoint point;
     point.id = id;
     point.stable = std::find(series.stable.begin(), series.stable.end(), id) != series.stable.end();
-    add_movements(seen, options, series.degrees_of_freedom, point);
-    add_velocity(seen, options, series.degrees_of_freedom, point);
-    for (size_t c = 0; c < 3; ++c)
-      if (compared[c] && !std::isfinite(point.velocity[static_cast<Index>(c)])) {
-        without_velocity.push_back(id);
-        break;
-      }
+    add_movements(followed.seen, options, series.degrees_of_freedom, point);
+    add_velocity(followed.seen, options, series.degrees_of_freedom, point);
+    if (followed.lacks_velocity(point)) without_velocity.push_back(id);
     series.points.push_back(std::move(point));
   }
   std::vector<std::string> names;

@@ -47,98 +47,79 @@ FileT series_file(const char* name, const char* media_type, const std::string& t
   return file;
 }
 
-}  // namespace
+/// Marks of an adjusted network with their joint covariance; a station that stands elsewhere every time is none.
+Epoch marks_of(const SurveyObservations& survey, const NetworkResult& r) {
+  Epoch all;
+  std::vector<char> keep;
+  const std::set<std::string> stations = stations_without_mark(survey);
+  all.covariance = r.full_covariance();
+  all.coordinates.resize(all.covariance.rows());
+  for (size_t k = 0; k < r.points.size(); ++k) {
+    all.ids.push_back(r.points[k].id);
+    keep.push_back(!stations.contains(r.points[k].id));
+    all.coordinates.segment<3>(static_cast<Eigen::Index>(3 * k)) = r.points[k].position;
+  }
+  return part_of(all, keep);
+}
 
-void EpochSeriesNode::run(Context& context) {
-  if (epochs.size() < 2)
-    throw std::runtime_error("a series needs two epochs at least, 'epochs' has " + std::to_string(epochs.size()));
-  if (!days->empty() && days->size() != epochs.size())
-    throw std::runtime_error("'days' has " + std::to_string(days->size()) + " values, and there are " +
-                             std::to_string(epochs.size()) + " epochs");
-  std::vector<DatedEpoch> dated;
-  SeriesText text;
-  text.options.alpha = *alpha, text.options.alpha0 = *alpha0, text.options.stable = *stable;
-  text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
-  int largest = 0, smallest = 0;  // rank defects
-  std::vector<std::optional<double>> dates;
-  std::vector<SurveyObservations> surveys;
-  for (size_t i = 0; i < epochs.size(); ++i) surveys.push_back(from_artifact(epochs.unpack(i)));
-  announce_memory(context, series_memory(surveys));
-  for (size_t i = 0; i < epochs.size(); ++i) {
-    const SurveyObservations& survey = surveys[i];
-    const std::string name = survey.files.empty() ? "epoch " + std::to_string(i + 1) : survey.files.front();
-    AdjustOptions options;
-    std::string remark;
-    options.profile = chosen_profile(survey.info.instrument, remark);
-    options.instruments = further_instruments(survey.instruments);
-    options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
-    options.map = *map, options.geoid = geoid();
-    options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
-    if (!remark.empty()) context.warn(name + ": " + remark);
-    const NetworkResult r = adjust_network(survey, options);
-    if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);
-    if (r.validity != Validity::sound) context.warn(name + ": " + r.verdict);
-    if (r.defect > 4)
-      throw std::runtime_error(name + " is free in " + std::to_string(r.defect) +
-                               " motions: epochs without a vertical or a scale are not compared");
-    largest = std::max(largest, r.defect), smallest = i == 0 ? r.defect : std::min(smallest, r.defect);
-    DatedEpoch& epoch = dated.emplace_back();
-    epoch.name = name;
-    epoch.variance = {r.sigma0, r.degrees_of_freedom, r.variance_factor != 1};
-    Epoch all;
-    std::vector<char> keep;
-    const std::set<std::string> stations = stations_without_mark(survey);
-    all.covariance = r.full_covariance();
-    all.coordinates.resize(all.covariance.rows());
-    for (size_t k = 0; k < r.points.size(); ++k) {
-      all.ids.push_back(r.points[k].id);
-      keep.push_back(!stations.contains(r.points[k].id));
-      all.coordinates.segment<3>(static_cast<Eigen::Index>(3 * k)) = r.points[k].position;
-    }
-    epoch.epoch = part_of(all, keep);
-    dates.push_back(day_of_date(survey.info.date));
-    text.labels.push_back(survey.info.date.empty() ? name : survey.info.date);
+/// Of each epoch the day in the head of its file, where there is one.
+struct Dates {
+  std::vector<std::optional<double>> days;
+
+  bool ascend() const {
+    for (size_t i = 0; i < days.size(); ++i)
+      if (!days[i] || (i > 0 && !(*days[i] > *days[i - 1]))) return false;
+    return true;
   }
-  // Three of a network of plan positions are two shifts and a turn, of one in space three shifts.
-  text.options.free_motions = merged_motions(largest, smallest, dated.front().epoch);
-  bool dates_ascend = true;
-  for (size_t i = 0; i < dates.size(); ++i) {
-    if (days->empty() && i > 0 && dates[i] && dates[i - 1] && *dates[i] < *dates[i - 1])
-      throw std::runtime_error(
-          "by the dates in their heads " + dated[i].name + " (" + text.labels[i] + ") is older than " +
-          dated[i - 1].name + " (" + text.labels[i - 1] +
-          "): name the files oldest first, or give days=[0, 30, ...] if the dates are not those of "
-          "the measurement");
-    dates_ascend &= dates[i] && (i == 0 || *dates[i] > *dates[i - 1]);
+  /// Throws where an epoch is dated before the one that stands in front of it.
+  void require_oldest_first(const std::vector<DatedEpoch>& dated, const std::vector<std::string>& labels) const {
+    for (size_t i = 1; i < days.size(); ++i)
+      if (days[i] && days[i - 1] && *days[i] < *days[i - 1])
+        throw std::runtime_error(
+            "by the dates in their heads " + dated[i].name + " (" + labels[i] + ") is older than " + dated[i - 1].name +
+            " (" + labels[i - 1] +
+            "): name the files oldest first, or give days=[0, 30, ...] if the dates are not those of "
+            "the measurement");
   }
-  text.unit = !days->empty() || dates_ascend ? "day" : "epoch";
+};
+
+/// Times of the epochs: the days that were given, else those of the files, else their numbers.
+void set_times(Context& context, const std::vector<double>& given, const Dates& dates, std::vector<DatedEpoch>& dated,
+               SeriesText& text) {
+  if (given.empty()) dates.require_oldest_first(dated, text.labels);
+  const bool by_dates = given.empty() && dates.ascend();
+  text.unit = !given.empty() || by_dates ? "day" : "epoch";
   for (size_t i = 0; i < dated.size(); ++i)
-    text.times.push_back(dated[i].time = !days->empty() ? (*days)[i]
-                                         : dates_ascend ? *dates[i] - *dates[0]
+    text.times.push_back(dated[i].time = !given.empty() ? given[i]
+                                         : by_dates     ? *dates.days[i] - *dates.days[0]
                                                         : static_cast<double>(i + 1));
   if (text.unit == "epoch")
     context.warn(
         "the files do not say when they were measured, or not apart from each other: velocities are per epoch; give "
         "days=[0, 30, ...]");
-  else if (days->empty()) {
-    std::string dates_taken;
-    for (const double time : text.times) dates_taken += (dates_taken.empty() ? "" : ", ") + fixed_digits(time, 0);
-    context.warn("velocities are by the dates in the heads of the files (days " + dates_taken +
-                 "), which of exports (JobXML, LandXML) are those of the export: give days=[0, 30, ...] if it was "
-                 "measured on others");
+  if (!by_dates) return;
+  std::string taken;
+  for (const double time : text.times) taken += (taken.empty() ? "" : ", ") + fixed_digits(time, 0);
+  context.warn("velocities are by the dates in the heads of the files (days " + taken +
+               "), which of exports (JobXML, LandXML) are those of the export: give days=[0, 30, ...] if it was "
+               "measured on others");
+}
+
+/// Scales that epochs do not share with the first one; throws where one is of another unit.
+void note_scales(const std::vector<DatedEpoch>& dated, SeriesText& text) {
+  for (size_t k = 1; k < dated.size(); ++k) {
+    const auto scale = common_scale(dated[0].epoch, dated[k].epoch);
+    if (!scale) continue;
+    if (std::abs(*scale - 1) > kImpossibleScale)
+      throw std::runtime_error(dated[k].name + " beside " + dated[0].name + ": " + scale_in_words(*scale) +
+                               "; read it in its unit, these are no movements");
+    for (const std::string& note : size_notes(scale, {}, {}))
+      text.notes.push_back(text.labels[k] + " beside " + text.labels[0] + ": " + note);
   }
-  for (size_t k = 1; k < dated.size(); ++k)
-    if (const auto scale = common_scale(dated[0].epoch, dated[k].epoch)) {
-      if (std::abs(*scale - 1) > kImpossibleScale)
-        throw std::runtime_error(dated[k].name + " beside " + dated[0].name + ": " + scale_in_words(*scale) +
-                                 "; read it in its unit, these are no movements");
-      for (const std::string& note : size_notes(scale, {}, {}))
-        text.notes.push_back(text.labels[k] + " beside " + text.labels[0] + ": " + note);
-    }
-  const EpochSeries result = epoch_series(dated, text.options);
-  for (const std::string& note : text.notes) context.warn(note);
-  // What 10 K do is no finding: page and verdict have it.
-  for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
+}
+
+/// What was found, on the terminal and as metrics.
+void tell(Context& context, const EpochSeries& result, const SeriesText& text) {
   if (result.degrees_of_freedom > 0)
     context.warn(result.variances);
   else
@@ -155,6 +136,64 @@ void EpochSeriesNode::run(Context& context) {
   }
   context.metric("points_told", told, "1");
   context.metric("alarms", alarms, "1");
+}
+
+}  // namespace
+
+NetworkResult EpochSeriesNode::adjusted(Context& context, const SurveyObservations& survey,
+                                        const std::string& name) const {
+  AdjustOptions options;
+  std::string remark;
+  options.profile = chosen_profile(survey.info.instrument, remark);
+  options.instruments = further_instruments(survey.instruments);
+  options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
+  options.map = *map, options.geoid = geoid();
+  options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
+  if (!remark.empty()) context.warn(name + ": " + remark);
+  NetworkResult r = adjust_network(survey, options);
+  if (r.validity == Validity::invalid) throw std::runtime_error(name + " is no epoch to compare: " + r.verdict);
+  if (r.validity != Validity::sound) context.warn(name + ": " + r.verdict);
+  if (r.defect > 4)
+    throw std::runtime_error(name + " is free in " + std::to_string(r.defect) +
+                             " motions: epochs without a vertical or a scale are not compared");
+  return r;
+}
+
+void EpochSeriesNode::run(Context& context) {
+  if (epochs.size() < 2)
+    throw std::runtime_error("a series needs two epochs at least, 'epochs' has " + std::to_string(epochs.size()));
+  if (!days->empty() && days->size() != epochs.size())
+    throw std::runtime_error("'days' has " + std::to_string(days->size()) + " values, and there are " +
+                             std::to_string(epochs.size()) + " epochs");
+  std::vector<SurveyObservations> surveys;
+  for (size_t i = 0; i < epochs.size(); ++i) surveys.push_back(from_artifact(epochs.unpack(i)));
+  announce_memory(context, series_memory(surveys));
+  SeriesText text;
+  text.options.alpha = *alpha, text.options.alpha0 = *alpha0, text.options.stable = *stable;
+  text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
+  std::vector<DatedEpoch> dated;
+  Dates dates;
+  int largest = 0, smallest = std::numeric_limits<int>::max();  // rank defects
+  for (const SurveyObservations& survey : surveys) {
+    const std::string name = survey.files.empty() ? "epoch " + std::to_string(dated.size() + 1) : survey.files.front();
+    const NetworkResult r = adjusted(context, survey, name);
+    largest = std::max(largest, r.defect), smallest = std::min(smallest, r.defect);
+    DatedEpoch& epoch = dated.emplace_back();
+    epoch.name = name;
+    epoch.variance = {r.sigma0, r.degrees_of_freedom, r.variance_factor != 1};
+    epoch.epoch = marks_of(survey, r);
+    dates.days.push_back(day_of_date(survey.info.date));
+    text.labels.push_back(survey.info.date.empty() ? name : survey.info.date);
+  }
+  // Three of a network of plan positions are two shifts and a turn, of one in space three shifts.
+  text.options.free_motions = merged_motions(largest, smallest, dated.front().epoch);
+  set_times(context, *days, dates, dated, text);
+  note_scales(dated, text);
+  const EpochSeries result = epoch_series(dated, text.options);
+  for (const std::string& note : text.notes) context.warn(note);
+  // What 10 K do is no finding: page and verdict have it.
+  for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
+  tell(context, result, text);
   series.commit(series_file("series.json", "application/json", series_as_json(result, text)));
   table.commit(series_file("series.csv", "text/csv", series_as_csv(result, text)));
   page.commit(series_file("series.html", "text/html", series_as_html(result, text)));

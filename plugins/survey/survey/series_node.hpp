@@ -4,6 +4,7 @@
 #include "artifacts/file.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "map_parameters.hpp"
+#include "survey/model/network_result.hpp"
 
 namespace plumbline::survey {
 
@@ -28,6 +29,11 @@ struct EpochSeriesNode : MappedNode {
   Out<File> page{"page", "what moves, and a chart of each point over time, as HTML in English"};
   Out<File> verdict{"verdict", "what moves, in a few lines"};
   void run(Context& context) override;
+
+ private:
+  /// One epoch by itself. Throws where it is no result, or says less than a series needs.
+  NetworkResult adjusted(Context& context, const plumbline::survey::SurveyObservations& survey,
+                         const std::string& name) const;
 };
 
 }  // namespace plumbline::survey
