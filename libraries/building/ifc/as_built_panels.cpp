@@ -13,6 +13,7 @@ const char* property_of(const std::string& part) {
   static const std::map<std::string, const char*> names = {{"out_of_plane", "OutOfPlane"},
                                                            {"sideways", "Sideways"},
                                                            {"vertical", "Vertical"},
+                                                           {"in_plane", "InPlane"},
                                                            {"tilt", "Tilt"},
                                                            {"warp", "Warp"},
                                                            {"misfit", "Misfit"},
@@ -54,13 +55,10 @@ void AsBuiltWriter::write_panel(const PanelDeviationT& panel) {
   set.choice("Verdict", label_of(panel.verdict), verdicts_, "The worst of its lengths, joints and anchors");
   set.label("DecidedBy", property_of(panel.decided_by));
   set.label("Reason", panel.reason);
-  const std::pair<const char*, const JudgedLengthT*> lengths[] = {{"OutOfPlane", panel.out_of_plane.get()},
-                                                                  {"Sideways", panel.sideways.get()},
-                                                                  {"Vertical", panel.vertical.get()},
-                                                                  {"Tilt", panel.tilt.get()},
-                                                                  {"Warp", panel.warp.get()},
-                                                                  {"Misfit", panel.misfit.get()},
-                                                                  {"Corner", panel.corner.get()}};
+  const std::pair<const char*, const JudgedLengthT*> lengths[] = {
+      {"OutOfPlane", panel.out_of_plane.get()}, {"Sideways", panel.sideways.get()}, {"Vertical", panel.vertical.get()},
+      {"InPlane", panel.in_plane.get()},        {"Tilt", panel.tilt.get()},         {"Warp", panel.warp.get()},
+      {"Misfit", panel.misfit.get()},           {"Corner", panel.corner.get()}};
   for (const auto& [name, length] : lengths)
     if (length)
       set.length(name, length->value,

@@ -12,6 +12,7 @@
 #include "building/ifc/bcf_changes.hpp"
 #include "building/ifc/bcf_topic.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "plumbline/stop.hpp"
 
@@ -29,10 +30,13 @@ Issue issue_of(const AnchorDeviationT& anchor) {
     if (axis->axis != anchor.decided_by) continue;
     std::string name = axis->axis;
     std::replace(name.begin(), name.end(), '_', ' ');
-    issue.title += ": " + name + " " + mm(axis->value) + " mm (limit " + mm(axis->tolerance) + ")";
+    const auto limits = [&](int decimals) {
+      return limits_in_words(*axis, [&](double length) { return mm(length, decimals); });
+    };
+    issue.title += ": " + name + " " + mm(axis->value) + " mm (limit " + limits(1) + ")";
     issue.description = "Verdict " + std::string(EnumNameToleranceVerdict(anchor.verdict)) + ": " + name + " " +
                         mm(axis->value, 2) + " mm, standard uncertainty " + mm(axis->u, 2) + " mm, tolerance " +
-                        mm(axis->tolerance, 2) + " mm.";
+                        limits(2) + " mm.";
   }
   const Eigen::Vector3d& d = anchor.deviation;
   issue.description +=

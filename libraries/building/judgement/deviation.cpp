@@ -125,6 +125,7 @@ void take_doubts_of_panels(Work& work) {
     for (auto* length : {panel->out_of_plane.get(), panel->sideways.get(), panel->vertical.get(), panel->tilt.get(),
                          panel->warp.get(), panel->misfit.get(), panel->corner.get()})
       leave_open(*length);
+    if (panel->in_plane) leave_open(*panel->in_plane);
     for (auto& joint : panel->joints) leave_open(*joint->change);
     for (auto& fixing : panel->fixings) fixing->shim = fixing->sideways = fixing->upward = AnchorCase::nan;
   }
@@ -353,6 +354,18 @@ void warn_of_gaps(Work& work) {
                                 work.inputs.design_file + " and were not judged: " + names +
                                 (homeless.size() > 5 ? ", …" : "") + ".");
   }
+  std::vector<std::string> unlisted;
+  bool any_listed = false;
+  for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
+    any_listed |= work.inputs.anchors[i].listed;
+    if (!work.inputs.anchors[i].listed && work.out.anchors[i]->deviation.allFinite())
+      unlisted.push_back(work.out.anchors[i]->id);
+  }
+  if (any_listed && !unlisted.empty())
+    work.out.warnings.push_back(fmt::format(
+        "Measured and not in the plate table: {}. Judged on no floor, with what is said of mountings and no "
+        "plate's own.",
+        list_of(unlisted, 5)));
   if (work.deviations.size() > 0 && work.deviations.covariance.size() == 0)
     work.out.warnings.push_back(
         "The model has no covariance: without uncertainty nothing can pass or fail, every verdict is undecided.");
@@ -377,6 +390,7 @@ DeviationT judge_deviations(DeviationInputs inputs, const DeviationOptions& opti
   take_doubts(work);
   find_exchanged(work);
   work.out.panels = judge_panels(inputs, work.deviations, work.out.anchors, options);
+  work.out.warnings.insert(work.out.warnings.end(), inputs.warnings.begin(), inputs.warnings.end());
   for (std::string& warning : support_warnings(work.out.panels)) work.out.warnings.push_back(std::move(warning));
   take_doubts_of_panels(work);
   list_requests(work);

@@ -24,6 +24,7 @@ struct AnchorCase {
   ifc::ElementFacts element;  ///< empty guid: no element fits
   std::uint64_t instance = 0;
   std::string storey_guid, found_by, reference_point_rule, use, note;
+  bool listed = false;  ///< in the plate table
   int floor = 0, column = 0;
   std::string axis;  ///< of the grid, that crosses its facade nearest to it; empty: none
   Eigen::Vector3d design = Eigen::Vector3d::Constant(nan);  ///< of the surveyed point; nan without element
@@ -64,8 +65,9 @@ struct DeviationInputs {
   std::vector<ifc::Facade> facades;  ///< that the frames of anchors and panels name
   judgement::PointSet model;         ///< as built, by anchor id
   std::string design_file;
-  std::vector<Request> requests;  ///< beside what anchors and panels hold in `refused`
-  std::string mounting;           ///< what the anchors' `mounting` is, in words
+  std::vector<Request> requests;      ///< beside what anchors and panels hold in `refused`
+  std::vector<std::string> warnings;  ///< of what was put in
+  std::string mounting;               ///< what the anchors' `mounting` is, in words
   /// Why the measurement is not to be trusted: then nothing is decided, and no order given.
   std::vector<MeasurementDoubtT> doubts;
   /// What the measurement's model does not hold; the model's covariance is multiplied with `misfit_factor` already,

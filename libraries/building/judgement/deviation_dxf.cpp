@@ -22,11 +22,11 @@ const char* word(ToleranceVerdict verdict) {
 
 /// Green, yellow, red, grey of AutoCAD's index.
 int colour_of(const std::string& layer) {
-  return layer.ends_with("_PASS")        ? 3
-         : layer.ends_with("_UNDECIDED") ? 2
-         : layer.ends_with("_FAIL")      ? 1
-         : layer == "DEVIATION"          ? 5
-                                         : 8;
+  return layer.ends_with("_PASS")         ? 3
+         : layer.ends_with("_UNDECIDED")  ? 2
+         : layer.ends_with("_FAIL")       ? 1
+         : layer.starts_with("DEVIATION") ? 5
+                                          : 8;
 }
 
 /// A group of a DXF is a line: what would end it is left out, what is not ASCII is escaped.
@@ -115,6 +115,8 @@ std::string deviation_words(const AnchorDeviationT& anchor, const ifc::FacadeFra
 
 std::string deviation_dxf(const DeviationT& deviation, double exaggeration) {
   Drawing drawing;
+  // Whoever measures a line in the drawing has to see it: DXF has no other place that every program shows.
+  const std::string layer_of_deviations = fmt::format("DEVIATION_{:g}_TIMES_AS_LONG", exaggeration);
   for (const auto& anchor : deviation.anchors) {
     if (!anchor->design.allFinite()) continue;
     const std::string layer = std::string("ANCHOR_") + word(anchor->verdict);
@@ -122,7 +124,7 @@ std::string deviation_dxf(const DeviationT& deviation, double exaggeration) {
     drawing.point(layer, anchor->design);
     drawing.text(layer, anchor->design, frame, deviation_words(*anchor, frame));
     if (anchor->deviation.allFinite())
-      drawing.line("DEVIATION", anchor->design, anchor->design + exaggeration * anchor->deviation);
+      drawing.line(layer_of_deviations, anchor->design, anchor->design + exaggeration * anchor->deviation);
   }
   for (const auto& panel : deviation.panels) {
     if (panel->corners.size() != 4) continue;

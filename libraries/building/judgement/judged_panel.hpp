@@ -125,6 +125,12 @@ class JudgedPanel {
     judge(*out.out_of_plane, translation(axes_.out), outward_);
     judge(*out.sideways, translation(axes_.right), sideways_);
     judge(*out.vertical, translation(axes_.up), vertical_, true);
+    if (panel_.tolerances.contains(Axis::in_plane)) {
+      Eigen::MatrixXd rows(2, x_.size());
+      rows << translation(axes_.right), translation(axes_.up);
+      out.in_plane = std::make_unique<JudgedLengthT>();
+      judge(*out.in_plane, rows, in_plane_);
+    }
     angle(axes_.right, 1, out.lean, out.u_lean);
     angle(axes_.up, -1, out.turn, out.u_turn);  // right × out points down
     angle(axes_.out, 1, out.roll, out.u_roll);

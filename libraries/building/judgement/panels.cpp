@@ -117,6 +117,7 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
   decision.consider("out_of_plane", "out of plane", *out.out_of_plane);
   decision.consider("sideways", "sideways", *out.sideways);
   decision.consider("vertical", "height", *out.vertical);
+  if (out.in_plane) decision.consider("in_plane", "in plane", *out.in_plane);
   decision.consider("tilt", "tilt at an anchor", *out.tilt);
   decision.consider("warp", "warp", *out.warp);
   decision.consider("misfit", "slots of the anchors", *out.misfit);
@@ -127,6 +128,7 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
                       *joint->change);
   for (const auto& fixing : out.fixings) {
     const AnchorDeviationT& anchor = *anchors.at(fixing->anchor);
+    out.pass_probability = std::min(out.pass_probability, anchor.pass_probability);
     double usage = 0;
     std::string words;
     for (const auto& axis : anchor.axes)

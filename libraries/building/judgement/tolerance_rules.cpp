@@ -157,6 +157,10 @@ ToleranceRule parse_rule(const std::string& text) {
           " is the length of a vector and has no sign; two sides are for vertical, out_of_plane and "
           "joint");
     if (sides) tolerance = *sides;
+    if (sides && !(tolerance.value > 0 || tolerance.below > 0))
+      throw std::runtime_error("tolerance rule '" + text + "': found '" + part +
+                               "', which nothing that is measured can keep; " + name +
+                               "=0mm says that it is not judged");
     if (!(tolerance.value >= 0 && tolerance.value <= 1 && tolerance.lower() <= 1))
       throw std::runtime_error("tolerance rule '" + text + "': found '" + part +
                                "', expected axis=length, a length from 0 to 1 m with its unit, such as 5mm, 0.005m or "

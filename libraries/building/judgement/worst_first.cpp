@@ -32,7 +32,7 @@ double usage(const AnchorDeviationT& anchor) {
 double usage(const PanelDeviationT& panel) {
   double most = 0;
   for (const auto* l : {panel.out_of_plane.get(), panel.sideways.get(), panel.vertical.get(), panel.tilt.get(),
-                        panel.warp.get(), panel.misfit.get(), panel.corner.get()})
+                        panel.warp.get(), panel.misfit.get(), panel.corner.get(), panel.in_plane.get()})
     if (l && l->tolerance > 0 && std::isfinite(l->value)) most = std::max(most, std::abs(l->value) / l->tolerance);
   return most;
 }

@@ -38,10 +38,11 @@ ifc::ElementFacts facts_of(const DesignElementT& element, std::vector<ifc::Prope
 }
 
 /// A plate whose table does not say where it faces lies flat (plugins/read/campaign): right, up and out of it are those
-/// of its facade, or what is said of "out" would count upwards.
-Eigen::Quaterniond axes_of(const PlateT& plate, const ifc::FacadeFrame& facade) {
-  const Eigen::Vector3d out = plate.nominal_rotation * Eigen::Vector3d::UnitZ();
-  if (out.head<2>().norm() > 1e-9 || !facade.known()) return plate.nominal_rotation;
+/// of its facade, or what is said of "out" would count upwards. So are those of a plate that is in no table.
+Eigen::Quaterniond axes_of(const PlateT* plate, const ifc::FacadeFrame& facade) {
+  const Eigen::Quaterniond rotation = plate ? plate->nominal_rotation : Eigen::Quaterniond::Identity();
+  const Eigen::Vector3d out = rotation * Eigen::Vector3d::UnitZ();
+  if (out.head<2>().norm() > 1e-9 || !facade.known()) return rotation;
   Eigen::Matrix3d axes;
   axes << facade.right, facade.up, facade.out;
   return Eigen::Quaterniond(axes);
@@ -74,7 +75,8 @@ class Builder {
       anchor.id = match->anchor;
       const auto listed = plate_of.find(match->anchor);
       const PlateT* plate = listed != plate_of.end() ? listed->second : nullptr;
-      if (plate) anchor.floor = plate->floor, anchor.column = plate->column, anchor.use = plate->role;
+      if (plate)
+        anchor.listed = true, anchor.floor = plate->floor, anchor.column = plate->column, anchor.use = plate->role;
       anchor.note = match->note;
       if (!match->guid.empty()) {
         const auto element = elements_.find(match->guid);
@@ -161,6 +163,7 @@ class Builder {
   DeviationInputs take() {
     group();
     add_rules();
+    warn_of_storeys();
     inputs_.design_file = design_.file_name;
     inputs_.mounting = mounting_.words(from_table_);
     return std::move(inputs_);
@@ -176,9 +179,11 @@ class Builder {
       ifc::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ());
       if (anchor.facade.source == ifc::FacadeSource::plate && by_design.known())
         sides_[by_design.facade].push_back(!anchor.facade.confirmed ? 0 : anchor.facade.out.dot(by_design.out));
-      anchor.mounting = mounting_.covariance(anchor.element, plate->mounting_sigma, axes_of(*plate, anchor.facade));
       from_table_ += plate->mounting_sigma.size() == 3;
     }
+    // An anchor that the table does not list is not known any better.
+    anchor.mounting = mounting_.covariance(anchor.element, plate ? plate->mounting_sigma : std::vector<double>(),
+                                           axes_of(plate, anchor.facade));
     anchor.is_sill = held_below_.is_sill(anchor.element);
     for (std::size_t i = 0; i < sill_rules_.size(); ++i) sill_rules_[i] += held_below_.sills[i].matches(anchor.element);
     judgement::ToleranceFindings findings;
@@ -187,10 +192,34 @@ class Builder {
     for (const std::size_t rule : findings.rules) ++rules_[rule].first;
     note(findings);
     for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
-      mounting_rules_[i] += plate && mounting_.rules[i].selection.matches(anchor.element);
+      mounting_rules_[i] += mounting_.rules[i].selection.matches(anchor.element);
     if (const auto* axis = ifc::axis_across(grid_, element.position, anchor.facade.out)) anchor.axis = axis->tag;
     anchor.element.properties = nullptr;
     anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
+  }
+
+  /// Sheets and statistics go by the floor of the plate table; where the design has the anchor's element in a storey
+  /// whose other anchors are of another floor, one of the two is a mistake.
+  void warn_of_storeys() {
+    std::map<std::string, std::map<int, std::vector<std::string>>> storeys;  // by GlobalId, then floor
+    std::map<std::string, std::string> names;
+    for (const AnchorCase& anchor : inputs_.anchors) {
+      if (!anchor.listed || anchor.storey_guid.empty()) continue;
+      storeys[anchor.storey_guid][anchor.floor].push_back(anchor.id);
+      names[anchor.storey_guid] = anchor.element.storey;
+    }
+    for (const auto& [guid, floors] : storeys) {
+      if (floors.size() < 2) continue;
+      const auto most = std::max_element(
+          floors.begin(), floors.end(), [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+      for (const auto& [floor, ids] : floors)
+        if (floor != most->first)
+          inputs_.warnings.push_back(fmt::format(
+              "The plate table has {} on floor {}, the design in the storey '{}', whose other anchors are on floor {} "
+              "({} of them): sheets and statistics go by the table.",
+              judgement::list_of(ids, 5), floor, names[guid].empty() ? guid : names[guid], most->first,
+              most->second.size()));
+    }
   }
 
   static std::string name_of(const DesignElementT& element) {

@@ -8,6 +8,7 @@
 #include "base/text/xml_text.hpp"
 #include "build/evaluate/metrics.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/worst_first.hpp"
 
@@ -52,7 +53,8 @@ std::string words_of(const AnchorDeviationT& anchor) {
   for (const auto& axis : anchor.axes)
     if (axis->axis == anchor.decided_by)
       return axis->axis + " " + fixed(1e3 * axis->value, 1) + " mm, u " + fixed(1e3 * axis->u, 1) + " mm, limit " +
-             fixed(1e3 * axis->tolerance, 1) + " mm" + (anchor.note.empty() ? "" : "; " + anchor.note);
+             ifc::limits_in_words(*axis, [](double length) { return fixed(1e3 * length, 1); }) + " mm" +
+             (anchor.note.empty() ? "" : "; " + anchor.note);
   return anchor.note;
 }
 

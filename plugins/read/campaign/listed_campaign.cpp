@@ -47,7 +47,7 @@ std::vector<std::string> ListedCampaign::names() const {
   return all;
 }
 
-InputFilesT ListedCampaign::inputs(std::size_t images, std::size_t readings) const {
+InputFilesT ListedCampaign::inputs(std::size_t images, const SurveyObservationsT& readings) const {
   InputFilesT result;
   const auto uses = uses_of(description, names());
   std::map<std::string, const UnusedFile*> aside;
@@ -59,7 +59,9 @@ InputFilesT ListedCampaign::inputs(std::size_t images, std::size_t readings) con
     else if (const auto left = aside.find(path); left != aside.end())
       result.files.push_back(file_of(*listed, left->second->looks_like, false));
   }
-  result.images = static_cast<int>(images), result.readings = static_cast<int>(readings);
+  std::size_t read = readings.observations.size() + readings.local_coordinates.size();
+  for (const auto& group : readings.vectors) read += group->from.size();
+  result.images = static_cast<int>(images), result.readings = static_cast<int>(read);
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_readings.hpp"
 #include "campaign_artifacts.hpp"
 #include "plumbline/node.hpp"
@@ -23,8 +24,9 @@ struct ListedCampaign {
   const FolderEntryT& entry(const std::string& path) const { return *entries.at(path); }
   std::vector<std::string> names() const;
 
-  /// What was read or set aside, and how much of it; and what lies there besides.
-  InputFilesT inputs(std::size_t images, std::size_t readings) const;
+  /// What was read or set aside, and how much of it; and what lies there besides. A reading is also a point in the axes
+  /// of a set-up, and a vector; coordinates that are only given are none.
+  InputFilesT inputs(std::size_t images, const SurveyObservationsT& readings) const;
   InputFilesT unread() const;
 
   FolderT given;

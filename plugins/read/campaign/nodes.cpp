@@ -109,7 +109,7 @@ struct ReadCampaign : Node {
     const std::size_t observed = commit_observations(tags, *cameras);
     mapping.commit(table);
     design_file.commit(design_reference(site));
-    inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings.observations.size()));
+    inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings));
     unread.commit(site.unread());
   }
 
@@ -205,7 +205,7 @@ struct ReadSurveyCampaign : Node {
     site.problems.raise();
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
-    inputs.commit(site.inputs(0, readings.observations.size()));
+    inputs.commit(site.inputs(0, readings));
     unread.commit(site.unread());
   }
 };
@@ -268,7 +268,7 @@ struct ReadMeasuredCampaign : Node {
     survey.commit(readings);
     design_file.commit(design_reference(site));
     mapping.commit(table);
-    inputs.commit(site.inputs(0, readings.observations.size()));
+    inputs.commit(site.inputs(0, readings));
     unread.commit(site.unread());
   }
 };

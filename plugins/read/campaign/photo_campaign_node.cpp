@@ -141,7 +141,7 @@ void ReadPhotoCampaign::run(Context& context) {
     survey.commit(readings);
     control.commit(to_artifact(known.points));
   }
-  inputs.commit(site.inputs(description.images.size(), readings.observations.size()));
+  inputs.commit(site.inputs(description.images.size(), readings));
   unread.commit(site.unread());
 }
 

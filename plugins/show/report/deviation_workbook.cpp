@@ -85,7 +85,8 @@ class Maker {
     sheet.name = word("Panels");
     for (const char* text : {"Panel", "GlobalId", "Floor", "Facade", "Verdict", "Decided by"}) head(sheet, text, 0);
     head(sheet, "Within tolerance with", 3);
-    for (const char* text : {"Out of plane [mm]", "Sideways [mm]", "Height [mm]"}) head(sheet, text, 2);
+    for (const char* text : {"Out of plane [mm]", "Sideways [mm]", "Height [mm]", "In plane [mm]"})
+      head(sheet, text, 2);
     head(sheet, "Shims outward [mm]", 0), head(sheet, "Note", 0);
     for (const PanelDeviationT* p : judgement::worst_panels_first(deviation_)) {
       std::string shims;
@@ -97,7 +98,7 @@ class Maker {
       const auto length = [](const std::unique_ptr<JudgedLengthT>& l) { return l ? 1e3 * l->value : nan; };
       sheet.rows.push_back({p->name.empty() ? p->guid : p->name, p->guid, floor_of(p->floor), facade_of(p->facade),
                             verdict(p->verdict), word(p->decided_by), p->pass_probability, length(p->out_of_plane),
-                            length(p->sideways), length(p->vertical), shims, word(p->reason)});
+                            length(p->sideways), length(p->vertical), length(p->in_plane), shims, word(p->reason)});
     }
     return sheet;
   }

@@ -28,7 +28,8 @@ void add(const std::string& what, const std::unique_ptr<JudgedLengthT>& length, 
 std::vector<Told> lengths_of(const PanelDeviationT& panel, const DeviationT& deviation) {
   std::vector<Told> all;
   add("out of plane", panel.out_of_plane, all), add("sideways", panel.sideways, all);
-  add("height", panel.vertical, all), add("tilt at an anchor", panel.tilt, all), add("warp", panel.warp, all);
+  add("height", panel.vertical, all), add("in plane", panel.in_plane, all), add("tilt at an anchor", panel.tilt, all),
+      add("warp", panel.warp, all);
   add("slots of the anchors", panel.misfit, all), add("corner out of plane", panel.corner, all);
   for (const auto& joint : panel.joints)
     add("joint to " + (joint->name.empty() ? joint->panel : joint->name), joint->change, all);

@@ -4,6 +4,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/epochs.hpp"
@@ -23,12 +24,12 @@ constexpr std::size_t kFirstRows = 8;
 constexpr std::size_t kMostTasks = 308;
 
 /// "+7.6 ± 0.4 mm, limit 5.0"; only up and outward have a sign, and outward where it is confirmed.
-std::string found_on(const std::string& axis, double value, double u, double tolerance, bool outward_known) {
-  const bool directed = axis == "vertical" || (axis == "out_of_plane" && outward_known);
-  const int decimals = decimals_beside(std::abs(value), tolerance, 1);
-  std::string text = directed ? signed_mm(value, decimals) : mm(value, decimals);
-  if (std::isfinite(u)) text += " ± " + mm(u, decimals);
-  return text + "\u00A0mm, limit " + mm(tolerance, decimals);
+std::string found_on(const JudgedAxisT& axis, bool outward_known) {
+  const bool directed = axis.axis == "vertical" || (axis.axis == "out_of_plane" && outward_known);
+  const int decimals = decimals_beside(std::abs(axis.value), axis.tolerance, 1);
+  std::string text = directed ? signed_mm(axis.value, decimals) : mm(axis.value, decimals);
+  if (std::isfinite(axis.u)) text += " ± " + mm(axis.u, decimals);
+  return text + "\u00A0mm, limit " + ifc::limits_in_words(axis, [&](double limit) { return mm(limit, decimals); });
 }
 
 /// "6.9 mm inward, 2.1 mm to the right, 1.2 mm down": the way back to the design. Where which way is outward is not
@@ -98,7 +99,7 @@ Task task_of(const AnchorDeviationT& anchor, const DeviationT& deviation) {
     return task;
   }
   const bool lost = !anchor.facade || !anchor.facade->confirmed;
-  task.found = words_of(axis->axis) + " " + found_on(axis->axis, axis->value, axis->u, axis->tolerance, !lost);
+  task.found = words_of(axis->axis) + " " + found_on(*axis, !lost);
   const std::string way = way_back(anchor);
   if (!deviation.doubts.empty()) {
     task.todo = "Nothing before the measurement is mended: it decides nothing.";

@@ -52,7 +52,9 @@ void write_list(Markup& html, const std::vector<std::string>& texts) {
   }
 }
 
-void write_row(Markup& html, const PanelDeviationT& panel, const DeviationT& deviation, std::size_t index) {
+/// `in_plane`: some panel is held against a length in its plane, which then has a column.
+void write_row(Markup& html, const PanelDeviationT& panel, const DeviationT& deviation, std::size_t index,
+               bool in_plane) {
   const PlacedRow row(html, panel.floor, facade_of(panel.facade), panel.verdict);
   html.element("th", {{"scope", "row"}}, verbatim(panel.name.empty() ? panel.guid : panel.name));
   {
@@ -67,6 +69,7 @@ void write_row(Markup& html, const PanelDeviationT& panel, const DeviationT& dev
   html.element("td", without_sign(per_metre(panel.lean), panel));
   html.element("td", per_metre(panel.turn));
   html.element("td", without_sign(per_metre(panel.roll), panel));
+  if (in_plane) html.element("td", panel.in_plane ? length(*panel.in_plane) : unknown);
   for (const auto* l : {panel.tilt.get(), panel.warp.get(), panel.misfit.get(), panel.corner.get()})
     html.element("td", mm(l->value, 1));
   write_list(html, fixings(panel));
@@ -79,17 +82,23 @@ void write_panels(Markup& html, const DeviationT& deviation) {
   if (deviation.panels.empty()) return;
   std::map<const PanelDeviationT*, std::size_t> index;
   for (std::size_t i = 0; i < deviation.panels.size(); ++i) index[deviation.panels[i].get()] = i;
+  const bool in_plane = std::any_of(deviation.panels.begin(), deviation.panels.end(),
+                                    [](const auto& panel) { return panel->in_plane != nullptr; });
   Scope part(html, "section", {{"id", "panels"}, {"class", "broad"}});
   html.element("h2", "Panels, first to mend first");
   {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
-    table_head(html,
-               {"Panel", left("Verdict"), left("Decided by"), "Out ± u [mm]", "Sideways ± u [mm]", "Vertical ± u [mm]",
-                "Lean [mm/m]", "Turn [mm/m]", "Roll [mm/m]", "Tilt [mm]", "Warp [mm]", "Slots [mm]", "Corner [mm]",
-                left("Shim per anchor, outward [mm]"), left("Joints as built (design) [mm]")});
+    std::vector<Cell> head = {"Panel",        left("Verdict"),     left("Decided by"),
+                              "Out ± u [mm]", "Sideways ± u [mm]", "Vertical ± u [mm]",
+                              "Lean [mm/m]",  "Turn [mm/m]",       "Roll [mm/m]"};
+    if (in_plane) head.emplace_back("In plane ± u [mm]");
+    head.insert(head.end(), {"Tilt [mm]", "Warp [mm]", "Slots [mm]", "Corner [mm]",
+                             left("Shim per anchor, outward [mm]"), left("Joints as built (design) [mm]")});
+    table_head(html, head);
     Scope body(html, "tbody");
-    for (const PanelDeviationT* panel : worst_panels_first(deviation)) write_row(html, *panel, deviation, index[panel]);
+    for (const PanelDeviationT* panel : worst_panels_first(deviation))
+      write_row(html, *panel, deviation, index[panel], in_plane);
   }
   html.element(
       "p", {{"class", "note"}},

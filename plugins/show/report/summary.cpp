@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "building/ifc/doubt_words.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/ifc/temperature_words.hpp"
 #include "building/judgement/epochs.hpp"
@@ -112,10 +113,12 @@ std::string floors_text(const AccuracyComparisonT& comparison) {
   return text;
 }
 
-std::string counts(int passed, int undecided, int failed, int not_measured) {
+/// `unasked`: of those without a verdict, which were measured and are held against nothing.
+std::string counts(int passed, int undecided, int failed, int without, int unasked = 0) {
   std::string text = row("{} pass, {} undecided, {} fail", passed, undecided, failed);
   text.pop_back();
-  return not_measured > 0 ? text + ", " + std::to_string(not_measured) + " not measured" : text;
+  if (without > unasked) text += ", " + std::to_string(without - unasked) + " not measured";
+  return unasked > 0 ? text + ", " + std::to_string(unasked) + " measured and held against nothing" : text;
 }
 
 /// What of surfaces and joints is out of its limits, or too close to call; what is not judged stands with its rule.
@@ -139,8 +142,12 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   const auto at = [&](ToleranceVerdict verdict) { return panels[static_cast<int>(verdict)]; };
   std::string text;
   for (const auto& doubt : deviation.doubts) text += "NOT TO BE TRUSTED, " + ifc::in_words(*doubt) + "\n";
-  text += spoken("Installation: " + verdict_in_english(deviation.verdict)) + ". Anchors against the design: " +
-          counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured);
+  text +=
+      spoken("Installation: " + verdict_in_english(deviation.verdict)) + ". Anchors against the design: " +
+      counts(deviation.passed, deviation.undecided, deviation.failed, deviation.not_measured,
+             static_cast<int>(std::count_if(deviation.anchors.begin(), deviation.anchors.end(), [](const auto& anchor) {
+               return anchor->verdict == ToleranceVerdict::not_measured && anchor->deviation.allFinite();
+             })));
   if (!deviation.panels.empty())
     text += "; panels: " +
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
@@ -160,7 +167,8 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
     if (!axis || anchor->verdict < ToleranceVerdict::undecided) break;
     if (++listed > 10) continue;
     text += row("  {:<20.40} {} {} {} mm (limit {})", anchor->id, verdict_cell_of(anchor->verdict),
-                spoken(words_of(axis->axis)), with_u(axis->value, axis->u), length(axis->tolerance, 0));
+                spoken(words_of(axis->axis)), with_u(axis->value, axis->u),
+                ifc::limits_in_words(*axis, [](double limit) { return length(limit, 0); }));
   }
   if (listed > 10) text += "  … and " + std::to_string(listed - 10) + " more anchors; report.html lists them all\n";
   int shown = 0;

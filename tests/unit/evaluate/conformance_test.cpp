@@ -96,9 +96,9 @@ TEST(Tolerances, HaveTwoSidesWhereTheLengthHasASign) {
   EXPECT_EQ(inward.decided_by, "out_of_plane");
   EXPECT_EQ(judge({0, 0, -1 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::fail);
   EXPECT_EQ(judge({0, 0, 2.5 * mm}, 0.1 * mm, {"*: vertical=-0/+3mm"}).verdict, ToleranceVerdict::pass);
-  for (const char* wrong :
-       {"*: horizontal=+5/-2mm", "*: vertical=5/2mm", "*: vertical=+5/+2mm", "*: vertical=+5/-2",
-        "*: vertical=+0.5mm/-0.002m", "*: vertical=+0.005m/-2mm", "*: vertical=2mm, horizontal=5mm, vertical=4mm"})
+  for (const char* wrong : {"*: horizontal=+5/-2mm", "*: vertical=5/2mm", "*: vertical=+5/+2mm", "*: vertical=+5/-2",
+                            "*: vertical=+0.5mm/-0.002m", "*: vertical=+0/-0mm", "*: vertical=+0.005m/-2mm",
+                            "*: vertical=2mm, horizontal=5mm, vertical=4mm"})
     EXPECT_THROW(parse_rule(wrong), std::runtime_error) << wrong;
 }
 

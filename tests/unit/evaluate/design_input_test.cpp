@@ -104,6 +104,54 @@ TEST(DesignInput, MountingIsAlongTheFacadeWhereThePlatesDoNotSayHowTheyFace) {
   }
 }
 
+/// Left out of the plate table, an anchor was judged more surely than the others: by what it sits on its mounting less.
+TEST(DesignInput, AnAnchorThatNoPlateListsIsKnownNoBetterAndIsNamed) {
+  Site site({0, -1, 0});
+  judgement::Mounting mounting;
+  mounting.sigma = 0.5 * mm;
+  mounting.rules.push_back(judgement::parse_mounting("name=S-11: right=0.3mm, up=0.2mm, out=3mm"));
+  const auto judged = [&] {
+    auto inputs = deviation_inputs(site.design, site.matches, site.plates, {}, 0.3, mounting);
+    inputs.model = site.model;
+    return inputs;
+  };
+  const auto listed = judged();
+  const auto without = [&](std::size_t which) {
+    site.plates.plates.erase(site.plates.plates.begin() + which);
+    site.matches.matches.erase(site.matches.matches.begin() + which);
+  };
+  without(1), without(0);  // S-11 and S-10
+  const auto unlisted = judged();
+  for (const char* name : {"S-10", "S-11"}) {
+    const auto of = [&](const judgement::DeviationInputs& inputs) {
+      for (const auto& anchor : inputs.anchors)
+        if (anchor.id == name) return anchor.mounting;
+      throw std::runtime_error(name);
+    };
+    EXPECT_GT(of(listed).trace(), 1e-8);
+    EXPECT_LT((of(unlisted) - of(listed)).norm(), 1e-12) << name;
+  }
+  const DeviationT result = judgement::judge_deviations(judged(), {});
+  const std::string said = testing::PrintToString(result.warnings);
+  EXPECT_NE(said.find("Measured and not in the plate table: S-10, S-11."), std::string::npos) << said;
+  EXPECT_EQ(testing::PrintToString(Site({0, -1, 0}).judge().warnings).find("plate table"), std::string::npos);
+}
+
+TEST(DesignInput, AFloorThatContradictsTheStoreyIsNamed) {
+  Site site({0, -1, 0});
+  for (auto& element : site.design.elements) {
+    const bool low = element->position.z() < 4;
+    element->storey = low ? "Ground" : "First", element->storey_guid = low ? "s0" : "s1";
+  }
+  EXPECT_EQ(testing::PrintToString(site.judge().warnings).find("storey"), std::string::npos);
+  site.plates.plates[1]->floor = 2;
+  const std::string said = testing::PrintToString(site.judge().warnings);
+  EXPECT_NE(said.find("The plate table has S-11 on floor 2, the design in the storey 'Ground', whose other anchors are "
+                      "on floor 1 (2 of them)"),
+            std::string::npos)
+      << said;
+}
+
 /// The last rule holds. Who wrote the narrow one first asked for something that nobody would judge.
 TEST(DesignInput, ANarrowRuleThatALaterWideOneReplacesIsNotJudged) {
   const Site site({0, -1, 0});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../bim/facing.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/judgement/mounting.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "geometry/statistics.hpp"
@@ -44,6 +45,21 @@ TEST(AnchorJudgement, HorizontalAndVerticalByDefault) {
   EXPECT_EQ(axis(anchor, "vertical").verdict, ToleranceVerdict::pass);
   EXPECT_EQ(axis(anchor, "space").verdict, ToleranceVerdict::not_measured);  // told, not judged
   EXPECT_NEAR(axis(anchor, "horizontal").u, 0.2 * mm, 1e-12);
+}
+
+/// The side by the sign once stood beside the verdict: 0.3 mm of "5 mm" undecided.
+TEST(AnchorJudgement, TheLimitThatIsToldIsThatWhichDecides) {
+  const Tolerances tolerances = tolerances_of({0.005, false, {parse_rule("*: vertical=+5/-0mm")}}, {});
+  const auto limit_at = [&](double z) { return axis(judge({0, 0, z}, 0.6 * mm, tolerances), "vertical").tolerance; };
+  EXPECT_EQ(limit_at(0.3 * mm), 0);
+  EXPECT_EQ(limit_at(-0.3 * mm), 0);
+  EXPECT_EQ(limit_at(4 * mm), 5 * mm);
+  EXPECT_EQ(limit_at(9 * mm), 5 * mm);
+  EXPECT_EQ(judge({0, 0, 0.3 * mm}, 0.6 * mm, tolerances).verdict, ToleranceVerdict::undecided);
+  const auto words = [](double metres) { return std::to_string(static_cast<int>(std::lround(1e3 * metres))); };
+  const AnchorDeviationT anchor = judge({0, 0, 0.3 * mm}, 0.6 * mm, tolerances);
+  EXPECT_EQ(ifc::limits_in_words(axis(anchor, "vertical"), words), "+5/-0");
+  EXPECT_EQ(ifc::limits_in_words(axis(anchor, "horizontal"), words), "5");
 }
 
 TEST(AnchorJudgement, WithoutUncertaintyNothingIsDecided) {

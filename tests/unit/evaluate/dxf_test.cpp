@@ -104,7 +104,7 @@ TEST(DeviationDxf, IsReadByAnother) {
   ASSERT_EQ(std::system(("ogrinfo -ro -al " + file.string() + " > " + out.string() + " 2>&1").c_str()), 0);
   const std::string told = plumbline::test::read_file(out);
   EXPECT_NE(told.find("Feature Count: 12"), std::string::npos) << told;  // 4 points, 4 texts, 3 lines, an outline
-  for (const char* layer : {"ANCHOR_FAIL", "ANCHOR_NOT_MEASURED", "DEVIATION", "PANEL_FAIL"})
+  for (const char* layer : {"ANCHOR_FAIL", "ANCHOR_NOT_MEASURED", "DEVIATION_100_TIMES_AS_LONG", "PANEL_FAIL"})
     EXPECT_NE(told.find(layer), std::string::npos) << layer;
 }
 

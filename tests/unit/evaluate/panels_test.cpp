@@ -172,6 +172,37 @@ TEST(Panels, NeverPassOnAnAnchorThatFails) {
       << deviation.panels[0]->reason;
 }
 
+/// A rule for the panel's place in its plane limited the slots of its anchors only, and the page said "judged: yes".
+TEST(Panels, AreHeldAgainstTheLengthInTheirPlaneWhereThatIsAsked) {
+  DeviationInputs inputs = facade(4);
+  move(inputs, {3 * mm, 0, -4 * mm}, Eigen::Vector3d::Zero());
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->in_plane, nullptr);
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::pass) << "each within its 5 mm";
+  inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: in_plane=3mm")}}, {});
+  const DeviationT result = judge_deviations(inputs, {});
+  const PanelDeviationT& p = *result.panels[0];
+  ASSERT_NE(p.in_plane, nullptr);
+  EXPECT_NEAR(p.in_plane->value, 5 * mm, 1e-12);
+  EXPECT_NEAR(p.in_plane->u, 0.15 * mm, 1e-12);
+  EXPECT_EQ(p.in_plane->tolerance, 3 * mm);
+  EXPECT_EQ(p.verdict, ToleranceVerdict::fail);
+  EXPECT_EQ(p.decided_by, "in_plane");
+  EXPECT_EQ(p.reason, "in plane 5.0 mm (limit 3 mm)");
+  EXPECT_LT(p.pass_probability, 0.01);
+  inputs.panels[0].tolerances = tolerances_of({0.005, true, {parse_rule("*: in_plane=6mm")}}, {});
+  EXPECT_EQ(judge_deviations(inputs, {}).panels[0]->verdict, ToleranceVerdict::pass);
+}
+
+/// Once 0.31 stood beside the FAIL of a panel one of whose anchors was out.
+TEST(Panels, AreNoMoreProbableThanTheirAnchorsAndJoints) {
+  DeviationInputs inputs = facade(4);
+  inputs.model.positions[0].y() -= 7 * mm;
+  const DeviationT deviation = judge_deviations(inputs, {});
+  EXPECT_EQ(deviation.panels[0]->decided_by, "anchor");
+  EXPECT_LE(deviation.panels[0]->pass_probability, deviation.anchors[0]->pass_probability);
+  EXPECT_LT(deviation.panels[0]->pass_probability, 0.05);
+}
+
 /// The side is guessed or in dispute: what depends on it may not fail a panel.
 void unconfirmed(DeviationInputs& inputs, ifc::FacadeSource source) {
   const ifc::FacadeFrame frame = ifc::frame_facing({0, -1, 0}, source, false);

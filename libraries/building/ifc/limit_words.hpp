@@ -1,0 +1,20 @@
+// The limits of a judged length in words, the same in BCF, JUnit, summary and page.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "artifacts/deviation.hpp"
+
+namespace plumbline::ifc {
+
+/// "5.0", or both sides where they differ, "+5.0/-0.0": the nearer one alone would look kept or broken by itself.
+/// `in_words` writes a length [m].
+template <typename Words>
+std::string limits_in_words(const JudgedAxisT& axis, const Words& in_words) {
+  constexpr double kEqual = 1e-9;  // [m]
+  if (!(std::abs(axis.above - axis.below) > kEqual)) return in_words(axis.tolerance);
+  return "+" + in_words(axis.above) + "/-" + in_words(axis.below);
+}
+
+}  // namespace plumbline::ifc
