@@ -47,8 +47,8 @@ std::string text_of(const survey::SurveyObservations& survey, int decimals) {
     const double own = row.one->instrument_height;
     text += at.station + "," + row.one->to + "," + fixed(gon * row.direction, decimals) + "," +
             fixed(gon * row.zenith_angle, decimals) + "," + fixed(row.distance, decimals) + "," +
-            fixed(std::isnan(own) ? at.instrument_height : own, decimals) + "," +
-            fixed(row.one->target_height, decimals) + "\n";
+            fixed(survey::or_zero(survey::or_else(own, at.instrument_height)), decimals) + "," +
+            fixed(survey::or_zero(row.one->target_height), decimals) + "\n";
   }
   return text;
 }

@@ -261,6 +261,20 @@ void SurveyColumns::take_header() {
                   "; if one is needed, rename it (e.g. target_height, instrument_height, sd)");
 }
 
+std::vector<std::string> SurveyColumns::names() const {
+  std::vector<std::string> all;
+  for (const auto& [name, column] : columns_) all.push_back(name);
+  std::sort(all.begin(), all.end(),
+            [&](const auto& a, const auto& b) { return columns_.at(a).index < columns_.at(b).index; });
+  return all;
+}
+
+std::string SurveyColumns::written(const std::string& column) const {
+  const auto found = columns_.find(column);
+  if (found == columns_.end() || found->second.index >= table_.header.size()) return column;
+  return table_.header[found->second.index].written;
+}
+
 const text::CsvCell* SurveyColumns::cell(const std::string& column) const {
   const auto found = columns_.find(column);
   if (found == columns_.end() || found->second.index >= row_->cells.size()) return nullptr;

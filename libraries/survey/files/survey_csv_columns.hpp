@@ -28,6 +28,10 @@ class SurveyColumns {
   void set_angle_unit(const std::string& unit);
 
   bool has(const std::string& column) const { return columns_.contains(column); }
+  /// Our names of the table's columns, in their order there.
+  std::vector<std::string> names() const;
+  /// What the table itself calls the column; our name where it has no header.
+  std::string written(const std::string& column) const;
   void select(const text::CsvRow& row) { row_ = &row, failed_ = false; }
   const text::CsvRow& row() const { return *row_; }
   SourcePosition position() const { return builder_.at(row_->line, 1); }

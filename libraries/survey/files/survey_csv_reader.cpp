@@ -9,6 +9,7 @@
 #include "survey/files/survey_csv.hpp"
 #include "survey/files/survey_csv_columns.hpp"
 #include "survey/files/survey_csv_kinds.hpp"
+#include "survey/files/survey_csv_sightings.hpp"
 #include "survey/files/survey_csv_units.hpp"
 
 namespace plumbline::survey {
@@ -81,6 +82,7 @@ SurveyObservations TableReader::read() {
   if (!records && !sightings && !points)
     throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
                           std::string(kTables) + ", or " + understood_formats());
+  if (sightings && !records) check_sightings(table_, columns_, builder_);
   if (sightings && !records && !columns_.untold().empty()) tell_unit_of_angles();
   for (const text::CsvRow& row : table_.rows) {
     columns_.select(row);

@@ -68,6 +68,46 @@ TEST(SurveyCsv, GermanHeightsAndColumnsThatNobodyKnows) {
   EXPECT_NE(survey.warnings[0].find("'wetter'"), std::string::npos) << survey.warnings[0];
 }
 
+// A known name that a table of sightings has no use for was passed over: the pole of 1.5 m in a column 'h' was none,
+// and every point 1.5 m too high.
+TEST(SurveyCsv, SightingsHaveNoColumnThatIsPassedOverInSilence) {
+  const auto read = [](const std::string& text) { return read_survey_csv(text, "s.csv"); };
+  const auto refused = [&](const std::string& text) { return error_of([&] { read(text); }); };
+  EXPECT_NE(
+      refused("station,target,hz [gon],v [gon],sd [m],h\nS1,A,0,100,10,1.5\n").find("'h' in a table of sightings"),
+      std::string::npos);
+  EXPECT_NE(refused("station;target;hz [gon];z;s\nS1;A;0;100;10\n").find("target height or a zenith angle"),
+            std::string::npos);
+  EXPECT_NE(refused("station,target,azimuth [gon],v [gon],sd\nS1,A,0,100,10\n").find("directions of the circle"),
+            std::string::npos);
+  // Coordinates that the instrument computed, and a height of the point beside the pole's, are no readings.
+  const auto computed =
+      read("station,target,hz [gon],v [gon],sd,th,e,n,h,sigma [mm],nr,set\nS1,A,0,100,10,1.5,1,2,3,2,7,1\n");
+  EXPECT_DOUBLE_EQ(computed.observations[0].target_height, 1.5);
+  ASSERT_EQ(computed.warnings.size(), 1u);
+  EXPECT_EQ(
+      computed.warnings[0],
+      "columns that a table of sightings does not use are left out: 'e', 'n', 'h', 'sigma'; how accurate readings "
+      "are is that of the instrument's profile");
+  EXPECT_NO_THROW(read("station,target,hz [gon],v [gon],sd,th,h\nS1,A,0,100,10,1.5,3\n"));
+}
+
+TEST(SurveyCsv, AHeightThatOtherRowsHaveIsNotZero) {
+  const auto read = [](const std::string& text) { return read_survey_csv(text, "s.csv"); };
+  const auto refused = [&](const std::string& text) { return error_of([&] { read(text); }); };
+  const std::string head = "station,target,hz [gon],v [gon],sd,ih,th\n";
+  const std::string gap = refused(head + "S1,K1,0,100,10,1.55,1.5\nS1,A,10,100,10,1.55,\nS1,B,20,100,10,1.55,\n");
+  EXPECT_NE(gap.find("s.csv:3:1: found no 'th' of 'A' and 1 more in a column that has it in 1 of 3 rows"),
+            std::string::npos)
+      << gap;
+  EXPECT_NE(refused(head + "S1,A,0,100,10,1.55,0\nS2,A,10,100,10,,0\n").find("no 'ih' at 'S2'"), std::string::npos);
+  EXPECT_NE(refused(head + "S1,A,0,100,10,,0\nS1,B,10,100,10,1.55,0\n").find("no 'ih' at 'S1'"), std::string::npos);
+  // The first row of a set-up says it for all; a direction alone has no height; a column that is empty is none.
+  EXPECT_DOUBLE_EQ(read(head + "S1,A,0,100,10,1.55,0\nS1,B,10,100,10,,0\n").set_ups[0].instrument_height, 1.55);
+  EXPECT_EQ(read(head + "S1,A,0,100,10,1.55,1.5\nS1,B,10,,,,\n").observations.size(), 4u);
+  EXPECT_EQ(read(head + "S1,A,0,100,10,,\nS1,B,10,100,10,,\n").observations.size(), 6u);
+}
+
 // Gauss-Krueger: Y is the easting. Read the other way round, two control points and a total station stay "sound".
 TEST(SurveyCsv, XAndYAreTheAxesThatTheTableMeans) {
   const auto read = [](const std::string& text) { return read_survey_csv(text, "k.csv"); };
@@ -260,7 +300,7 @@ TEST(SurveyCsv, ReadsSightingsWithUnitsInTheHeader) {
   EXPECT_EQ(observation(survey, 1, zenith_angle).face, 2);
   EXPECT_DOUBLE_EQ(observation(survey, 2, direction).instrument_height, 1.55);
   EXPECT_TRUE(skipped(survey, 5, 13, "not negative"));
-  EXPECT_TRUE(skipped(survey, 6, 23, "face 1 or 2"));
+  EXPECT_TRUE(skipped(survey, 6, 24, "face 1 or 2"));
   EXPECT_DOUBLE_EQ(value(survey, 3, slope_distance), 5.0);
 }
 

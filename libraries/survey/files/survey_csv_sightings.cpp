@@ -1,0 +1,89 @@
+#include "survey/files/survey_csv_sightings.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+namespace plumbline::survey {
+namespace {
+
+[[noreturn]] void refuse(const text::CsvTable& table, const SurveyBuilder& builder, const std::string& found,
+                         const std::string& expected) {
+  throw SurveyReadError(builder.at(table.header_line, 1), found, expected);
+}
+
+/// A height of what, an azimuth in place of what: a table of sightings has no place for these, and may need them.
+void refuse_doubtful_names(const text::CsvTable& table, const SurveyColumns& columns, const SurveyBuilder& builder) {
+  const bool rises = columns.has("zenith") || columns.has("height_difference");
+  const bool coordinates = columns.has("e") && columns.has("n");
+  if (columns.has("h") && !coordinates && !(columns.has("target_height") && rises))
+    refuse(table, builder,
+           "the column " + text::quoted(columns.written("h")) +
+               " in a table of sightings, which may be a target height" + (rises ? "" : " or a zenith angle"),
+           std::string("a name that says which: target_height") + (rises ? "" : ", or zenith") +
+               "; a height of the point itself is no reading: leave it out");
+  if (columns.has("azimuth") && !columns.has("direction"))
+    refuse(table, builder, "the column " + text::quoted(columns.written("azimuth")) + " in a table of sightings",
+           "directions of the circle (hz): those that are oriented already are directions, too");
+}
+
+void name_unused(const SurveyColumns& columns, SurveyBuilder& builder) {
+  static const std::set<std::string> kUsed = {
+      "station", "target", "set_up", "direction", "zenith", "slope_distance", "horizontal_distance",
+      "height_difference", "instrument_height", "target_height", "face",
+      // No number of a reading: sets are counted by the rows, names and remarks change nothing.
+      "id", "code", "description", "set", "pointing", "source_file", "source_line", "source_column"};
+  std::string unused;
+  bool accuracy = false;
+  for (const std::string& name : columns.names()) {
+    if (kUsed.contains(name)) continue;
+    unused += (unused.empty() ? "" : ", ") + text::quoted(columns.written(name));
+    accuracy = accuracy || name.starts_with("sigma") || name.starts_with("cov_");
+  }
+  if (unused.empty()) return;
+  builder.warn("columns that a table of sightings does not use are left out: " + unused +
+               (accuracy ? "; how accurate readings are is that of the instrument's profile" : ""));
+}
+
+bool rises_with_heights(const SurveyColumns& columns) {
+  for (const char* reading : {"zenith", "slope_distance", "height_difference"})
+    if (!columns.text(reading).empty()) return true;
+  return false;
+}
+
+/// An empty cell means 0 m, or "as above"; which of the two makes 1.5 m. The height of an instrument is its set-up's,
+/// so that its first row is enough.
+void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, const SurveyBuilder& builder,
+                 const std::string& column, bool first_of_set_up) {
+  std::set<std::string> seen;
+  const text::CsvRow* first = nullptr;
+  std::string of;
+  std::size_t gaps = 0, filled = 0;
+  for (const text::CsvRow& row : table.rows) {
+    columns.select(row);
+    const std::string own = columns.text("set_up"), station = own.empty() ? columns.text("station") : own;
+    if (!columns.text(column).empty()) ++filled;
+    if (!rises_with_heights(columns) || (first_of_set_up && !seen.insert(station).second)) continue;
+    if (!columns.text(column).empty()) continue;
+    if (gaps++ == 0) first = &row, of = first_of_set_up ? station : columns.text("target");
+  }
+  if (gaps == 0 || filled == 0) return;
+  throw SurveyReadError(builder.at(first->line, 1),
+                        "no " + text::quoted(columns.written(column)) + (first_of_set_up ? " at " : " of ") +
+                            text::quoted(of) + (gaps > 1 ? " and " + std::to_string(gaps - 1) + " more" : "") +
+                            " in a column that has it in " + std::to_string(filled) + " of " +
+                            std::to_string(table.rows.size()) + " rows",
+                        first_of_set_up ? "the instrument height in the first row of each set-up, 0 where there is none"
+                                        : "the target height in every row, 0 where there is none");
+}
+
+}  // namespace
+
+void check_sightings(const text::CsvTable& table, SurveyColumns& columns, SurveyBuilder& builder) {
+  refuse_doubtful_names(table, columns, builder);
+  name_unused(columns, builder);
+  refuse_gaps(table, columns, builder, "target_height", false);
+  refuse_gaps(table, columns, builder, "instrument_height", true);
+}
+
+}  // namespace plumbline::survey
