@@ -1,4 +1,5 @@
 // plumbline why, diff, export: what runs did, from their records.
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +65,13 @@ int why(const Options& options) {
   return 0;
 }
 
+/// Nodes of two runs, those that both have once; a node of several rounds in each of them.
+static size_t of_either(const runtime::RecordedRun& a, const runtime::RecordedRun& b) {
+  return a.nodes.size() + static_cast<size_t>(std::count_if(b.nodes.begin(), b.nodes.end(), [&](const auto& node) {
+           return !a.find(node.name, node.round);
+         }));
+}
+
 int diff(const Options& options) {
   const runtime::Registry registry = discover();
   const runtime::RecordedRun a = runtime::read_run(options.runs.at(0)), b = runtime::read_run(options.runs.at(1));
@@ -88,7 +96,7 @@ int diff(const Options& options) {
   if (options.json)
     print_json({{"equal", equal}, {"nodes", json}});
   else
-    std::printf("%zu of %zu nodes differ; the results %s\n", differences.size(), a.nodes.size(),
+    std::printf("%zu of %zu nodes differ; the results %s\n", differences.size(), of_either(a, b),
                 equal ? "agree" : "do not agree");
   return equal ? 0 : 1;
 }

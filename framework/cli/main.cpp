@@ -226,7 +226,10 @@ std::vector<Command> declare(CLI::App& app, Options& options, plumbline::cli::Be
 
   CLI::App& diff = add("diff", "compares two runs node by node", plumbline::cli::diff);
   add_runs(diff, options, 2);
-  diff.add_option("--tolerance", options.tolerance, "numbers that differ by less than this part of them count as equal")
+  diff.add_option(
+          "--tolerance", options.tolerance,
+          "numbers above 1 that differ by less than this count as equal, smaller ones by less than this part of "
+          "them")
       ->check(CLI::Range(0.0, 1.0));
   add_store(diff, options);
   add_json(diff, options);

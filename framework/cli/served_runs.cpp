@@ -230,6 +230,7 @@ ServedRuns::Json ServedRuns::summary(const std::string& id, const Run& run) cons
       invalid = invalid || (metric.value("name", "") == "invalid" && metric.contains("value") &&
                             metric["value"].is_number() && metric["value"].get<double>() > 0);
   }
+  if (run.end.is_object()) invalid = invalid || !run.end.value("usable", true);
   json["ended"] = run.nodes.size();
   json["warnings"] = warnings;
   json["invalid"] = invalid;

@@ -55,7 +55,7 @@ class RunFailed(PlumblineError):
 
 
 class NotUsable(UserWarning):
-    """A result is there, and a node says that it must not be used."""
+    """A result is there, and a node says that it must not be used, or its rounds did not come to their end."""
 
 
 class Node:
@@ -81,7 +81,7 @@ class Run:
         self.folder = pathlib.Path(folder)
         self.store = store
         self.nodes, self.outputs, self.usable = OrderedDict(), {}, True
-        self.status = "not ended"
+        self.status, self.unfinished = "not ended", False
         if not (self.folder / "run.jsonl").is_file():
             raise UsageError(f"there is no run in {self.folder}: give the output folder of a run, which holds a run.jsonl")
         with open(self.folder / "run.jsonl", encoding="utf-8") as lines:
@@ -99,6 +99,8 @@ class Run:
             self.usable = self.usable and not node.metrics.get("invalid", 0) > 0
         elif what == "run_end":
             self.status = event.get("status", "")
+            self.unfinished = not event.get("rounds", {}).get("finished", True)
+            self.usable = self.usable and event.get("usable", not self.unfinished)
             for name in self._names(event.get("outputs", [])):
                 if (self.folder / name).exists():
                     self.outputs[name] = self.folder / name
@@ -152,7 +154,8 @@ def run(pipeline, out=None, *, set=None, progress=None, store=None, threads=None
         raise RunFailed(made, errors)
     made.usable = code == 0
     if code == 3:
-        warnings.warn(f"{out}: a node says that its result must not be used", NotUsable, stacklevel=2)
+        why = "its rounds did not come to their end" if made.unfinished else "a node says that its result must not be used"
+        warnings.warn(f"{out}: {why}", NotUsable, stacklevel=2)
     return made
 
 

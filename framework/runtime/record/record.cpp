@@ -220,6 +220,7 @@ void Record::end(const RunResult& result, const std::vector<Delivery>& deliverie
   json["event"] = "run_end";
   json["time"] = utc(now());
   json["status"] = result.cancelled ? "cancelled" : result.ok() ? "ok" : "failed";
+  json["usable"] = result.usable();
   for (const NodeStatus status :
        {NodeStatus::executed, NodeStatus::reused, NodeStatus::failed, NodeStatus::skipped, NodeStatus::cancelled})
     json[to_text(status)] = result.count(status);

@@ -10,8 +10,11 @@
 //   {"event": "round", "round", "over", "finished", "condition", "error"}   after each round of a pipeline with rounds
 //   {"event": "deliver", "output", "number", "files", "folders"}      before an output is put in place
 //   {"event": "killed", "by"}                                         in place of run_end: a node ended the program
-//   {"event": "run_end", "status", "executed", "reused", "failed", "skipped", "seconds", "peak_memory", "rounds",
-//    "outputs", "owned"}
+//   {"event": "run_end", "status", "usable", "executed", "reused", "failed", "skipped", "seconds", "peak_memory",
+//    "rounds", "outputs", "owned"}
+//
+// "usable" of a run whose status is ok: false where it ends with exit code 3, because a node says so or its rounds did
+// not come to their end.
 //
 // "sources" are the texts of the pipeline and of all it includes, "arguments" the overrides, "folder" the working
 // folder: with the plugins of "plugin" (and the build ids of the libraries they are linked with) they make the run

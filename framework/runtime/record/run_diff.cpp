@@ -26,8 +26,14 @@ using Json = nlohmann::ordered_json;
 
 std::string number_text(double value) { return fmt::format("{:.9g}", value); }
 
-/// Two digits say how large a difference is.
-std::string size_text(double value) { return fmt::format("{:.2g}", value); }
+/// How far two numbers lie apart: a share of the larger one, and above 1 the difference itself. A share of 5 400 000 m
+/// says nothing of what two places differ by: a millionth of it is 5 m.
+double apart(double x, double y) { return std::abs(x - y) / std::min(1.0, std::max(std::abs(x), std::abs(y))); }
+
+/// "0.003", "2.5e-07 of its size"; two digits say how large a difference is.
+std::string apart_text(double x, double y) {
+  return fmt::format("{:.2g}", apart(x, y)) + (std::max(std::abs(x), std::abs(y)) < 1 ? " of its size" : "");
+}
 
 constexpr const char* quaternion_keys[] = {"w", "x", "y", "z"};
 
@@ -168,19 +174,18 @@ Json content_of(Store& store, const plumbline_type& type, const std::string& has
 
 /// How two artifacts differ: the largest difference of numbers, and whether anything else does.
 struct Comparison {
-  double largest = 0;  // relative
+  double largest = 0;  // as apart() has it
   std::string where, other;
   size_t numbers = 0, others = 0;
 
   void compare(const Json& a, const Json& b, const std::string& path) {
     if (a.is_number() && b.is_number()) {
       const double x = a.get<double>(), y = b.get<double>();
-      const double scale = std::max(std::abs(x), std::abs(y));
-      if (x == y || scale == 0) return;
+      if (x == y) return;
       ++numbers;
-      if (const double relative = std::abs(x - y) / scale; relative > largest) {
-        largest = relative;
-        where = path + ": " + number_text(x) + " and " + number_text(y);
+      if (const double off = apart(x, y); off > largest) {
+        largest = off;
+        where = apart_text(x, y) + ", " + path + ": " + number_text(x) + " and " + number_text(y);
       }
     } else if (is_quaternion(a) && is_quaternion(b) && dot(a, b) < 0) {
       compare(a, negative(b), path);  // q and -q turn alike
@@ -285,11 +290,11 @@ class Comparer {
         continue;
       }
       if (x == y || (std::isnan(x) && std::isnan(y))) continue;
-      const double relative = std::abs(x - y) / std::max(std::abs(x), std::abs(y));
+      const double off = apart(x, y);
       const std::string unit = a.metrics[i].unit == "1" ? "" : " " + a.metrics[i].unit;
       difference.lines.push_back("metric " + a.metrics[i].name + ": " + number_text(x) + " -> " + number_text(y) +
-                                 unit + (std::isnan(relative) ? "" : ", by " + size_text(relative) + " of its size"));
-      if (!(relative <= tolerance_)) difference.within_tolerance = false;
+                                 unit + (std::isnan(off) ? "" : ", by " + apart_text(x, y)));
+      if (!(off <= tolerance_)) difference.within_tolerance = false;
     }
   }
 
@@ -316,9 +321,7 @@ class Comparer {
     }
     std::string line =
         name + (a.size() > 1 ? " (" + std::to_string(differing) + " of " + std::to_string(a.size()) + " items)" : "");
-    if (all.numbers)
-      line += ": " + std::to_string(all.numbers) + " numbers differ, at most by " + size_text(all.largest) +
-              " of their size, " + all.where;
+    if (all.numbers) line += ": " + std::to_string(all.numbers) + " numbers differ, at most by " + all.where;
     if (!all.other.empty()) line += (all.numbers ? "; and " : ": ") + all.other;
     if (all.others > 1) line += " (and " + std::to_string(all.others - 1) + " more that are no numbers)";
     if (!all.numbers && all.other.empty()) line += ": other bytes, the same content";

@@ -179,15 +179,16 @@ std::string ro_crate(const RecordedRun& run) {
   }
   std::string arguments;
   for (const std::string& argument : run.arguments) arguments += (arguments.empty() ? "" : " ") + argument;
-  graph.push_back({{"@id", "./"},
-                   {"@type", "Dataset"},
-                   {"name", "Run of " + run.pipeline},
-                   {"description",
-                    "plumbline run " + run.pipeline + (arguments.empty() ? "" : " " + arguments) + ": " + run.status},
-                   {"datePublished", run.time},
-                   {"license", "the owner of the data decides"},
-                   {"hasPart", parts},
-                   {"mentions", mentions}});
+  graph.push_back(
+      {{"@id", "./"},
+       {"@type", "Dataset"},
+       {"name", "Run of " + run.pipeline},
+       {"description", "plumbline run " + run.pipeline + (arguments.empty() ? "" : " " + arguments) + ": " +
+                           run.status + (run.status == "ok" && !run.usable ? ", but not to be used as it is" : "")},
+       {"datePublished", run.time},
+       {"license", "the owner of the data decides"},
+       {"hasPart", parts},
+       {"mentions", mentions}});
   graph.push_back(
       {{"@id", "run.jsonl"}, {"@type", "File"}, {"name", "run record"}, {"encodingFormat", "application/jsonl"}});
   for (Json* list : {&files, &programs, &actions})

@@ -78,6 +78,7 @@ void start_of(const Json& json, RecordedRun& run) {
 
 void end_of(const Json& json, RecordedRun& run) {
   take(json, "status", run.status);
+  take(json, "usable", run.usable);
   take(json, "time", run.end_time);
   take(json, "seconds", run.seconds);
   // What lies in the folder may be of earlier runs, too: this one gave what it says that it wrote.

@@ -44,6 +44,7 @@ struct RecordedRun {
   std::vector<std::string> arguments;
   std::map<std::string, std::string> variables;
   std::vector<SourceFile> sources;
+  bool usable = true;  ///< false: it ended with exit code 3
   double start = 0, seconds = 0;
   std::vector<RecordedNode> nodes;               ///< in the order they ended
   std::map<std::string, std::string> delivered;  ///< file that this run wrote, or found as it must be -> SHA-256
@@ -63,7 +64,8 @@ struct NodeDifference {
   bool within_tolerance = true;    ///< only numbers differ, by less than the tolerance
 };
 
-/// `tolerance` is relative to the larger of two numbers. Outputs that differ are compared number by number if `store`
+/// `tolerance` of two numbers is a share of the larger one where that is below 1, and their difference itself above (of
+/// coordinates in m: metres). Outputs that differ are compared number by number if `store`
 /// has both and a plugin knows their type. Nodes that do not differ are left out.
 std::vector<NodeDifference> compare_runs(const RecordedRun& a, const RecordedRun& b, double tolerance, Store* store,
                                          const Registry& registry);

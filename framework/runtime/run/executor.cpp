@@ -37,6 +37,14 @@ bool RunResult::ok() const {
   return !cancelled && rounds.problem.empty() && std::all_of(nodes.begin(), nodes.end(), is_good);
 }
 
+bool RunResult::usable() const {
+  const auto invalid = [](const NodeResult& node) {
+    return std::any_of(node.metrics.begin(), node.metrics.end(),
+                       [](const Metric& metric) { return metric.name == "invalid" && metric.value > 0; });
+  };
+  return ok() && (rounds.rounds == 0 || rounds.finished) && std::none_of(nodes.begin(), nodes.end(), invalid);
+}
+
 bool RunResult::not_converged() const {
   return rounds.problem.empty() && count(NodeStatus::failed) > 0 &&
          std::all_of(nodes.begin(), nodes.end(), [](const NodeResult& node) {

@@ -75,6 +75,9 @@ struct RunResult {
   RoundsEnd rounds;                   ///< of a pipeline with rounds
   bool cancelled = false;
   bool ok() const;
+  /// ok(), no node says that its result must not be used (metric `invalid`), and rounds, if there are any, came to
+  /// their end by their condition.
+  bool usable() const;
   /// Whether all that failed did so because a solver found no result.
   bool not_converged() const;
   size_t count(NodeStatus status) const;  ///< of all rounds

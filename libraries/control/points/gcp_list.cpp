@@ -1,14 +1,19 @@
 #include "control/points/gcp_list.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "base/text/text.hpp"
 #include "control/points/projection_unit.hpp"
+#include "geometry/geodesy/map_projection.hpp"
 
 namespace plumbline::control {
 namespace {
@@ -82,6 +87,48 @@ void require_metres(const std::string& projection, const std::string& file, int 
              "that in this line");
 }
 
+/// The map that the projection names; null where PROJ does not know it ("LOCAL", "WGS84 UTM 16N").
+std::unique_ptr<geodesy::MapProjection> map_of(const std::string& projection) {
+  try {
+    return std::make_unique<geodesy::MapProjection>(projection);
+  } catch (const std::runtime_error&) {
+    return nullptr;
+  }
+}
+
+/// How much longer than on the ellipsoid the map draws `step` (100 m) from a place.
+double length_factor(const geodesy::MapProjection& map, const Eigen::Vector2d& at, const Eigen::Vector2d& step) {
+  const Eigen::Vector3d from = map.geocentric(map.inverse(at), 0), to = map.geocentric(map.inverse(at + step), 0);
+  return step.norm() / (to - from).norm();
+}
+
+/// Heights are metres on every map. Where plan is not, photographs make heights of what is between both: on Mercator's
+/// map (EPSG:3857) of 49° all are 1.5 times as high. Maps of surveys are within 0.4 % (Lambert 93 at its border).
+void require_true_lengths(const std::string& projection, const std::vector<GcpLine>& lines, const std::string& file) {
+  constexpr double kMost = 0.01;
+  const auto map = map_of(projection);
+  if (!map || lines.empty()) return;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  for (const GcpLine& line : lines) middle += line.position.head<2>() / static_cast<double>(lines.size());
+  const std::string advice =
+      "; check that the columns are east, north, height of this projection, or transform the points to one of true "
+      "lengths (such as UTM, EPSG:32632) and write that in its line";
+  for (const Eigen::Vector2d& step : {Eigen::Vector2d(100, 0), Eigen::Vector2d(0, 100)}) {
+    double factor = std::numeric_limits<double>::infinity();
+    try {
+      factor = length_factor(*map, middle, step);
+    } catch (const std::runtime_error&) {  // the map does not reach there
+    }
+    if (!(factor < std::numeric_limits<double>::infinity()))
+      throw std::runtime_error(file + ": the map '" + map->name() + "' has no place at " +
+                               fmt::format("{:.0f}, {:.0f}", middle.x(), middle.y()) + advice);
+    if (std::abs(factor - 1) > kMost)
+      throw std::runtime_error(file + ": the map '" + map->name() + "' draws lengths at the points " +
+                               fmt::format("{:.3f}", factor) + " times as long as they are, and heights as they are" +
+                               advice);
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std::string& file) {
@@ -89,6 +136,7 @@ std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std
   std::vector<GcpLine> lines;
   std::map<std::string, std::string> names;
   std::map<std::string, std::pair<Eigen::Vector3d, int>> positions;
+  std::string projection;
   bool begun = false;
   for (const text::Line& at : text::split_lines(decoded)) {
     const std::string line(text::trim(at.text));
@@ -101,7 +149,7 @@ std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std
                  "string");
       if (!is_projection(line)) return std::nullopt;
       require_metres(line, file, at.number);
-      begun = true;
+      begun = true, projection = line;
       continue;
     }
     GcpLine g = parse_line(std::string(at.text), file, at.number);
@@ -120,6 +168,7 @@ std::optional<std::vector<GcpLine>> gcp_lines(const std::string& text, const std
   }
   if (!begun) return std::nullopt;
   if (lines.empty()) throw std::runtime_error(file + ": there is no point under the projection");
+  require_true_lengths(projection, lines, file);
   return lines;
 }
 

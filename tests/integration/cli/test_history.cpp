@@ -254,11 +254,16 @@ TEST(History, DiffComparesNumberByNumber) {
   answer = plumbline({"diff", "one", "near/run.jsonl"});
   EXPECT_EQ(answer.code, 1);
   EXPECT_TRUE(contains(answer.out, "parameter offset: 1 -> 1.000001")) << answer.out;
-  EXPECT_TRUE(
-      contains(answer.out, "output sum: 1 numbers differ, at most by 2.5e-07 of their size, value: 4 and 4.000001"))
+  EXPECT_TRUE(contains(answer.out, "output sum: 1 numbers differ, at most by 1e-06, value: 4 and 4.000001"))
       << answer.out;
-  EXPECT_EQ(plumbline({"diff", "one", "near", "--tolerance", "1e-6"}).code, 0);
+  EXPECT_EQ(plumbline({"diff", "one", "near", "--tolerance", "2e-6"}).code, 0);
   EXPECT_EQ(plumbline({"diff", "one", "near", "--tolerance", "1e-7"}).code, 1);
+  // As a share of its size 3 m of a northing were nothing.
+  ASSERT_EQ(plumbline({"run", "p.yaml", "b.with.offset=5400000.5", "--out", "north"}).code, 0);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "b.with.offset=5400003.5", "--out", "further"}).code, 0);
+  answer = plumbline({"diff", "north", "further", "--tolerance", "1e-3"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.out, "numbers differ, at most by 3, value: ")) << answer.out;
   const Json json = Json::parse(plumbline({"diff", "one", "near", "--json"}).out);
   EXPECT_EQ(json["equal"], false);
   EXPECT_EQ(json["nodes"][0]["node"], "b");

@@ -42,6 +42,17 @@ class Driving(unittest.TestCase):
             run = plumbline.run("p.yaml", out="out dir", file=None)
         self.assertEqual((run.status, run.nodes["points"].status, str(run.outputs["points.json"])), ("ok", "executed", "out dir/points.json"))
 
+    def test_rounds_that_did_not_end_are_not_usable(self):
+        table = "name,E,N,H,sigma\n" + "".join(f"P{i},{3 * i},{i * i % 7},{i % 3},0.001\n" for i in range(9))
+        pathlib.Path("control.csv").write_text(table)
+        pathlib.Path("measured.csv").write_text(table.replace("P4,12,2,1", "P4,12.05,2,1").replace("P7,21,0,1", "P7,21,0.04,1"))
+        with self.assertWarnsRegex(plumbline.NotUsable, "its rounds did not come to their end"):
+            run = plumbline.run("outlier_search", out="r", points="measured.csv", control="control.csv", set={"rounds.most": 1})
+        for one in (run, plumbline.Run("r")):
+            self.assertEqual((one.status, one.usable), ("ok", False))
+        crate = subprocess.run([PROGRAM, "export", "r", "--format", "ro-crate"], capture_output=True, text=True, check=True).stdout
+        self.assertIn(": ok, but not to be used as it is", crate)
+
     def test_what_is_not_there_is_told_by_its_name(self):
         with self.assertRaisesRegex(plumbline.UsageError, "there is no run in nowhere: give the output folder"):
             plumbline.Run("nowhere")
