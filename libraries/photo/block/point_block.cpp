@@ -315,7 +315,7 @@ Eigen::Vector3d angles_from_rotation(const Eigen::Matrix3d& r) {
   return {std::atan2(-r(1, 2), r(2, 2)), std::asin(std::clamp(r(0, 2), -1.0, 1.0)), std::atan2(-r(0, 1), r(0, 0))};
 }
 
-PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOptions& options) {
+static PointBlockResult adjust_as_stated(const PointBlock& given, const PointBlockOptions& options) {
   require_enough_observations(given);
   require_enough_control(given);
   require_coordinates(given);
@@ -364,6 +364,41 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
                                                          : bundle::reliability_of(built.problem, adjusted);
   fill_control(given, built, reliability, factor, result);
   fill_reliability(std::move(reliability), factor, result);
+  return result;
+}
+
+/// By which the images' standard deviations are to be multiplied; 1: nothing else is observed, or nothing checks them.
+static double image_scale_of(const PointBlockResult& result) {
+  double factor = 1, others = 0;
+  for (const auto& group : result.groups)
+    if (group.name != "image coordinates")
+      others += group.redundancy;
+    else if (group.redundancy >= 1 && group.factor > 0)
+      factor = group.factor;
+  constexpr double nothing = 1e-6;
+  return others > nothing ? std::sqrt(factor) : 1;
+}
+
+PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOptions& options) {
+  PointBlockResult result = adjust_as_stated(given, options);
+  if (!options.estimate_image_variance || options.by_gradients) return result;
+  constexpr int max_steps = 8;
+  constexpr double close = 0.01, smallest = 1e-4, largest = 1e4;  // a block without noise would run away
+  double scale = 1;
+  for (int step = 0; step < max_steps; ++step) {
+    const double next = std::clamp(scale * image_scale_of(result), smallest, largest);
+    if (std::abs(next / scale - 1) < close) break;
+    scale = next;
+    PointBlock weighted = result.block;  // near the minimum
+    weighted.control = given.control;
+    for (size_t m = 0; m < weighted.measurements.size(); ++m)
+      weighted.measurements[m].sigma = scale * sigma_of(given.measurements[m], options);
+    result = adjust_as_stated(weighted, options);
+  }
+  for (size_t m = 0; m < given.measurements.size(); ++m)
+    result.block.measurements[m].sigma = given.measurements[m].sigma;
+  result.sigma0 *= scale, result.weighted_sum_of_squares *= scale * scale;
+  result.image_variance_factor = scale * scale;
   return result;
 }
 

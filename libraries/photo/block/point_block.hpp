@@ -76,6 +76,10 @@ struct PointBlock {
 
 struct PointBlockOptions {
   double image_sigma = 0.0005;  ///< a priori standard deviation of a sensor coordinate of weight 1 [mm]
+  /// Image coordinates are weighted by what they show of themselves where anything else is observed (Helmert's
+  /// component of their group): programs state their standard deviation to a factor of five at best, and what control
+  /// and scale bars are worth beside them, and what is stated of all, hangs on it.
+  bool estimate_image_variance = false;
   /// Interior parameters to estimate, of every camera whose model has them. "auto" stands for Ck, xh, yh, A1, A2, B1,
   /// B2 of a balanced camera, and for none of a correcting one, which comes calibrated; see SensorCamera::estimated.
   std::vector<std::string> free_parameters = {"auto"};
@@ -109,8 +113,9 @@ struct ControlResult {
 };
 
 struct PointBlockResult {
-  PointBlock block;                    ///< adjusted
-  double sigma0 = 0;                   ///< a posteriori, as sensor coordinate [mm]
+  PointBlock block;                  ///< adjusted
+  double sigma0 = 0;                 ///< a posteriori, as sensor coordinate [mm]
+  double image_variance_factor = 1;  ///< that image coordinates were weighted by, against what they came with
   double weighted_sum_of_squares = 0;  ///< Σ p v², p = σ_a_priori²/σ², so that sigma0² = it / degrees_of_freedom [mm²]
   int observations = 0;
   int unknowns = 0;

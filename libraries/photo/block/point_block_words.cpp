@@ -64,10 +64,11 @@ std::string control_against_images(const PointBlockResult& result) {
     if (group.name == "image coordinates") images = &group;
     if (group.name == "control") control = &group;
   }
-  if (!images || !control || control->redundancy < 1 || images->redundancy < 1 || !(images->factor > 0)) return "";
+  constexpr double controlled = 1e-3;  // else all of it is needed to hold the block
+  if (!images || !control || control->redundancy < controlled || images->redundancy < 1 || !(images->factor > 0))
+    return "";
   const double ratio = control->factor / images->factor;
   const double limit = fisher_f_quantile(0.999, control->redundancy, images->redundancy);
-  if (!(ratio > limit)) return "";
   double squares = 0, largest = 0;
   std::string worst;
   int count = 0;
@@ -76,14 +77,16 @@ std::string control_against_images(const PointBlockResult& result) {
     squares += c.residual.squaredNorm(), ++count;
     if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest) largest = w, worst = result.block.points[c.point].name;
   }
-  // The largest w may be an innocent point's, which a wrong one bends.
+  // The largest w may be an innocent point's, which a wrong one bends. A single wrong point among many that hardly
+  // control each other does not show in the factor of all.
   std::string suspects = suspects_in_words(result, images->factor);
+  if (!(ratio > limit) && suspects.empty()) return "";
   if (suspects.empty()) suspects = fmt::format(", most at {} (w {:.1f})", worst, largest);
   return fmt::format(
-      "control and images contradict each other: the control's variance factor is {:.3g} times that of the images (at "
-      "most {:.3g} by chance), its residuals {:.3g} mm rms{}. Its standard deviations are too "
+      "control and images contradict each other: the control's variance factor is {:.3g} times that of the images ({} "
+      "{:.3g} by chance), its residuals {:.3g} mm rms{}. Its standard deviations are too "
       "small, a point of it is another one in the images, or the camera is not what the file says{}",
-      ratio, limit, 1e3 * std::sqrt(squares / count), suspects,
+      ratio, ratio > limit ? "at most" : "up to", limit, 1e3 * std::sqrt(squares / count), suspects,
       result.block.cameras.at(0).lens == bundle::Lens::correcting
           ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
           : "");

@@ -7,8 +7,10 @@
 
 namespace plumbline::block {
 
-/// What the control's variance component says beside that of the images; empty if it may be chance. Both are
-/// compared by their ratio, because nobody knows the standard deviation of image coordinates beforehand: F test, 0.1 %.
+/// What the control's variance component says beside that of the images, and single points whose error would explain
+/// what the images contradict; empty if it may be chance. Both components are compared by their ratio, because nobody
+/// knows the standard deviation of image coordinates beforehand: F test, 0.1 %; points as suspects_of() tests them,
+/// where the joint covariance is known.
 std::string control_against_images(const PointBlockResult& result);
 
 /// Measurements that no chance explains: |w| above 12. Matched features have long tails (up to 11.5 in public blocks

@@ -12,6 +12,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "check_points.hpp"
+#include "photo/block/point_block_words.hpp"
 #include "plumbline/failure.hpp"
 #include "plumbline/node.hpp"
 #include "tag_adjuster_node.hpp"
@@ -21,7 +22,7 @@ namespace plumbline::block {
 
 struct SchurEngine {
   static constexpr bool refines_robust = true;
-  static constexpr Info info{"adjust.schur", "adjuster", 1,
+  static constexpr Info info{"adjust.schur", "adjuster", 2,
                              "Bundle adjustment with our own solver, free (4) or with control (5)"};
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
                                           const bundle::MinimiseOptions& options) {
@@ -56,10 +57,10 @@ struct Adjuster : TagAdjusterNode {
   Param<bool> robust_control{"robust_control", true,
                              "leave out control points of marker plates that contradict the photographs and the other "
                              "control, by name, at most a third; false: they stay, and are named"};
-  Param<double> image_sigma{
-      "image_sigma", 0.0, "mm", between(0, 1),
-      "targets: a priori standard deviation of a sensor coordinate; 0: as the files have it, else "
-      "0.0005 mm"};
+  Param<double> image_sigma{"image_sigma", 0.0, "mm", between(0, 1),
+                            "targets: a priori standard deviation of each sensor coordinate, in place of the files'; "
+                            "0: as these have it, else "
+                            "0.0005 mm"};
   Param<std::vector<std::string>> free{
       "free",
       {"auto"},
@@ -128,13 +129,38 @@ struct Adjuster : TagAdjusterNode {
     block.commit(artifact);
   }
 
+  /// Parameters of marker plates that somebody set though a block of measured targets is adjusted.
+  std::string without_effect() const {
+    std::string names;
+    for (const auto& [name, is_set] : {std::pair{"weighting", *weighting != "covariance"},
+                                       {"lambda", *lambda != default_lambda},
+                                       {"robust_control", !*robust_control},
+                                       {"joint_orientations", *joint_orientations},
+                                       {"corner_sigma", *corner_sigma != 0.1},
+                                       {"self_calibration", *self_calibration != "prior"},
+                                       {"image_principal_point_sigma", *image_principal_point_sigma != 0},
+                                       {"fixed_aspect", *fixed_aspect},
+                                       {"tag_scale_sigma", *tag_scale_sigma != 1e-3},
+                                       {"corner_inset_sigma", *corner_inset_sigma != 0.3},
+                                       {"loss", *loss != "huber"},
+                                       {"loss_scale", *loss_scale != 2},
+                                       {"reject_above", *reject_above != 5},
+                                       {"weak_datum", *weak_datum != "error"},
+                                       {"weak_ratio", *weak_ratio != 30}})
+      if (is_set) names += (names.empty() ? "" : ", ") + std::string(name);
+    return names;
+  }
+
   void run_targets(Context& context) {
-    if (*joint_orientations)
-      context.warn("parameter 'joint_orientations' has no effect on a block of measured targets; leave it out");
+    if (const std::string names = without_effect(); !names.empty())
+      context.warn("without effect on a block of measured targets: " + names + "; leave them out");
     const ImageBlockT given = targets.unpack();
-    const PointBlock measured = target_block_of(given);
+    PointBlock measured = target_block_of(given);
     PointBlockOptions o;
     o.image_sigma = *image_sigma > 0 ? *image_sigma : image_sigma_of(measured);
+    if (*image_sigma > 0)
+      for (BlockMeasurement& m : measured.measurements) m.sigma = 0;  // whatever the files say
+    o.estimate_image_variance = *estimate_image_variance;
     o.free_parameters = *free;
     o.principal_point_sigma = *principal_point_sigma;
     o.free_datum =
@@ -158,7 +184,9 @@ struct Adjuster : TagAdjusterNode {
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);
-    if (!o.by_gradients) tell_check_points(context, result);
+    // What contradicts the block, known points that hold it or check it: exit code 3.
+    const bool holds = o.by_gradients || (tell_check_points(context, result) && control_against_images(result).empty());
+    if (!measured.control.points.empty()) context.metric("invalid", holds ? 0 : 1, "1");
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

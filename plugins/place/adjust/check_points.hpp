@@ -7,14 +7,14 @@
 
 namespace plumbline::block {
 
-/// Warns of each check point that contradicts the block, and then makes the exit code 3 (metric `invalid`). A check
-/// point whose survey states no standard deviation is judged with that of the block alone.
-inline void tell_check_points(Context& context, const PointBlockResult& result) {
+/// Warns of each check point that contradicts the block, which then is not to be used: false. A check point whose
+/// survey states no standard deviation is judged with that of the block alone.
+inline bool tell_check_points(Context& context, const PointBlockResult& result) {
   std::vector<std::string> names;
   std::vector<const ControlResult*> checks;
   for (const ControlResult& control : result.control)
     if (control.check) checks.push_back(&control);
-  if (checks.empty()) return;
+  if (checks.empty()) return true;
   const auto n = 3 * static_cast<Eigen::Index>(checks.size());
   Eigen::VectorXd differences(n);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
@@ -29,7 +29,7 @@ inline void tell_check_points(Context& context, const PointBlockResult& result) 
   for (const std::string& sentence : found.words) context.warn(sentence);
   context.metric("check_points", static_cast<double>(names.size()), "1");
   context.metric("check_rmse_3d", std::sqrt(differences.squaredNorm() / static_cast<double>(names.size())), "m");
-  context.metric("invalid", found.holds ? 0 : 1, "1");
+  return found.holds;
 }
 
 }  // namespace plumbline::block

@@ -175,7 +175,7 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
                    : options.free_datum == PointBlockOptions::FreeDatum::first_image ? "first image"
                                                                                      : "free";
   artifact.weighting = "covariance";
-  artifact.image_variance_factor = 1;
+  artifact.image_variance_factor = result.image_variance_factor;
   artifact.targets = std::make_unique<TargetBlockT>();
   TargetBlockT& targets = *artifact.targets;
   targets.image_sigma_a_priori = options.image_sigma;

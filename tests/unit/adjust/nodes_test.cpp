@@ -602,6 +602,26 @@ TEST_P(ImageBlockNodes, WarnsOfControlThatContradictsTheImages) {
   for (const auto& point : spoilt.control)
     EXPECT_THAT(adjust.output<Block>("block").warnings[0], HasSubstr(point->id)) << "wrong: " << wrong;
   EXPECT_THAT(adjust.output<Block>("block").warnings[0], HasSubstr("would explain it alike"));
+  EXPECT_EQ(adjust.metric("invalid"), 1);
+}
+
+/// A parameter that did nothing but falsify the sigma that was told.
+TEST_P(ImageBlockNodes, TheSigmaThatIsGivenIsInPlaceOfTheFiles) {
+  PLUMBLINE_REQUIRE_DATA("blocks/photomodeler_cam/ref/ctrlpts-weighted.txt");
+  const auto told = [&](const char* name, const char* value) {
+    NodeHarness adjust(GetParam());
+    if (*name) adjust.set(name, value);
+    adjust.input<ImageBlock>("block", photomodeler_block(true));
+    adjust.run();
+    return std::pair(adjust.output<Block>("block"), testing::PrintToString(adjust.warnings()));
+  };
+  const BlockT plain = told("", "").first;
+  for (const char* sigma : {"0.05", "0.0001"})
+    EXPECT_NEAR(told("image_sigma", sigma).first.targets->image_sigma_px, plain.targets->image_sigma_px,
+                0.1 * plain.targets->image_sigma_px)
+        << sigma;
+  EXPECT_THAT(told("loss", "tukey").second, HasSubstr("without effect on a block of measured targets: loss; leave"));
+  EXPECT_EQ(told("", "").second.find("without effect"), std::string::npos);
 }
 
 TEST_P(ImageBlockNodes, WarnsOfTargetsThatContradictTheirCamera) {

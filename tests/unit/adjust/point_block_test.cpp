@@ -192,6 +192,60 @@ TEST(PointBlock, ControlComesBackWithItsStandardDeviations) {
               0.05 * std::abs(check.w(2)));
 }
 
+/// Noise of `sigma` [mm] in the images, six known points of 0.2 mm.
+PointBlock noisy_block(uint64_t seed, double sigma, double stated) {
+  PointBlock block = small_block();
+  test::Random random(seed);
+  for (auto& m : block.measurements)
+    m.position += sigma * Eigen::Vector2d(random.normal(), random.normal()), m.sigma = stated;
+  block.scale_bars.clear();
+  constexpr double survey = 2e-4;
+  block.control.points = {0, 4, 8, 12, 16, 19};
+  block.control.is_check.assign(6, false);
+  block.control.position.resize(18);
+  for (Eigen::Index k = 0; k < 6; ++k)
+    for (Eigen::Index c = 0; c < 3; ++c)
+      block.control.position(3 * k + c) = block.points[block.control.points[k]].position(c) + survey * random.normal();
+  block.control.covariance = survey * survey * Eigen::MatrixXd::Identity(18, 18);
+  return block;
+}
+
+/// A file's standard deviation of 1 px where 0.3 px is right once scaled what the survey states as well: control of 1
+/// mm was given as 0.3 mm, and a point 50 of its sigmas off held the block without a word.
+TEST(PointBlock, WhatProgramsStateOfTheirImagesDoesNotScaleTheControl) {
+  constexpr double noise = 3e-4;
+  auto how = options();
+  how.estimate_image_variance = true;
+  for (const double stated : {noise / 5, noise, 10 * noise}) {
+    const auto result = block::adjust_point_block(noisy_block(1, noise, stated), how);
+    const auto right = block::adjust_point_block(noisy_block(1, noise, noise), how);
+    EXPECT_NEAR(std::sqrt(result.image_variance_factor) * stated, noise, 0.06 * noise) << stated;
+    for (size_t k = 0; k < 6; ++k) {
+      const auto of = [&](const block::PointBlockResult& r) {
+        return r.point_covariances[r.control[k].point].diagonal().cwiseSqrt().eval();
+      };
+      EXPECT_LT((of(result) - of(right)).norm(), 0.03 * of(right).norm()) << stated;
+      EXPECT_LT((result.control[k].residual - right.control[k].residual).norm(), 2e-6);
+    }
+    EXPECT_EQ(block::control_against_images(result), "");
+    EXPECT_EQ(result.block.measurements[0].sigma, stated) << "what came with the file stays";
+  }
+}
+
+TEST(PointBlock, ASingleWrongControlPointIsNamedThoughAllTogetherMayBeChance) {
+  auto how = options();
+  how.estimate_image_variance = true;
+  PointBlock block = noisy_block(2, 3e-4, 1e-3);
+  block.control.position(3 * 3 + 2) += 2e-3;  // of point 13, ten sigmas up
+  const std::string words = block::control_against_images(block::adjust_point_block(block, how));
+  EXPECT_THAT(words, HasSubstr("control and images contradict each other"));
+  EXPECT_THAT(words, HasSubstr("an error of 13 by"));
+  int named = 0;
+  for (uint64_t seed = 10; seed < 60; ++seed)
+    named += !block::control_against_images(block::adjust_point_block(noisy_block(seed, 3e-4, 1e-3), how)).empty();
+  EXPECT_LE(named, 1) << "of 50 sound blocks";
+}
+
 /// Level ground with its coordinates exchanged is seen as well from below: no residual tells, and no number is right.
 TEST(PointBlock, MirroredControlIsRefused) {
   PointBlock block = small_block();
