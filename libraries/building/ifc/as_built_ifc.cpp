@@ -100,11 +100,12 @@ void AsBuiltWriter::write_provenance() {
     attach(set, "anchors", "ASB_Provenance", "How the as-built values came about", objects);
 }
 
-/// The whole: on the project, where everybody finds it, and on the building, where viewers show it.
+/// The whole: on the project, where everybody finds it, and on the building, where viewers show it. Of several none has
+/// what is true of all together: a faultless one would stand as failed.
 void AsBuiltWriter::write_judgement() {
   const auto buildings = model_.all("IFCBUILDING");
   std::vector<InstanceId> on = {model_.all("IFCPROJECT").at(0).id()};
-  if (!buildings.empty()) on.push_back(buildings[0].id());
+  if (buildings.size() == 1) on.push_back(buildings[0].id());
   std::vector<std::string> not_judged;
   for (const auto& request : deviation_.requests)
     if (!request->not_judged.empty()) not_judged.push_back(request->asked + ": " + request->not_judged);

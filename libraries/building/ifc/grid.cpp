@@ -13,8 +13,22 @@ namespace {
 constexpr double kSame = 1e-3;
 const double kAcross = std::cos(20 * std::numbers::pi / 180);
 
+/// Where a point lies along an axis, and how far beside it.
+Eigen::Vector2d along_and_beside(const GridAxis& axis, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d d = (point - axis.point).head<2>(), along = axis.direction.head<2>().normalized();
+  return {d.dot(along), std::abs(d.x() * along.y() - d.y() * along.x())};
+}
+
 bool same(const GridAxis& a, const GridAxis& b) {
-  return a.tag == b.tag && std::abs(a.direction.dot(b.direction)) > 1 - 1e-9 && distance_to(a, b.point) < kSame;
+  return a.tag == b.tag && std::abs(a.direction.dot(b.direction)) > 1 - 1e-9 &&
+         along_and_beside(a, b.point).y() < kSame;
+}
+
+/// Drawn once for each storey, an axis is as long as all its drawings.
+void lengthen(GridAxis& axis, const GridAxis& by) {
+  const double from = along_and_beside(axis, by.point).x(), sign = axis.direction.dot(by.direction) < 0 ? -1 : 1;
+  const double one = from + sign * by.begin, other = from + sign * by.end;
+  axis.begin = std::min({axis.begin, one, other}), axis.end = std::max({axis.end, one, other});
 }
 
 }  // namespace
@@ -28,11 +42,19 @@ std::vector<GridAxis> read_grid(const Model& model, Placements& placements, doub
     try {
       const Entity axis = model.entity(id, grid.id());
       const PlacementLine line = read_grid_axis(model, axis);
-      GridAxis found{axis.text("AxisTag"), std::string(1, static_cast<char>(list[0] + 32)),
-                     length_unit * (placement * line.point), placement.rotation * line.direction};
+      GridAxis found{axis.text("AxisTag"),
+                     std::string(1, static_cast<char>(list[0] + 32)),
+                     length_unit * (placement * line.point),
+                     placement.rotation * line.direction,
+                     length_unit * line.begin,
+                     length_unit * line.end};
       if (found.tag.empty()) axis.fail("AxisTag", "a tag");
-      if (std::none_of(all.begin(), all.end(), [&](const GridAxis& other) { return same(other, found); }))
+      const auto known =
+          std::find_if(all.begin(), all.end(), [&](const GridAxis& other) { return same(other, found); });
+      if (known == all.end())
         all.push_back(std::move(found));
+      else
+        lengthen(*known, found);
     } catch (const step::Error& error) {
       if (++left_out == 1) first = error.what();
     }
@@ -57,13 +79,17 @@ std::vector<GridAxis> read_grid(const Model& model, Placements& placements, doub
 
 std::vector<GridAxis> grid_of(const DesignT& design) {
   std::vector<GridAxis> all;
-  for (const auto& axis : design.grid_axes) all.push_back({axis->tag, axis->family, axis->point, axis->direction});
+  for (const auto& axis : design.grid_axes) {
+    GridAxis& to = all.emplace_back(GridAxis{axis->tag, axis->family, axis->point, axis->direction});
+    if (std::isfinite(axis->begin) && std::isfinite(axis->end)) to.begin = axis->begin, to.end = axis->end;
+  }
   return all;
 }
 
 double distance_to(const GridAxis& axis, const Eigen::Vector3d& point) {
-  const Eigen::Vector2d d = (point - axis.point).head<2>(), along = axis.direction.head<2>().normalized();
-  return std::abs(d.x() * along.y() - d.y() * along.x());
+  constexpr double kBeyond = 5;  // [m], what a facade stands out beyond the drawn axes
+  const Eigen::Vector2d at = along_and_beside(axis, point);
+  return std::hypot(std::max({0.0, axis.begin - kBeyond - at.x(), at.x() - axis.end - kBeyond}), at.y());
 }
 
 const GridAxis* axis_across(const std::vector<GridAxis>& grid, const Eigen::Vector3d& point,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct GridAxis {
   std::string family;         ///< "u", "v" or "w": the list of its grid that it stands in
   Eigen::Vector3d point;      ///< on it [m]
   Eigen::Vector3d direction;  ///< unit vector
+  double begin = -std::numeric_limits<double>::infinity(),
+         end = std::numeric_limits<double>::infinity();  ///< from `point` along `direction` [m]
 };
 
 /// All straight axes of all grids; those that lie on one another under one tag (a grid for each storey) once. Axes
@@ -27,7 +30,8 @@ std::vector<GridAxis> read_grid(const Model& model, Placements& placements, doub
                                 std::vector<std::string>& warnings);
 std::vector<GridAxis> grid_of(const DesignT& design);
 
-/// Horizontal distance of a point from an axis [m].
+/// Horizontal distance of a point from an axis as it is drawn, with 5 m at either end: axes of one wing are not those
+/// of another one behind it [m].
 double distance_to(const GridAxis& axis, const Eigen::Vector3d& point);
 
 /// The axis that crosses a facade nearest to a point of it; `out` is the facade's direction. Null without one within

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace plumbline::ifc {
 namespace {
@@ -70,11 +72,13 @@ PlacementLine read_grid_axis(const Model& model, const Entity& axis) {
   } else if (curve.keyword() == "IFCPOLYLINE" && curve.references("Points").size() == 2) {
     const auto points = curve.references("Points");
     line.point = read_point(model, points[0], curve.id());
-    line.direction = (read_point(model, points[1], curve.id()) - line.point).normalized();
+    const Eigen::Vector3d along = read_point(model, points[1], curve.id()) - line.point;
+    line.direction = along.normalized(), line.begin = 0, line.end = along.norm();
   } else {
     axis.fail("AxisCurve", "a straight line; " + curve.keyword() + " is not read");
   }
-  if (axis.value("SameSense").text == "F") line.direction = -line.direction;
+  if (axis.value("SameSense").text == "F")
+    line.direction = -line.direction, std::tie(line.begin, line.end) = std::pair(-line.end, -line.begin);
   return line;
 }
 

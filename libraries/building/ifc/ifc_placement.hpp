@@ -2,6 +2,7 @@
 // the reader of the design converts once, at the end.
 #pragma once
 
+#include <limits>
 #include <unordered_map>
 
 #include "building/ifc/ifc_model.hpp"
@@ -19,6 +20,8 @@ RigidTransform read_axis_placement(const Model& model, std::optional<std::uint64
 /// A line in the plane of a grid, lengths in the file's unit.
 struct PlacementLine {
   Eigen::Vector3d point, direction;
+  double begin = -std::numeric_limits<double>::infinity(),
+         end = std::numeric_limits<double>::infinity();  ///< from `point` along `direction`
 };
 /// An IfcGridAxis in its sense, in the axes of its grid. Throws step::Error for one that is not straight.
 PlacementLine read_grid_axis(const Model& model, const Entity& axis);

@@ -1,6 +1,7 @@
 #include "artifacts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 
@@ -124,6 +125,7 @@ DesignT to_artifact(const Design& design) {
   for (const GridAxis& axis : design.grid) {
     auto item = std::make_unique<DesignGridAxisT>();
     item->tag = axis.tag, item->family = axis.family, item->point = axis.point, item->direction = axis.direction;
+    if (std::isfinite(axis.begin) && std::isfinite(axis.end)) item->begin = axis.begin, item->end = axis.end;
     to.grid_axes.push_back(std::move(item));
   }
   to.true_north = design.true_north;

@@ -208,10 +208,11 @@ class Builder {
       storeys[anchor.storey_guid][anchor.floor].push_back(anchor.id);
       names[anchor.storey_guid] = anchor.element.storey;
     }
+    std::map<int, std::vector<std::string>> alike;  // storeys of one floor: of two buildings, or two levels
     for (const auto& [guid, floors] : storeys) {
-      if (floors.size() < 2) continue;
       const auto most = std::max_element(
           floors.begin(), floors.end(), [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+      alike[most->first].push_back(names[guid].empty() ? guid : names[guid]);
       for (const auto& [floor, ids] : floors)
         if (floor != most->first)
           inputs_.warnings.push_back(fmt::format(
@@ -220,6 +221,11 @@ class Builder {
               judgement::list_of(ids, 5), floor, names[guid].empty() ? guid : names[guid], most->first,
               most->second.size()));
     }
+    for (const auto& [floor, of] : alike)
+      if (of.size() > 1)
+        inputs_.warnings.push_back(fmt::format(
+            "Floor {} of the plate table is {} storeys of the design ({}): they are counted and listed as one.", floor,
+            of.size(), judgement::list_of(of, 5)));
   }
 
   static std::string name_of(const DesignElementT& element) {

@@ -239,6 +239,28 @@ TEST(Placement, GridIntersectionsWithOffsets) {
   expect_point(named(design, "K").position, 10 - 2.1, 24, 0.15);
 }
 
+/// Axes had no ends: what lies in one wing was named by those of another one, 60 m behind and 0.3 m to the side.
+TEST(Grid, AxesOfAnotherWingAreNotThoseOfThisOne) {
+  const auto axis = [](const char* tag, const char* family, const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    return GridAxis{tag, family, from, (to - from).normalized(), 0, (to - from).norm()};
+  };
+  std::vector<GridAxis> grid;
+  for (int wing = 0; wing < 2; ++wing) {
+    const double y = 60.0 * wing, beside = 0.3 * wing;
+    grid.push_back(axis(wing ? "C" : "A", "u", {0, y, 0}, {20, y, 0}));
+    for (int i = 1; i <= 4; ++i)
+      grid.push_back(
+          axis(std::to_string(10 * wing + i).c_str(), "v", {5.0 * i + beside, y - 1, 0}, {5.0 * i + beside, y + 9, 0}));
+  }
+  const Eigen::Vector3d place(10.25, -0.4, 3);
+  EXPECT_EQ(grid_place(grid, place), "A/2");
+  EXPECT_EQ(axis_across(grid, place, {0, -1, 0})->tag, "2");
+  EXPECT_EQ(grid_place(grid, {10.25, 59, 3}), "C/12");
+  EXPECT_NEAR(distance_to(grid[0], {10, -2, 0}), 2, 1e-12);
+  EXPECT_NEAR(distance_to(grid[0], {24, -2, 0}), 2, 1e-12) << "a facade stands out beyond the drawn axes";
+  EXPECT_NEAR(distance_to(grid[0], {28, -4, 0}), 5, 1e-12);
+}
+
 /// A site that is turned by 90°: lengthwise axes of the grid run along y of the project.
 TEST(Grid, AxesAreReadWhereTheyLieAndNameAPlace) {
   const auto line = [](int id, const std::string& tag, const std::string& from, const std::string& to) {

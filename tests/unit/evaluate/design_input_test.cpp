@@ -144,6 +144,11 @@ TEST(DesignInput, AFloorThatContradictsTheStoreyIsNamed) {
     element->storey = low ? "Ground" : "First", element->storey_guid = low ? "s0" : "s1";
   }
   EXPECT_EQ(testing::PrintToString(site.judge().warnings).find("storey"), std::string::npos);
+  for (auto& plate : site.plates.plates) plate->floor = 1;
+  EXPECT_NE(testing::PrintToString(site.judge().warnings)
+                .find("Floor 1 of the plate table is 2 storeys of the design (Ground, First)"),
+            std::string::npos);
+  for (std::size_t i = 0; i < 6; ++i) site.plates.plates[i]->floor = i < 3 ? 1 : 2;
   site.plates.plates[1]->floor = 2;
   const std::string said = testing::PrintToString(site.judge().warnings);
   EXPECT_NE(said.find("The plate table has S-11 on floor 2, the design in the storey 'Ground', whose other anchors are "
