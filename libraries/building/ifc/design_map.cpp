@@ -87,7 +87,11 @@ std::optional<MapConversion> MapReader::conversion(const Entity& entity) {
     map.crs_name = crs.text("Name");
     if (const auto unit = crs.optional_reference("MapUnit")) map.map_unit = unit_factor(model_, *unit);
   }
-  check_scale(map, std::isnan(map.map_unit) ? 1 : map.map_unit);
+  // Without MapUnit the map counts in the project's unit by the standard, in metres by many exporters.
+  if (!std::isnan(map.map_unit))
+    check_scale(map, map.map_unit);
+  else if (!(std::abs(map.scale - 1) < 0.01))
+    check_scale(map, 1);
   return map;
 }
 

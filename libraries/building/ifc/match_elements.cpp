@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/text/bare_name.hpp"
+#include "base/text/composed.hpp"
 #include "building/ifc/selection_rule.hpp"
 #include "plumbline/stop.hpp"
 
@@ -60,7 +61,8 @@ class Matcher {
     for (const std::string& key : options.by) {
       auto& index = index_[key];
       for (const Element& element : design.elements)
-        if (const std::string value = value_of(element, key); !value.empty()) index[value].push_back(&element);
+        if (const std::string value = value_of(element, key); !value.empty())
+          index[text::composed(value)].push_back(&element);  // "ü" may be one character or two
     }
     for (const MappingRow& row : options.mapping) mapping_[row.point].push_back(&row);
   }
@@ -92,7 +94,7 @@ class Matcher {
     std::vector<const Element*> ambiguous;
     std::string ambiguous_key;
     for (const std::string& key : options_.by) {
-      const auto entry = index_.at(key).find(id);
+      const auto entry = index_.at(key).find(text::composed(id));
       if (entry == index_.at(key).end()) continue;
       std::vector<const Element*> candidates = entry->second;
       if (candidates.size() > 1 &&

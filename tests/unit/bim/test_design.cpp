@@ -395,6 +395,13 @@ TEST(Georeference, WhatIsNoPlaneOfAMapIsNotTakenForOne) {
   const Design metres = with("#502=IFCRIGIDOPERATION(#22,#500,IFCLENGTHMEASURE(35010.),IFCLENGTHMEASURE(1560.),$);");
   ASSERT_TRUE(metres.map_conversion);
   EXPECT_EQ(metres.map_conversion->eastings, 35010);
+  // Without MapUnit the map counts in the project's unit, here millimetres, or in metres as many write it: either
+  // scale.
+  for (const char* scale : {"1.", "0.9996", "0.001"})
+    EXPECT_TRUE(
+        with(std::string("#502=IFCMAPCONVERSION(#22,#500,691000.,5335000.,520.,$,$,") + scale + ");").warnings.empty())
+        << scale;
+  EXPECT_EQ(with("#502=IFCMAPCONVERSION(#22,#500,691000.,5335000.,520.,$,$,1000.);").warnings.size(), 1u);
   // A factor of the plan counts like a scale; heights or one axis stretched alone are more than a map does.
   const std::string scaled = "#502=IFCMAPCONVERSIONSCALED(#22,#500,691000.,5335000.,520.,$,$,0.001,";
   ASSERT_TRUE(with(scaled + "0.9996,0.9996,1.);").map_conversion);

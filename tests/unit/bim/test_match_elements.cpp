@@ -48,6 +48,15 @@ TEST(MatchElements, FiftyFiveAnchorsOfOneNameAreFoundByTheirTags) {
   }
 }
 
+/// macOS writes "ü" as two characters, a CAD program as one, and both print alike.
+TEST(MatchElements, AccentsMayBeWrittenEitherWay) {
+  Design design = tekla();
+  design.elements[3].name = "T\xC3\xBCr 3", design.elements[4].name = "To\xCC\x88r 4";
+  const auto matches = match(design, {"Tu\xCC\x88r 3", "T\xC3\xB6r 4"});
+  EXPECT_EQ(matches[0].element, &design.elements[3]) << matches[0].note;
+  EXPECT_EQ(matches[1].element, &design.elements[4]) << matches[1].note;
+}
+
 TEST(MatchElements, ANameThatManyBearSaysNothingAndTheNoteNamesThem) {
   const auto matches = match(tekla(), {"A-0003", "ANKER"});
   EXPECT_EQ(matches[1].element, nullptr);
