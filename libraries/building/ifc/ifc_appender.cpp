@@ -95,7 +95,8 @@ InstanceId Appender::add_root(std::string_view keyword, const std::string& key, 
                               const std::string& description, const std::vector<std::string>& rest) {
   const std::string guid = derived_ifc_guid(project_guid_, std::string(keyword) + "/" + key);
   if (added_guids_.contains(hash_of(guid)))  // keys of elements begin with their GlobalId
-    throw std::runtime_error(model_.file().name() + ": two elements have one GlobalId (" + key +
+    throw std::runtime_error(model_.file().name() + ": two elements have one GlobalId (" +
+                             key.substr(0, key.find('/')) +
                              "), so that what is written of one is that of the other; export the design with unique "
                              "GlobalIds");
   if (!is_new(guid))

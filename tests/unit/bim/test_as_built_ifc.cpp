@@ -7,6 +7,7 @@
 #include "artifacts/surfaces.hpp"
 #include "building/ifc/as_built_ifc.hpp"
 #include "building/ifc/check.hpp"
+#include "building/ifc/ifc_appender.hpp"
 #include "building/ifc/ifc_model.hpp"
 #include "express_schema.hpp"
 #include "measured.hpp"
@@ -318,6 +319,24 @@ TEST_P(AsBuiltFile, SurfacesOfPanelsWithTheirVerdicts) {
   EXPECT_NE(after.warnings[1].find("1 joints are not written"), std::string::npos);
   for (const Violation& violation : check_ifc(file))
     ADD_FAILURE() << violation.rule << " #" << violation.instance << " " << violation.words;
+}
+
+/// It was told as "already holds the as-built … start from the design file", which it was.
+TEST_P(AsBuiltFile, TwoElementsOfOneGlobalIdAreToldAsThat) {
+  const step::File file(design_bytes(), "t.ifc");
+  const Model model(file);
+  Appender appender(model, model.all("IFCPROJECT").at(0).text("GlobalId"), 0.001, 0);
+  const auto add = [&] {
+    appender.add_root("IFCPROPERTYSET", "guid1/ASB_AnchorDeviation", "ASB_AnchorDeviation", "", {"()"});
+  };
+  add();
+  try {
+    add();
+    FAIL() << "written twice under one key";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("t.ifc: two elements have one GlobalId (guid1)"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST_P(AsBuiltFile, SurveyPointsStandWhereTheAnchorsWereMeasured) {
