@@ -14,6 +14,7 @@
 #include "plumbline/stop.hpp"
 #include "survey/epochs/epoch_axes.hpp"
 #include "survey/epochs/epoch_motion.hpp"
+#include "survey/epochs/epoch_names.hpp"
 #include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
@@ -324,7 +325,9 @@ EpochSeries epoch_series(const std::vector<DatedEpoch>& epochs, const SeriesOpti
     series.points.push_back(std::move(point));
   }
   std::vector<std::string> names;
-  for (const DatedEpoch& e : epochs) names.push_back(e.name);
+  std::vector<NamedEpoch> named;
+  for (const DatedEpoch& e : epochs) names.push_back(e.name), named.push_back({e.name, e.epoch.ids});
+  series.not_followed = names_not_followed(named);
   series.not_compared = not_compared.words(names);
   if (!without_velocity.empty())
     series.not_compared.push_back(

@@ -75,6 +75,7 @@ struct EpochSeries {
   std::vector<std::string> stable;
   std::vector<std::string> contradicted;  ///< of those that were named to carry the datum: most others say they moved
   std::vector<std::string> seen_once;     ///< points of one epoch only, or held without error
+  std::vector<std::string> not_followed;  ///< names that change, points that the last epoch lacks, in words
   std::vector<std::string> not_compared;  ///< coordinates that an epoch holds or lacks, in words
   std::vector<SeriesPoint> points;        ///< those that some epoch sees again, in the order they first appear
 };

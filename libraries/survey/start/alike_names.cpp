@@ -7,12 +7,37 @@
 #include "base/text/bare_name.hpp"
 #include "base/text/composed.hpp"
 #include "base/text/words.hpp"
+#include "survey/start/measured_names.hpp"
 
 namespace plumbline::survey {
 
 namespace {
 
 constexpr size_t kMostNamed = 8;
+
+/// Points that a file holds, or knows: fixed, part of the datum, keyed in, or with a control's covariance.
+std::set<std::string> held_by_file(const SurveyObservations& survey) {
+  std::set<std::string> names;
+  for (const Point& p : survey.points)
+    for (size_t k = 0; k < 3; ++k)
+      if (p.known[k] || p.roles[k] > CoordinateRole::free) names.insert(p.id);
+  for (const CoordinateGroup& g : survey.coordinates)
+    for (const auto& c : g.components)
+      if (g.is_control) names.insert(c.point);
+  return names;
+}
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Between two points along the axes that both have [m]; NaN with none.
+double distance(const ResultPoint& a, const ResultPoint& b) {
+  double sum = kNotGiven;
+  for (int k = 0; k < 3; ++k)
+    if (const double d = a.position[k] - b.position[k]; !std::isnan(d)) sum = or_zero(sum) + d * d;
+  return std::sqrt(sum);
+}
+
+}  // namespace
 
 std::set<std::string> measured_names(const SurveyObservations& survey) {
   std::set<std::string> names;
@@ -29,23 +54,7 @@ std::set<std::string> measured_names(const SurveyObservations& survey) {
   return names;
 }
 
-/// Points that a file holds, or knows: fixed, part of the datum, keyed in, or with a control's covariance.
-std::set<std::string> held_by_file(const SurveyObservations& survey) {
-  std::set<std::string> names;
-  for (const Point& p : survey.points)
-    for (size_t k = 0; k < 3; ++k)
-      if (p.known[k] || p.roles[k] > CoordinateRole::free) names.insert(p.id);
-  for (const CoordinateGroup& g : survey.coordinates)
-    for (const auto& c : g.components)
-      if (g.is_control) names.insert(c.point);
-  return names;
-}
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-/// What spellings of one mark have in common: text::bare_name, with umlauts in either encoding, capital, small or
-/// written out (MÜ1, mü1, MUE1), and with the letters O, I and l beside a digit taken for the digits they look like.
-std::string fold(const std::string& name) {
+std::string folded_name(const std::string& name) {
   static const std::map<std::string, std::string> umlauts = {{"Ä", "AE"}, {"ä", "AE"}, {"Ö", "OE"}, {"ö", "OE"},
                                                              {"Ü", "UE"}, {"ü", "UE"}, {"ß", "SS"}};
   const std::string composed = text::composed(name);
@@ -64,16 +73,6 @@ std::string fold(const std::string& name) {
   return text::bare_name(out);
 }
 
-/// Between two points along the axes that both have [m]; NaN with none.
-double distance(const ResultPoint& a, const ResultPoint& b) {
-  double sum = kNotGiven;
-  for (int k = 0; k < 3; ++k)
-    if (const double d = a.position[k] - b.position[k]; !std::isnan(d)) sum = or_zero(sum) + d * d;
-  return std::sqrt(sum);
-}
-
-}  // namespace
-
 std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known) {
   const std::set<std::string> measured = measured_names(survey);
   const std::set<std::string> given(known.begin(), known.end());
@@ -81,11 +80,11 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
   held.insert(given.begin(), given.end());
   std::map<std::string, std::vector<std::string>> by_fold;
   for (const std::string& id : measured)
-    if (!held.contains(id)) by_fold[fold(id)].push_back(id);
+    if (!held.contains(id)) by_fold[folded_name(id)].push_back(id);
   std::vector<std::string> alike, points, unread;
   for (const std::string& id : held) {
     if (measured.contains(id)) continue;
-    const auto at = by_fold.find(fold(id));
+    const auto at = by_fold.find(folded_name(id));
     if (at == by_fold.end()) {
       if (given.contains(id)) unread.push_back(id);
       continue;
@@ -108,7 +107,7 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
 std::vector<Finding> examine_alike_points(const NetworkResult& result) {
   constexpr double kOneMark = 0.1;  // [m]
   std::map<std::string, std::vector<const ResultPoint*>> by_fold;
-  for (const ResultPoint& p : result.points) by_fold[fold(p.id)].push_back(&p);
+  for (const ResultPoint& p : result.points) by_fold[folded_name(p.id)].push_back(&p);
   std::vector<Finding> findings;
   for (const auto& [fold, points] : by_fold)
     for (size_t i = 0; i < points.size(); ++i)

@@ -11,6 +11,10 @@
 
 namespace plumbline::survey {
 
+/// What spellings of one mark have in common: text::bare_name, with umlauts in either encoding, capital, small or
+/// written out (MÜ1, mü1, MUE1), and with the letters O, I and l beside a digit taken for the digits they look like.
+std::string folded_name(const std::string& name);
+
 /// Known points that no reading touches, of those in `known` and those that the files hold or have keyed in: a warning
 /// where one differs from a measured point, known by nobody, in case, separators, leading zeros, the spelling of
 /// umlauts or letters that look like digits only; a note of the others in `known`.

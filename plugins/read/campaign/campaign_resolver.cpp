@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/text/name_order.hpp"
 #include "plumbline/folder_files.hpp"
 
 namespace plumbline::campaign {
@@ -82,6 +83,7 @@ void Resolver::add(const std::string& key, const YAML::Node& node, std::vector<s
     if (!passed_over) found.push_back(file);
   }
   if (found.size() == before) not_there(key, node);
+  std::sort(found.begin() + static_cast<std::ptrdiff_t>(before), found.end(), text::before_by_name);
 }
 
 void Resolver::not_there(const std::string& key, const YAML::Node& node) const {

@@ -17,7 +17,7 @@ class Resolver {
   /// A file, a pattern, or a list of them.
   std::vector<std::string> many(const std::string& key) const { return files_of(key, mapping_.get(key)); }
   std::vector<std::string> files_of(const std::string& key, const YAML::Node& node) const;
-  /// As written, each once; those of a pattern by their names.
+  /// As written, each once; those of a pattern by their names as people count: m2 before m10.
   std::vector<std::string> in_order(const std::string& key, const YAML::Node& node) const;
   std::vector<std::string> in_order(const std::string& key) const { return in_order(key, mapping_.get(key)); }
 

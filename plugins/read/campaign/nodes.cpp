@@ -212,7 +212,7 @@ struct ReadSurveyCampaign : Node {
 
 /// Each file by itself: campaigns of one network at different times.
 struct ReadSurveyEpochs : Node {
-  static constexpr Info info{"read.survey_epochs", "", 2,
+  static constexpr Info info{"read.survey_epochs", "", 3,
                              "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),

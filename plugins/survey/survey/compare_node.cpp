@@ -13,6 +13,7 @@
 #include "network_memory.hpp"
 #include "survey/epochs/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
+#include "survey/epochs/epoch_names.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "survey/files/survey_layout.hpp"
 #include "survey/start/merge_surveys.hpp"
@@ -46,6 +47,15 @@ std::set<std::string> unmarked_stations(const SurveyNetworkT& network) {
   for (const auto& o : network.observations)
     if (!o->from.empty()) stations.erase(o->to);
   return stations;
+}
+
+/// Of what was read; a coordinate that is known is the same in every epoch.
+std::vector<EpochReading> readings_of(const SurveyNetworkT& network) {
+  std::vector<EpochReading> out;
+  for (const auto& o : network.observations)
+    if (o->kind != "coordinate" && o->kind != "prior")
+      out.push_back({o->kind + '\n' + o->from + '\n' + o->to + '\n' + o->detail, o->value});
+  return out;
 }
 
 std::unique_ptr<PointMovementT> pack(const Movement& m) {
@@ -143,9 +153,12 @@ void CompareEpochsNode::run(Context& context) {
   if (*datum == "fixed") options.free_motions = 0;
   if (*datum == "free" && options.free_motions == 0) options.free_motions = 4;
   std::set<std::string> stations;
-  if (first_network && second_network)
-    for (const auto& network : {first_network.unpack(), second_network.unpack()})
-      stations.merge(unmarked_stations(network));
+  if (first_network && second_network) {
+    const SurveyNetworkT networks[] = {first_network.unpack(), second_network.unpack()};
+    if (are_one_measurement(readings_of(networks[0]), readings_of(networks[1])))
+      throw std::runtime_error(one_measurement_in_words("the first", "the second epoch"));
+    for (const SurveyNetworkT& network : networks) stations.merge(unmarked_stations(network));
+  }
   std::vector<std::string> skipped;
   const auto chosen = [&](const Epoch& epoch) {
     std::vector<char> keep;
@@ -165,6 +178,9 @@ void CompareEpochsNode::run(Context& context) {
   options.first_variance = variance_of(a, first_network ? first_network.unpack().scaled_with_sigma0 : false);
   options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
   const Comparison c = compare_epochs(before, after, options);
+  const std::vector<std::string> not_followed =
+      names_not_followed({{"the first epoch", before.ids}, {"the second epoch", after.ids}});
+  for (const std::string& words : not_followed) context.warn(words);
   if (c.variances.degrees_of_freedom > 0)
     context.warn(c.variances.text);
   else
@@ -174,6 +190,7 @@ void CompareEpochsNode::run(Context& context) {
   for (const Movement& m : c.movements) places.push_back(m.position), sigmas.push_back(m.sigma);
   out.notes = size_notes(scale, places, sigmas);
   if (scale) context.warn(out.notes.front());  // what 10 K do is no finding: the page has it
+  out.notes.insert(out.notes.begin(), not_followed.begin(), not_followed.end());
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;
   for (const Movement& m : c.movements) {
@@ -183,7 +200,8 @@ void CompareEpochsNode::run(Context& context) {
   }
   out.remark = c.variances.text + (c.variances.text.empty() ? "" : "; ") +
                (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
-               (moved.empty() ? "; no point has moved significantly" : "; moved: " + text::join(moved, most_named));
+               (moved.empty() ? "; no point has moved significantly" : "; moved: " + text::join(moved, most_named)) +
+               (c.only_first.empty() ? "" : "; not in the second epoch: " + text::join(c.only_first, most_named));
   context.info(out.remark);
   comparison.commit(out);
 }

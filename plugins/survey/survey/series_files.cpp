@@ -76,6 +76,7 @@ std::string series_as_json(const EpochSeries& s, const SeriesText& text) {
   json_field("stable", out), json_list(s.stable, out);
   json_field("contradicted", out), json_list(s.contradicted, out);
   json_field("seen_once", out), json_list(s.seen_once, out);
+  json_field("not_followed", out), json_list(s.not_followed, out);
   json_field("not_compared", out), json_list(s.not_compared, out);
   json_field("notes", out), json_list(text.notes, out);
   json_field("points", out), out += "[";

@@ -11,6 +11,7 @@
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/epochs/check_control.hpp"
+#include "survey/epochs/epoch_names.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "survey/words/network_words.hpp"
 
@@ -45,6 +46,20 @@ FileT series_file(const char* name, const char* media_type, const std::string& t
   file.media_type = media_type;
   file.content.assign(text.begin(), text.end());
   return file;
+}
+
+std::string name_of(const SurveyObservations& survey, size_t number) {
+  return survey.files.empty() ? "epoch " + std::to_string(number + 1) : survey.files.front();
+}
+
+/// Throws where two epochs are one measurement: a file under two names.
+void require_own_readings(const std::vector<SurveyObservations>& surveys) {
+  std::vector<std::vector<EpochReading>> readings;
+  for (const SurveyObservations& survey : surveys) readings.push_back(readings_of(survey));
+  for (size_t k = 1; k < surveys.size(); ++k)
+    for (size_t j = 0; j < k; ++j)
+      if (readings[j].size() == readings[k].size() && are_one_measurement(readings[j], readings[k]))
+        throw std::runtime_error(one_measurement_in_words(name_of(surveys[j], j), name_of(surveys[k], k)));
 }
 
 /// Marks of an adjusted network with their joint covariance; a station that stands elsewhere every time is none.
@@ -124,6 +139,7 @@ void tell(Context& context, const EpochSeries& result, const SeriesText& text) {
     context.warn(result.variances);
   else
     context.info(result.variances);
+  for (const std::string& words : result.not_followed) context.warn(words);
   for (const std::string& words : result.not_compared) context.warn(words);
   for (const std::string& id : result.contradicted)
     context.warn("point '" + id +
@@ -168,6 +184,7 @@ void EpochSeriesNode::run(Context& context) {
   std::vector<SurveyObservations> surveys;
   for (size_t i = 0; i < epochs.size(); ++i) surveys.push_back(from_artifact(epochs.unpack(i)));
   announce_memory(context, series_memory(surveys));
+  require_own_readings(surveys);
   SeriesText text;
   text.options.alpha = *alpha, text.options.alpha0 = *alpha0, text.options.stable = *stable;
   text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
@@ -175,7 +192,7 @@ void EpochSeriesNode::run(Context& context) {
   Dates dates;
   int largest = 0, smallest = std::numeric_limits<int>::max();  // rank defects
   for (const SurveyObservations& survey : surveys) {
-    const std::string name = survey.files.empty() ? "epoch " + std::to_string(dated.size() + 1) : survey.files.front();
+    const std::string name = name_of(survey, dated.size());
     const NetworkResult r = adjusted(context, survey, name);
     largest = std::max(largest, r.defect), smallest = std::min(smallest, r.defect);
     DatedEpoch& epoch = dated.emplace_back();

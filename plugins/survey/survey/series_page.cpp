@@ -161,8 +161,14 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
              xml_escaped(told_of(*p, text)) + "</span></li>";
     out += "</ul>";
   }
-  out += "</div><p>" + xml_escaped(order_words(text)) + "</p><p>Of the epochs: " + xml_escaped(s.variances) +
-         ".</p><p>" + xml_escaped(datum_words(s, text)) + "</p>";
+  out += "</div>";
+  if (!s.not_followed.empty()) {
+    out += "<div class=\"box bad\"><ul>";
+    for (const std::string& words : s.not_followed) out += "<li>" + xml_escaped(words) + "</li>";
+    out += "</ul></div>";
+  }
+  out += "<p>" + xml_escaped(order_words(text)) + "</p><p>Of the epochs: " + xml_escaped(s.variances) + ".</p><p>" +
+         xml_escaped(datum_words(s, text)) + "</p>";
   if (!s.contradicted.empty())
     out += "<div class=\"box bad\"><strong>Of them moved, against most other points: " +
            xml_escaped(join(s.contradicted, 20)) +

@@ -61,6 +61,8 @@ std::string in_words(const SeriesPoint& p, const SeriesText& text) {
     add(std::string("the alarm level ") + (alarm == Level::reached ? "is reached" : "may be reached"));
   else if (warning != Level::below)
     add(std::string("the warning level ") + (warning == Level::reached ? "is reached" : "may be reached"));
+  if (!words.empty() && p.at.back().epoch + 1 < text.labels.size())
+    add("not seen since " + text.labels[p.at.back().epoch]);
   return words.empty() ? "" : p.id + ": " + words;
 }
 
@@ -104,6 +106,7 @@ std::string series_verdict(const EpochSeries& s, const SeriesText& text) {
   std::vector<const SeriesPoint*> quiet;
   const std::vector<const SeriesPoint*> told = points_told(s, text, quiet);
   std::string out = "Series of " + std::to_string(text.labels.size()) + " epochs\n" + how_many_move(told.size()) + "\n";
+  for (const std::string& words : s.not_followed) out += "Note: " + words + "\n";
   for (const SeriesPoint* p : told) out += "  " + in_words(*p, text) + "\n";
   out += order_words(text) + "\nOf the epochs: " + s.variances + ".\n" + datum_words(s, text) + "\n";
   if (!s.contradicted.empty()) out += "Of them moved, against most other points: " + join(s.contradicted, 20) + "\n";

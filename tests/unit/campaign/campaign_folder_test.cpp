@@ -57,6 +57,17 @@ TEST(CampaignYaml, ResolvesPatternsInOrder) {
   EXPECT_EQ(c.control, "k.csv");
 }
 
+/// Epochs m1, m10, m2: a movement went to and fro, and an alarm was missed.
+TEST(CampaignYaml, APatternOfEpochsIsInTheOrderInWhichPeopleCount) {
+  const std::vector<std::string> files = {"m1.csv", "m10.csv", "m2.csv", "m010b.csv", "M3.csv", "m9/x.csv"};
+  const auto epochs = [&](const std::string& survey) {
+    const std::string yaml = "plumbline_campaign: 1\nsurvey: " + survey + "\n";
+    return parse_campaign(yaml, "campaign.yaml", files, CampaignUse::survey).survey_in_order;
+  };
+  EXPECT_EQ(epochs("\"?*.csv\""), (std::vector<std::string>{"m1.csv", "m2.csv", "M3.csv", "m10.csv", "m010b.csv"}));
+  EXPECT_EQ(epochs("[m10.csv, \"m?.csv\"]"), (std::vector<std::string>{"m10.csv", "m1.csv", "m2.csv"}));
+}
+
 TEST(CampaignYaml, PhotographsNeedASurveyButNeitherDesignNorCalibration) {
   const auto use = CampaignUse::photographs;
   const std::string yaml = "plumbline_campaign: 1\nimages: img/*.jpg\ncontrol: k.csv\n";

@@ -321,6 +321,41 @@ TEST(CompareEpochsNode, VariancesAreThoseOfBothNetworks) {
   EXPECT_GT(above, 0);
 }
 
+/// The same readings with one mark written otherwise.
+survey::SurveyObservations renamed(survey::SurveyObservations survey, const std::string& id, const std::string& as) {
+  for (auto& point : survey.points)
+    if (point.id == id) point.id = as;
+  for (auto& o : survey.observations)
+    for (std::string* name : {&o.from, &o.to, &o.second_to})
+      if (*name == id) *name = as;
+  return survey;
+}
+
+/// A marker that sank by a centimetre and was called m12 was compared with nothing, and "the epochs are congruent".
+TEST(CompareEpochsNode, APointThatIsWrittenOtherwiseIsNamed) {
+  NodeHarness node = compared(adjust(campaign(1)), adjust(renamed(campaign(2, "M12", {0, 0, -0.01}), "M12", "m12")));
+  node.run();
+  const auto c = node.output<SurveyComparison>("comparison");
+  const std::string said = testing::PrintToString(node.warnings());
+  EXPECT_NE(said.find("M12 and m12 are two points here, and no epoch has both"), std::string::npos) << said;
+  EXPECT_NE(said.find("not in the second epoch, so that no movement of theirs is seen: M12"), std::string::npos);
+  EXPECT_NE(c.remark.find("; not in the second epoch: M12"), std::string::npos) << c.remark;
+  ASSERT_GE(c.notes.size(), 2u);
+  EXPECT_EQ(c.notes[0].find("M12 and m12"), 0u) << c.notes[0];
+}
+
+TEST(CompareEpochsNode, OneMeasurementIsNoTwoEpochs) {
+  const Adjusted once = adjust(campaign(1));
+  NodeHarness node = compared(once, once);
+  try {
+    node.run();
+    FAIL() << "a file beside itself was congruent";
+  } catch (const NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("they are one measurement, not two epochs"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CompareEpochsNode, PointsAreChosenByPattern) {
   NodeHarness node = compared(adjust(campaign(1)), adjust(campaign(2)));
   node.set("points", "M0*\x1fS1");
@@ -441,6 +476,43 @@ TEST(EpochSeriesSize, AnEpochInFeetIsNoSeries) {
   }
 }
 
+/// M12 goes on, and is called m12 from the third epoch on; M21 is no longer measured then.
+TEST(EpochSeriesNames, APointThatChangesItsNameOrIsLostIsTold) {
+  NodeHarness node("survey.epoch_series");
+  for (int k = 0; k < 4; ++k) {
+    auto epoch = campaign(40 + static_cast<std::uint64_t>(k), "M12", k * Eigen::Vector3d(0, 0, -0.004));
+    if (k >= 2) {
+      epoch = renamed(epoch, "M12", "m12");
+      std::erase_if(epoch.observations, [](const auto& o) { return o.to == "M21"; });
+      std::erase_if(epoch.points, [](const auto& p) { return p.id == "M21"; });
+    }
+    epoch.files = {"e" + std::to_string(k + 1)};
+    node.input<SurveyObservations>("epochs", survey::to_artifact(epoch));
+  }
+  node.run();
+  const std::string verdict = text_in(node.output<File>("verdict"));
+  for (const char* part :
+       {"Note: M12 and m12 are two points here, and no epoch has both",
+        "Note: not in e4, so that no movement of theirs is seen; last seen: M12 (e2), M21 (e2)", "not seen since e2"})
+    EXPECT_NE(verdict.find(part), std::string::npos) << part << "\n" << verdict;
+  EXPECT_LT(verdict.find("Note: "), verdict.find("In their order"));
+  const std::string said = testing::PrintToString(node.warnings());
+  EXPECT_NE(said.find("M12 and m12"), std::string::npos) << said;
+}
+
+TEST(EpochSeriesNames, OneMeasurementTwiceIsNoSeries) {
+  NodeHarness node("survey.epoch_series");
+  for (const std::uint64_t seed : {40, 41, 41})
+    node.input<SurveyObservations>("epochs", survey::to_artifact(campaign(seed)));
+  try {
+    node.run();
+    FAIL() << "two epochs that are one took part";
+  } catch (const NodeFailed& error) {
+    EXPECT_NE(std::string(error.what()).find("epoch 2 and epoch 3 have the same readings"), std::string::npos)
+        << error.what();
+  }
+}
+
 /// A field that is left out is missed by nobody who reads the others.
 TEST_F(EpochSeriesNodes, TheRecordHasAllItsFields) {
   const auto names = [](const nlohmann::json& object) {
@@ -450,8 +522,8 @@ TEST_F(EpochSeriesNodes, TheRecordHasAllItsFields) {
   };
   EXPECT_EQ(names(json_),
             (std::set<std::string>{"alarm_level", "bartlett", "bartlett_critical", "contradicted", "degrees_of_freedom",
-                                   "epochs", "not_compared", "notes", "points", "seen_once", "sigma0", "stable",
-                                   "unit_of_time", "variances", "warning_level"}));
+                                   "epochs", "not_compared", "not_followed", "notes", "points", "seen_once", "sigma0",
+                                   "stable", "unit_of_time", "variances", "warning_level"}));
   EXPECT_EQ(names(json_["epochs"][0]), (std::set<std::string>{"name", "time", "variance_factor"}));
   EXPECT_EQ(
       names(json_["points"][0]),
