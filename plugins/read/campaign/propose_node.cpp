@@ -1,11 +1,17 @@
 #include "propose_node.hpp"
 
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "artifacts/input_files_text.hpp"
+#include "artifacts/survey_artifact.hpp"
+#include "base/text/words.hpp"
 #include "propose_campaign.hpp"
 #include "reader_files_node.hpp"
 #include "survey/model/several_instruments.hpp"
+#include "survey/start/alike_names.hpp"
+#include "survey/start/measured_names.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -45,6 +51,43 @@ void warn_of_copies(const InputFilesT& read, Context& context) {
                  "; take one of each away");
 }
 
+/// A table whose names are in no other file is whole by itself, and the run finds nothing of it, or goes on without it.
+bool names_fit(const survey::SurveyObservations& survey, const PointsT& control, const PlatesT& plates,
+               Context& context) {
+  const std::set<std::string> measured = survey::measured_names(survey);
+  std::vector<std::string> known, anchors;
+  for (const auto& point : control.points) known.push_back(point->id);
+  const auto is_measured = [&](const std::string& id) { return measured.contains(id); };
+  if (!known.empty() && std::none_of(known.begin(), known.end(), is_measured))
+    throw BadInput("none of the control points (" + text::join(known, 8) + ") is in the readings, which have " +
+                   text::join({measured.begin(), measured.end()}, 8) +
+                   ": is the control that of this site? Names have to be the same, or nothing holds the survey");
+  bool fit = true;
+  for (const survey::Finding& finding : survey::examine_known_names(survey, known))
+    if (finding.severity == survey::Finding::Severity::warning) fit = false, context.warn(finding.text);
+  known.insert(known.end(), measured.begin(), measured.end());
+  for (const auto& plate : plates.plates)
+    if (plate->role != "tie" && std::find(known.begin(), known.end(), plate->anchor) == known.end())
+      anchors.push_back(plate->anchor);
+  if (anchors.empty()) return fit;
+  context.warn("neither the readings nor the control have these anchors of the plate table: " + text::join(anchors, 8) +
+               "; they hold and check nothing. Measure them, or write their names the same way");
+  return false;
+}
+
+/// Detectors look for one family unless they are told.
+bool families_fit(const PlatesT& plates, Context& context) {
+  const std::string looked_for = "tag36h11";
+  std::set<std::string> others;
+  for (const auto& plate : plates.plates)
+    if (!plate->tag_family.empty() && plate->tag_family != looked_for) others.insert(plate->tag_family);
+  if (others.empty()) return true;
+  const std::string list = text::join({others.begin(), others.end()}, 8);
+  context.warn("the plate table has tags of " + list + ", and a run looks for " + looked_for +
+               " alone: correct the table, or tell the detector (tags.with.families=[" + list + "])");
+  return false;
+}
+
 }  // namespace
 
 void ProposeCampaign::run(Context& context) {
@@ -68,12 +111,21 @@ void ProposeCampaign::run(Context& context) {
 
 void AccountForCampaign::run(Context& context) {
   if (survey) warn_of_instruments(survey.unpack(), context);
+  const PointsT known = control ? control.unpack() : PointsT();
+  const PlatesT hung = plates ? plates.unpack() : PlatesT();
+  bool fit = true;
+  if (survey)
+    if (const survey::SurveyObservations readings = survey::from_artifact(survey.unpack());
+        !survey::measured_names(readings).empty())
+      fit = names_fit(readings, known, hung, context);
   const InputFilesT read = inputs.unpack(), left = unread.unpack();
   warn_of_copies(read, context);
   std::map<std::string, long> uses;
   for (const auto& file : read.files)
     if (file->read) ++uses[file->use];
-  std::string text = "The folder is whole.\n";
+  if (!uses.contains("observations")) fit = families_fit(hung, context) && fit;
+  std::string text =
+      fit ? "The folder is whole.\n" : "Every file can be read, and they do not fit together: see the warnings.\n";
   for (const auto& [use, count] : uses)
     text += "  " + use + ": " + std::to_string(count) + (count == 1 ? " file\n" : " files\n");
   summary.commit(text_file("summary.txt", "text/plain", text + words_of_inputs(&read, &left)));

@@ -4,6 +4,8 @@
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
+#include "artifacts/plates.hpp"
+#include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "artifacts/survey_readings.hpp"
 #include "plumbline/node.hpp"
@@ -24,12 +26,16 @@ struct ProposeCampaign : Node {
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 3,
+  static constexpr Info info{"campaign.account", "", 4,
                              "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};
   Optional<SurveyObservations> survey{"survey", frame("frame=building"),
                                       "the survey as read: instruments of which there is no profile are told"};
+  Optional<Points> control{"control", frame("frame=building"),
+                           "the control points as given: what they are called is "
+                           "held against the readings"};
+  Optional<Plates> plates{"plates", frame("frame=building"), "the plates: likewise their anchors, and their tags"};
   Out<File> summary{"summary", "a few lines of text"};
   Out<File> pipeline{"pipeline", "name of the pipeline that takes the folder"};
   void run(Context& context) override;

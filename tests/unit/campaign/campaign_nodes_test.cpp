@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 
 #include "artifacts/camera.hpp"
 #include "artifacts/file.hpp"
@@ -141,6 +142,49 @@ TEST_F(ReadCampaignTest, APhotographThatIsThereTwiceIsToldBeforeTheRun) {
   EXPECT_EQ(told_of({"a", "b", "a"}),
             std::vector<std::string>{"1.jpg and 3.jpg are the same photograph, which counts twice; take one away"});
   EXPECT_EQ(told_of({"a", "b", "a", "b"}).at(0).substr(0, 37), "2 photographs are there a second time");
+}
+
+/// Of a folder as simulated, `change`d: the first line, all warnings or the error.
+std::string account_of(const FolderT& folder, const std::function<void(PointsT&, PlatesT&)>& change) {
+  NodeHarness read("read.campaign"), node("campaign.account");
+  read.input<Folder>("folder", folder);
+  read.run();
+  PointsT control = read.output<Points>("control");
+  PlatesT plates = read.output<Plates>("plates");
+  change(control, plates);
+  node.input<InputFiles>("inputs", read.output<InputFiles>("inputs"));
+  node.input<InputFiles>("unread", read.output<InputFiles>("unread"));
+  node.input<SurveyObservations>("survey", read.output<SurveyObservations>("survey"));
+  node.input<Points>("control", control);
+  node.input<Plates>("plates", plates);
+  try {
+    node.run();
+  } catch (const NodeFailed& error) {
+    return error.what();
+  }
+  const FileT file = node.output<File>("summary");
+  std::string said(file.content.begin(), file.content.end());
+  said = said.substr(0, said.find('\n'));
+  for (const std::string& warning : node.warnings()) said += "\n" + warning;
+  return said;
+}
+
+/// "The folder is whole" where the run had to fail, or went on without an anchor.
+TEST_F(ReadCampaignTest, NamesAreHeldAgainstEachOther) {
+  const FolderT folder = list(folder_.path());
+  const auto told = [&](const auto& change) { return account_of(folder, change); };
+  EXPECT_EQ(told([](PointsT&, PlatesT&) {}), "The folder is whole.");
+  const std::string control = told([](PointsT& points, PlatesT&) {
+    for (auto& point : points.points) point->id[0] = 'H';
+  });
+  EXPECT_NE(control.find("none of the control points (H1, H2"), std::string::npos) << control;
+  const std::string anchor = told([](PointsT&, PlatesT& plates) { plates.plates[1]->anchor = "F01-K9"; });
+  EXPECT_EQ(anchor.find("Every file can be read, and they do not fit together"), 0u) << anchor;
+  EXPECT_NE(anchor.find("these anchors of the plate table: F01-K9;"), std::string::npos) << anchor;
+  const std::string family = told([](PointsT&, PlatesT& plates) {
+    for (auto& plate : plates.plates) plate->tag_family = "tag36h10";
+  });
+  EXPECT_NE(family.find("tags of tag36h10, and a run looks for tag36h11 alone"), std::string::npos) << family;
 }
 
 TEST_F(ReadCampaignTest, WhatIsAssumedOfControlGoesWithTheReadings) {
