@@ -93,7 +93,7 @@ SweepProgress progress_in_store(const SweepPlan& plan, const runtime::CellRecord
   progress.cells = plan.cells.size();
   for (const auto& cell : plan.cells)
     if (const auto record = records.find(cell.key))
-      ++progress.done, progress.failed += !failure_of(*record, plan.file).empty();
+      ++progress.done, progress.failed += !failure_of(cell, *record, plan.file).empty();
   return progress;
 }
 
@@ -112,7 +112,7 @@ AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellR
       ++count.cells;
       if (!record) continue;
       ++count.done;
-      const std::string failure = failure_of(*record, plan.file);
+      const std::string failure = failure_of(cell, *record, plan.file);
       if (failure.empty()) continue;
       ++count.failed;
       if (count.reason.empty()) count.reason = failure;
@@ -318,7 +318,12 @@ int bench(const BenchOptions& given) {
   runtime::SweepFile file = read_sweep(options.file, registry, pipeline_folders());
   if (!options.seeds.empty()) {
     const auto seeds = runtime::seeds_of(options.seeds);
-    file.looks.clear();  // they are numbers of the file's own seeds
+    if (!file.looks.empty())
+      std::fprintf(stderr,
+                   "warning: --seeds takes away the 'stop:' of %s, which is of its own seeds: all of these run, and "
+                   "intervals are 95 %% as of one look; do not stop by what they show\n",
+                   options.file.c_str());
+    file.looks.clear();
     if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
     file.seeds = *seeds;
   }

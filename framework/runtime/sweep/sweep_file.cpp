@@ -271,6 +271,7 @@ class SweepReader {
       if (std::set<std::string>(variable.values.begin(), variable.values.end()).size() != variable.values.size())
         problem(item.first, "'" + variable.name + "' has a value twice");
       if (variable.values.empty()) problem(item.first, "'" + variable.name + "' has no values");
+      if (variable.name == "scenario") problem(item.first, "'scenario' is the name of what scenarios are told by");
       for (const std::string& value : variable.values)
         sweep_.places.emplace(variable.name + "=" + value, at(item.first));
       sweep_.matrix.push_back(std::move(variable));
@@ -282,6 +283,11 @@ class SweepReader {
     check_keys(map, {}, "'alternatives'");
     for (const auto& item : map) {
       SweepGroup group{item.first.as<std::string>(""), {}};
+      if (group.name == "scenario" || group.name == "seed" ||
+          std::any_of(sweep_.matrix.begin(), sweep_.matrix.end(), [&](const auto& v) { return v.name == group.name; }))
+        problem(item.first, "'" + group.name +
+                                "' is the name of something else of a cell, too, in exclusions and tables: " +
+                                "give these alternatives another one");
       if (item.second.IsMap())
         for (const auto& alternative : item.second) read_alternative(alternative.first, alternative.second, group);
       else if (item.second.IsScalar() && item.second.Scalar() == "all")

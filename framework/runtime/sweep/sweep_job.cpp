@@ -39,6 +39,16 @@ void add_inputs_of(const std::string& name, const plumbline_node& kind, const Ro
   record.inputs[name] = hash_of(all_have);
 }
 
+/// A node that runs once for each item gives as many values of a metric: none of them is that of the cell. Whether a
+/// result may be used is another matter: one that may not is enough.
+void add_metrics(const GraphNode& node, const NodeResult& result, CellRecord& record) {
+  for (const Metric& metric : result.metrics) {
+    if (node.maps && metric.name != "invalid") continue;
+    Metric& kept = record.metrics[node.name + "." + metric.name];
+    if (!(node.maps && kept.value > metric.value)) kept = metric;
+  }
+}
+
 CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, const RunResult& run,
                      const Roles& roles) {
   CellRecord record;
@@ -53,7 +63,7 @@ CellRecord record_of(const SweepCell& cell, const std::vector<size_t>& nodes, co
       record.error = result.error;
       record.failed_node = name;
     }
-    for (const Metric& metric : result.metrics) record.metrics[name + "." + metric.name] = metric;
+    add_metrics(cell.graph->graph.nodes[i], result, record);
     for (const std::string& warning : result.warnings) record.warnings.push_back(name + ": " + warning);
     add_inputs_of(name, *cell.graph->graph.nodes[i].kind.node, roles, result, record);
     if (result.status == NodeStatus::executed) record.seconds[name] = result.item_seconds;

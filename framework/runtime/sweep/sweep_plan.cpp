@@ -9,6 +9,7 @@
 #include "runtime/graph/pipeline_file.hpp"
 #include "runtime/run/key.hpp"
 #include "runtime/sweep/sweep_measures.hpp"
+#include "runtime/sweep/sweep_settings.hpp"
 
 namespace plumbline::runtime {
 
@@ -86,6 +87,13 @@ std::vector<std::string> recipes_of(const Graph& graph, FileHashes& hashes) {
   return recipes;
 }
 
+/// Whether a value of the pipeline, of what it includes or of the overrides may hold ${seed}. In doubt it does.
+bool names_seed(const Graph& graph) {
+  const auto names = [](const std::string& text) { return text.find("seed}") != std::string::npos; };
+  return std::any_of(graph.sources.begin(), graph.sources.end(), [&](const auto& s) { return names(s.text); }) ||
+         std::any_of(graph.overrides.begin(), graph.overrides.end(), names);
+}
+
 /// One way to fill every place, without the seed.
 struct Combination {
   const SweepScenario* scenario = nullptr;
@@ -99,9 +107,11 @@ class Planner {
       : overrides_(overrides),
         registry_(registry),
         hashes_(hashes),
+        reach_(registry),
         given_(file.measure),
         wanted_(measured_nodes(file)) {
     plan_.file = file;
+    plan_.overrides = overrides;
   }
 
   SweepPlan plan() {
@@ -114,6 +124,7 @@ class Planner {
     }
     refuse_what_is_set_twice();
     refuse_what_never_holds();
+    refuse_places_that_are_one();
     Sha256 id;
     std::vector<std::string> keys;
     for (const SweepCell& cell : plan_.cells) keys.push_back(cell.key);
@@ -375,7 +386,40 @@ class Planner {
     for (const auto& [group, choice] : way.choices)
       if (const auto nodes = swapped_.find(group); nodes != swapped_.end())
         compared.insert(nodes->second.begin(), nodes->second.end());
+    note_what_reaches_nothing(way, all);
     return all;
+  }
+
+  /// Who sets each "KEY=VALUE" of a combination.
+  std::map<std::string, std::string> setters_of(const Combination& way) const {
+    std::map<std::string, std::string> setters;
+    for (const std::string& text : overrides_) setters.emplace(text, "the command line");
+    for (const std::string& text : way.scenario->overrides)
+      setters.emplace(text, "scenario '" + way.scenario->name + "'");
+    for (const auto& [name, value] : way.values) setters.emplace(name + "=" + value, "the matrix");
+    for (const auto& [group, choice] : way.choices)
+      for (const std::string& text : choice->overrides) setters.emplace(text, "'" + choice->name + "' of " + group);
+    return setters;
+  }
+
+  /// A variable that feeds parameters of which each is set by somebody else, too: the cells would stand under its name
+  /// and have nothing of it.
+  void note_what_reaches_nothing(const Combination& way, const Overrides& all) {
+    const std::map<std::string, std::string> setters = setters_of(way);
+    for (const auto& [text, who] : setters) {
+      std::string by;
+      for (const std::string& other : reach_.replacing(pipeline_of(way), all, text)) {
+        const auto setter = setters.find(other);
+        by += (by.empty() ? "" : ", ") + ("'" + other + "' of ") +
+              (setter == setters.end() ? "a list of kinds" : setter->second);
+      }
+      if (by.empty()) continue;
+      const auto place = file().places.find(text);
+      conflicts_.emplace(text + "\n" + by,
+                         Problem{place == file().places.end() ? Position{"'" + text + "'", 0, 0} : place->second,
+                                 "'" + text + "' of " + who + " reaches nothing: all that takes it is set by " + by +
+                                     "; leave one of them away, or exclude this combination"});
+    }
   }
 
   std::shared_ptr<const CellGraph> load(const fs::path& pipeline, Overrides overrides,
@@ -388,10 +432,23 @@ class Planner {
                      [&](const GraphNode& n) { return n.name == node; }))
       throw std::runtime_error(pipeline.string() + " has no node '" + node + "', of which " + file().path.string() +
                                " measures '" + error + "'");
+    for (const auto& [quantity, metric] : given_)
+      for (const GraphNode& n : loaded->graph.nodes)
+        if (n.maps && n.name == metric.substr(0, metric.find('.')))
+          throw std::runtime_error("'" + metric + "', measured as " + quantity + ", is no number of a trial: node '" +
+                                   n.name + "' runs once for each item of its input '" + n.each_port +
+                                   "' and gives one each time; measure a node that takes all of them");
     plan_.file.measure.merge(add_role_measures(loaded->graph, compared, given_, registry_, plan_.judged));
     loaded->recipes = recipes_of(loaded->graph, hashes_);
     loaded->essential = leading_to(loaded->graph, {node});
     return loaded;
+  }
+
+  /// Whether ${seed} stands in something that leads to what is measured: in a report, say, it changes no result.
+  bool reaches_cell(const fs::path& pipeline, const Overrides& overrides, const CellGraph& cell) const {
+    std::set<std::string> nodes;
+    for (const GraphNode& node : cell.graph.nodes) nodes.insert(node.name);
+    return reach_.reaches(pipeline, overrides, "seed", nodes);
   }
 
   /// How often something was set, and how often that was what was wrong.
@@ -426,6 +483,36 @@ class Planner {
     if (!problems.empty()) throw InvalidPipeline(problems);
   }
 
+  static std::string place_of(const SweepCell& cell) {
+    std::string text = cell.scenario.empty() ? "" : "scenario '" + cell.scenario + "'";
+    for (const auto& [name, value] : cell.values) text += (text.empty() ? "" : ", ") + name + "=" + value;
+    return text;
+  }
+
+  /// Places of which each cell has its like in another: they would count twice, and weigh twice.
+  void refuse_places_that_are_one() const {
+    std::map<std::string, std::string> cells;  // by place: what it has, told by keys
+    std::vector<std::string> order;
+    for (const SweepCell& cell : plan_.cells) {
+      if (!cell.graph) continue;
+      const auto [found, fresh] = cells.try_emplace(place_of(cell));
+      if (fresh) order.push_back(found->first);
+      for (const auto& [group, choice] : cell.choices) found->second += group + "=" + choice + "\n";
+      found->second += cell.key + "\n";
+    }
+    std::vector<Problem> problems;
+    std::map<std::string, std::string> first;  // by what it has: the place
+    for (const std::string& place : order) {
+      const auto [found, fresh] = first.emplace(cells.at(place), place);
+      if (!fresh)
+        problems.push_back({Position{file().path.string(), 0, 0},
+                            found->second + " and " + place +
+                                " are the same trials under two names: what is set for them comes to the same "
+                                "parameters; leave one of them away"});
+    }
+    if (!problems.empty()) throw InvalidPipeline(problems);
+  }
+
   void refuse_what_never_holds() const {
     std::vector<Problem> problems;
     for (const auto& [text, tried] : tried_) {
@@ -454,12 +541,13 @@ class Planner {
         cells[0].graph = load(pipeline, overrides, compared, nullptr);
         cells[0].seed = cells[0].graph->graph.seed;
       }
-      // Where the seed changes nothing but the seed, which is the rule, linking twice is enough to know it.
-      bool same = true;
+      // Where no value names the seed, which is the rule, one graph is that of all seeds. Two of them that are alike
+      // prove nothing of a third: what a recipe has of a file is what stands in it.
+      bool shared = false;
       for (size_t k = 0; k < file().seeds.size(); ++k) {
         cells[k].seed = file().seeds[k];
-        cells[k].graph = k >= 2 && same ? cells[0].graph : load(pipeline, overrides, compared, &file().seeds[k]);
-        same = same && cells[k].graph->recipes == cells[0].graph->recipes;
+        if (k == 1) shared = !names_seed(cells[0].graph->graph) || !reaches_cell(pipeline, overrides, *cells[0].graph);
+        cells[k].graph = shared ? cells[0].graph : load(pipeline, overrides, compared, &file().seeds[k]);
       }
       count(overrides, nullptr);
     } catch (const std::exception& error) {
@@ -492,6 +580,7 @@ class Planner {
   const Overrides& overrides_;
   const Registry& registry_;
   FileHashes& hashes_;
+  SettingReach reach_;
   std::map<std::string, Tried> tried_;              ///< by "KEY=VALUE"
   std::map<std::string, Problem> conflicts_;        ///< by "KEY=VALUE" and who set the key otherwise
   const std::map<std::string, std::string> given_;  ///< what the file itself measures

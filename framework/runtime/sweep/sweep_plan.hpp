@@ -43,6 +43,7 @@ struct ExcludedCells {
 
 struct SweepPlan {
   SweepFile file;
+  Overrides overrides;           ///< of the command line, for every cell
   std::vector<SweepCell> cells;  ///< trial by trial, alternatives by turns: times are interleaved
   size_t trials = 0;
   std::vector<ExcludedCells> excluded;

@@ -89,7 +89,7 @@ Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, c
   json["values"] = cell.values;
   json["choices"] = cell.choices;
   json["seed"] = cell.seed;
-  const std::string failure = record ? failure_of(*record, file) : "";
+  const std::string failure = record ? failure_of(cell, *record, file) : "";
   json["status"] = !record ? "missing" : failure.empty() ? "done" : "failed";
   if (!record) return json;
   if (!failure.empty()) json["error"] = failure;
@@ -105,10 +105,27 @@ Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, c
   return json;
 }
 
+/// Why `plumbline run` would forbid to use what a cell found; empty if it would not.
+std::string refusal_of(const SweepCell& cell, const CellRecord& record) {
+  const auto above = [&](const std::string& name, double limit) {
+    const auto metric = record.metrics.find(name);
+    return metric != record.metrics.end() && metric->second.value > limit;
+  };
+  if (record.metrics.count("rounds.finished") && !above("rounds.finished", 0))
+    return "its rounds did not come to an end: what there is of it is not to be used";
+  for (size_t i = 0; cell.graph && i < cell.graph->graph.nodes.size(); ++i) {
+    const std::string& node = cell.graph->graph.nodes[i].name;
+    if (cell.graph->essential[i] && above(node + ".invalid", 0))
+      return "node '" + node + "' says of its result that it is not to be used (invalid)";
+  }
+  return "";
+}
+
 }  // namespace
 
-std::string failure_of(const CellRecord& record, const SweepFile& file) {
+std::string failure_of(const SweepCell& cell, const CellRecord& record, const SweepFile& file) {
   if (record.failed) return record.error;
+  if (const std::string refusal = refusal_of(cell, record); !refusal.empty()) return refusal;
   const std::string& name = file.measure.at("error");
   const auto metric = record.metrics.find(name);
   if (metric == record.metrics.end()) {
@@ -134,6 +151,7 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
   Json json;
   json["title"] = file.title;
   json["file"] = file.path.filename().string();
+  json["overrides"] = plan.overrides;
   json["measure"] = file.measure;
   json["rope"] = file.rope;
   json["tolerances"] = file.tolerances;

@@ -13,12 +13,13 @@ struct BuildFacts {
   std::vector<std::string> libraries;  ///< files of shared libraries, with their versions
 };
 
-/// Why a cell counts as failed: its record's error, or that it has no finite value of the error that the file measures.
-/// Empty if it counts.
-std::string failure_of(const CellRecord& record, const SweepFile& file);
+/// Why a cell counts as failed: its record's error, that it has no finite value of the error that the file measures, or
+/// that `plumbline run` would end with exit code 3, not to be used: a node that leads to the error says `invalid`, or
+/// the rounds came to no end. Empty if it counts.
+std::string failure_of(const SweepCell& cell, const CellRecord& record, const SweepFile& file);
 
-/// {"title", "pipeline", "measure", "rope", "tolerances", "scenarios", "variables", "groups", "excluded", "machine",
-/// "cells"}: see docs/benchmarking.md. Cells that have not run yet are there with the status "missing".
+/// {"title", "file", "overrides", "measure", "rope", "tolerances", "scenarios", "variables", "groups", "excluded",
+/// "machine", "cells"}: see docs/benchmarking.md. Cells that have not run yet are there with the status "missing".
 /// `build`: what the program says of itself ("version", "commit", "compiler", …); goes to "machine".
 /// Cells of other than the first `first_seeds` seeds count as missing; those of them that have run are counted as
 /// "behind". 0: all seeds, or where the file has looks those of the last look that is complete (of the first, if none

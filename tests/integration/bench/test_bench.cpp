@@ -54,7 +54,7 @@ TEST(Bench, ScenariosThatAreNamedRunAloneWithWhatSpeaksOfThem) {
   BenchProgram plumbline;
   plumbline.bench_file(
       "seeds: 1-8\nscenarios: {one floor: {factor: 1}, 'far, dark': {factor: 2}, near: {factor: 3}}\n"
-      "alternatives: {method: {good: {}, worse: {solver.with.factor: 1.5}}}\nweights: {one floor: 1, 'far, dark': 3, "
+      "alternatives: {method: {good: {}, worse: {solver.with.own: 0.001}}}\nweights: {one floor: 1, 'far, dark': 3, "
       "near: 1}\n"
       "exclude: [{scenario: near, method: worse, why: it cannot}]\n");
   const Json all = plumbline.run({"--seeds", "1-3"});
@@ -134,8 +134,8 @@ TEST(Bench, TheRecordHasThePipelinesTheCommitAndTheLibraries) {
 TEST(Bench, OverAllPlacesNothingIsSaidWithoutWeights) {
   BenchProgram plumbline;
   const std::string rest =
-      "seeds: 1-8\nmatrix: {factor: [1, 2]}\nscenarios: {a: {}, b: {}}\nalternatives: {method: {good: "
-      "{solver.with.own: 0}, "
+      "seeds: 1-8\nmatrix: {factor: [1, 2]}\nscenarios: {a: {}, b: {solver.with.milliseconds: 1}}\nalternatives: "
+      "{method: {good: {solver.with.own: 0}, "
       "worse: {solver.with.own: 0.5}}}\n";
   plumbline.write("trial.yaml",
                   "plumbline: 1\nvars: {seed: 1, factor: 1}\nnodes:\n  site: {use: story.draw}\n"
@@ -227,7 +227,7 @@ TEST(Bench, WhatDoesNotExistIsNoNumberAndNamesStayApart) {
     EXPECT_TRUE(duel["difference"]["value"].is_null());
   }
   const std::string choice = summary["choices"][0].get<std::string>();
-  EXPECT_THAT(choice, HasSubstr("None gave no result in any of 8 cells"));
+  EXPECT_THAT(choice, HasSubstr("none gave no result in any of 8 cells"));
   EXPECT_THAT(choice, HasSubstr("take a_b, beaten nowhere. a%b is beaten by 0."));
 }
 
@@ -719,6 +719,88 @@ TEST(Bench, ARunThatWasCutOffGoesOnWhereItWas) {
   EXPECT_LT(done, 20u);
   EXPECT_EQ(plumbline.run()["found"], done);
   EXPECT_EQ(plumbline.results().size(), 20u);
+}
+
+/// Once decided by the first two seeds: where those read the same, every other trial had the number of the first one.
+TEST(Bench, WhatASeedNamesIsItsOwnAlsoWhereTwoSeedsNameTheSame) {
+  BenchProgram plumbline;
+  const auto pipeline = [](const std::string& factor) {
+    return "plumbline: 1\nvars: {seed: 1, share: \"" + factor +
+           "\"}\nnodes:\n  site: {use: story.draw}\n"
+           "  solver: {use: trial.plain, in: {site: site.number}, with: {factor: \"${share}\"}}\n";
+  };
+  plumbline.write("trial.yaml", pipeline("0.${seed}"));
+  plumbline.bench_file("seeds: [1, 10, 2, 3]\n");
+  EXPECT_EQ(plumbline.run()["failed"], 0) << plumbline.answer.err;
+  for (const std::string seed : {"1", "2", "3"}) {
+    plumbline.write("trial.yaml", pipeline("0." + seed));
+    plumbline.bench_file("seeds: " + seed + "\n");
+    EXPECT_EQ(plumbline.run()["found"], 1) << "seed " << seed << " ran with what another one names";
+  }
+}
+
+/// Once "take never, beaten nowhere" of an alternative whose every result `plumbline run` forbids to use.
+TEST(Bench, AResultThatIsNotToBeUsedIsLost) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-12\nalternatives: {method: {sound: {}, never: {solver.with.refuses: 1, solver.with.factor: 0.1}}}\n");
+  EXPECT_EQ(plumbline.run()["failed"], 12);
+  EXPECT_EQ(plumbline.answer.code, 1);
+  const Json summary = plumbline.summary();
+  EXPECT_THAT(summary["choices"][0].get<std::string>(), Not(HasSubstr("take never")));
+  EXPECT_EQ(summary["failures"][0]["reason"], "node 'solver' says of its result that it is not to be used (invalid)");
+}
+
+/// What is measured beside the error takes nothing from it.
+TEST(Bench, ABoundThatIsNotToBeUsedTakesNothingFromTheResult) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  site: {use: story.draw}\n"
+                  "  solver: {use: trial.plain, in: {site: site.number}}\n"
+                  "  limit: {use: trial.plain, in: {site: site.number}, with: {refuses: 1}}\n");
+  plumbline.write("b.yaml",
+                  "bench: 1\npipeline: trial.yaml\nmeasure: {error: solver.rmse_z, bound: limit.rmse_z}\nseeds: 1-2\n");
+  EXPECT_EQ(plumbline.run()["failed"], 0);
+}
+
+TEST(Bench, RoundsThatCameToNoEndAreLost) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\n"
+                  "rounds: {carry: {state: {first: site.number, next: solver.error}}, until: solver.rmse_z < 0, "
+                  "most: 3}\n"
+                  "nodes:\n  site: {use: story.draw}\n  solver: {use: trial.plain, in: {site: rounds.state}}\n");
+  plumbline.bench_file("seeds: 1-2\n");
+  EXPECT_EQ(plumbline.run()["failed"], 2) << plumbline.answer.err;
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("its rounds did not come to an end"));
+}
+
+/// Once the metric of the last item, as if it were that of the trial.
+TEST(Bench, AMetricOfEachItemIsNoNumberOfATrial) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1}\nnodes:\n  sites: {use: story.series}\n"
+                  "  solver: {use: trial.plain, each: site, in: {site: sites.numbers}}\n");
+  plumbline.bench_file("seeds: 1-2\n");
+  EXPECT_EQ(plumbline.run()["failed"], 2);
+  EXPECT_THAT(plumbline.summary()["failures"][0]["reason"].get<std::string>(),
+              HasSubstr("node 'solver' runs once for each item of its input 'site' and gives one each time"));
+}
+
+TEST(Bench, OneItemThatIsNotToBeUsedIsEnough) {
+  for (const std::string values : {"[1, 2, 3, 4, 5, 6]", "[6, 5, 4, 3, 2, 1]"}) {
+    BenchProgram plumbline;
+    plumbline.write("trial.yaml",
+                    "plumbline: 1\nvars: {seed: 1}\nnodes:\n  sites: {use: story.series, with: {values: " + values +
+                        "}}\n  parts: {use: trial.plain, each: site, in: {site: sites.numbers}, with: {refuses: 0.5}}\n"
+                        "  all: {use: story.sum, in: {numbers: parts.error}}\n"
+                        "  solver: {use: trial.plain, in: {site: all.sum}}\n");
+    plumbline.bench_file("seeds: 1\n");
+    EXPECT_EQ(plumbline.run()["failed"], 1) << values;
+    EXPECT_EQ(plumbline.summary()["failures"][0]["reason"],
+              "node 'parts' says of its result that it is not to be used (invalid)");
+  }
 }
 
 }  // namespace test_bench

@@ -124,6 +124,73 @@ TEST(BenchFile, WhatIsSetTwiceIsRefusedWithBothPlaces) {
   EXPECT_EQ(plumbline({"bench", "b.yaml"}).code, 0) << "where they would meet is excluded";
 }
 
+/// A variable and the parameter that it feeds: once "take mine", of one error under four names.
+TEST(BenchFile, AVariableAndTheParameterItFeedsAreSetOnce) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-2\nmatrix: {factor: [1, 2]}\nalternatives: {method: {plain: {}, mine: {solver.with.factor: 1}}}\n");
+  Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 2) << answer.out;
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:5:10: 'factor=2' of the matrix reaches nothing: all that takes it is set "
+                                    "by 'solver.with.factor=1' of 'mine' of method"));
+  EXPECT_THAT(answer.err, testing::Not(HasSubstr("'factor=1' of the matrix"))) << "they agree";
+  plumbline.bench_file("seeds: 1-2\nscenarios: {one: {factor: 1}, two: {factor: 2}}\n");
+  answer = plumbline({"bench", "b.yaml", "solver.with.factor=3"});
+  EXPECT_EQ(answer.code, 2) << answer.out;
+  EXPECT_THAT(answer.err, HasSubstr("'factor=1' of scenario 'one' reaches nothing: all that takes it is set by "
+                                    "'solver.with.factor=3' of the command line"));
+  plumbline.bench_file(
+      "seeds: 1-2\nalternatives:\n  one: {low: {factor: 1}, high: {factor: 2}}\n"
+      "  two: {low: {solver.with.factor: 1}, high: {solver.with.factor: 3}}\n");
+  EXPECT_THAT(plumbline({"bench", "b.yaml"}).err,
+              HasSubstr("'factor=2' of 'high' of one reaches nothing: all that takes it is set by "
+                        "'solver.with.factor=3' of 'high' of two"));
+}
+
+/// What the variable still reaches is another thing: a site as it is, and a solver that is told otherwise.
+TEST(BenchFile, AVariableThatReachesSomethingElseMayBeToldOtherwise) {
+  BenchProgram plumbline;
+  plumbline.write("trial.yaml",
+                  "plumbline: 1\nvars: {seed: 1, factor: 1, told: \"${factor}\"}\nnodes:\n  site: {use: story.draw}\n"
+                  "  first: {use: trial.plain, in: {site: site.number}, with: {factor: \"${factor}\"}}\n"
+                  "  solver: {use: trial.plain, in: {site: first.error}, with: {factor: \"${told}\"}}\n");
+  plumbline.bench_file(
+      "seeds: 1-2\nmatrix: {factor: [1, 2]}\n"
+      "alternatives: {method: {plain: {}, wrong: {solver.with.factor: 3}, also: {told: 4}}}\n");
+  EXPECT_EQ(plumbline({"bench", "b.yaml"}).code, 0);
+}
+
+/// Once weighed three times and two times.
+TEST(BenchFile, TwoPlacesThatAreOneAreRefused) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-2\nscenarios: {p: {factor: 1}, q: {factor: 1}, s: {factor: 2}}\nweights: equal\n"
+      "alternatives: {method: {a: {}, b: {solver.with.own: 1}}}\n");
+  Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 2) << answer.out;
+  EXPECT_THAT(answer.err, HasSubstr("scenario 'p' and scenario 'q' are the same trials under two names"));
+  EXPECT_THAT(answer.err, testing::Not(HasSubstr("'s'")));
+  plumbline.bench_file("seeds: 1-2\nmatrix: {factor: [1, 1.0, 1e0, 2]}\n");
+  answer = plumbline({"bench", "b.yaml"});
+  EXPECT_THAT(answer.err, HasSubstr("factor=1 and factor=1.0 are the same trials"));
+  EXPECT_THAT(answer.err, HasSubstr("factor=1 and factor=1e0 are the same trials"));
+}
+
+TEST(BenchFile, OneNameIsOneThing) {
+  const std::string head = "bench: 1\npipeline: trial.yaml\n";
+  EXPECT_THAT(refused(head + "alternatives: {seed: {a: {}}}\n").err, HasSubstr("b.yaml:3:16: 'seed' is the name of"));
+  EXPECT_THAT(refused(head + "matrix: {factor: [1]}\nalternatives: {factor: {a: {}}}\n").err,
+              HasSubstr("'factor' is the name of something else of a cell"));
+}
+
+TEST(BenchFile, SeedsOfTheCommandLineTakeStopAwayAndSaySo) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-4\nstop: {when: decided, after: [2, 4]}\n");
+  EXPECT_THAT(plumbline({"bench", "b.yaml", "--seeds", "1-3"}).err,
+              HasSubstr("warning: --seeds takes away the 'stop:' of b.yaml"));
+  EXPECT_THAT(plumbline({"bench", "b.yaml"}).err, testing::Not(HasSubstr("takes away")));
+}
+
 /// Once the pipeline of the group whose name comes later, under the name of the other one, too.
 TEST(BenchFile, TwoGroupsThatTakeAPipelineAreRefusedWhereTheyMeet) {
   BenchProgram plumbline;
