@@ -160,15 +160,20 @@ std::vector<std::string> rising_of(const Bench& bench) {
   return sentences;
 }
 
-/// Places where the seed changes nothing, in words; what all alternatives say of them.
+/// Places where the seed changes nothing, in words; where it does for others, whose seeds are one trial.
 std::vector<std::string> repeated_of(const std::vector<Duel>& duels) {
   std::vector<std::string> sentences;
   for (const Duel& duel : duels) {
     if (duel.overall || duel.repeated == 0) continue;
-    const std::string text = "all " + std::to_string(duel.repeated) + " seeds gave the same" +
-                             (duel.place.empty() ? "" : " on " + duel.place) +
-                             ": nothing there hangs on the seed, so they are one trial, which no interval and no "
-                             "winner can rest on";
+    const bool all = std::none_of(duels.begin(), duels.end(), [&](const Duel& other) {
+      return !other.overall && other.place == duel.place && other.refused.empty() && other.errors.pairs > 1;
+    });
+    const std::string text =
+        "all " + std::to_string(duel.repeated) + " seeds gave the same" +
+        (all ? "" : " with " + duel.first + " and with " + duel.second) +
+        (duel.place.empty() ? "" : " on " + duel.place) +
+        (all ? ": nothing there hangs on the seed, so they are one trial, which no interval and no winner can rest on"
+             : ": they are one trial, so no interval and no winner between these two can rest on them");
     if (std::find(sentences.begin(), sentences.end(), text) == sentences.end()) sentences.push_back(text);
   }
   return sentences;

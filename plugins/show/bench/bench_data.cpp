@@ -66,6 +66,7 @@ Bench read(const Json& json) {
   Bench bench;
   json.at("title").get_to(bench.title);
   json.at("file").get_to(bench.file);
+  if (json.contains("overrides")) json.at("overrides").get_to(bench.overrides);
   json.at("measure").get_to(bench.metrics);
   json.at("measure").at("error").get_to(bench.error_metric);
   json.at("rope").get_to(bench.rope);

@@ -44,6 +44,7 @@ struct Excluded {
 
 struct Bench {
   std::string title, file, error_metric;
+  std::vector<std::string> overrides;          ///< KEY=VALUE of the command line, for all cells
   std::map<std::string, std::string> metrics;  ///< NODE.METRIC that each quantity is read from
   double rope = 0;                             ///< [m]
   std::vector<double> tolerances;              ///< [m]

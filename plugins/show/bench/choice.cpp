@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/text/words.hpp"
 #include "show/bench/pairing.hpp"
@@ -18,12 +19,44 @@ namespace {
 constexpr std::size_t items_in_a_sentence = 3;
 
 struct Standing {
-  std::vector<std::string> beaten_on;
-  double most = 0;  ///< largest difference by which it is beaten [m]
+  std::vector<std::string> beaten_on, untried;        ///< places
+  double most = 0;                                    ///< largest difference by which it is beaten on one of them [m]
+  bool beaten_overall = false, best_overall = false;  ///< by the verdict with the file's weights; best: and beats some
+  double most_overall = 0;                            ///< [m]
   std::size_t cells = 0, failed = 0, useless = 0;
   bool compared = false;  ///< with enough trials for a verdict
+  bool is_beaten() const { return beaten_overall || !beaten_on.empty(); }
 };
 using Standings = std::map<std::string, Standing>;
+
+bool has_verdict(const Duel& duel) { return duel.refused.empty() && duel.errors.verdict != Verdict::too_few; }
+
+/// What the verdicts over all places say, where the file states what a mean over them means.
+void add_overall(const std::vector<Pairing>& pairs, Standings& standings) {
+  for (const Pairing& pair : pairs) {
+    if (!pair.overall || !pair.overall->weighted || !has_verdict(*pair.overall)) continue;
+    const auto& errors = pair.overall->errors;
+    standings[pair.first()].compared = standings[pair.second()].compared = true;
+    if (!is_winner(errors.verdict)) continue;
+    const bool first = errors.verdict == Verdict::first_better;
+    Standing& loser = standings[first ? pair.second() : pair.first()];
+    loser.beaten_overall = true;
+    standings[first ? pair.first() : pair.second()].best_overall = true;
+    if (errors.errors_differ) loser.most_overall = std::max(loser.most_overall, std::abs(errors.difference.value));
+  }
+  for (auto& [name, standing] : standings) standing.best_overall &= !standing.beaten_overall;
+}
+
+/// Places where nothing of an alternative has run: what is said of it says nothing of them.
+void add_untried(const Bench& bench, const Group& group, Standings& standings) {
+  std::map<std::string, std::set<std::string>> tried;
+  for (const Cell& cell : bench.cells)
+    if (const auto choice = cell.choices.find(group.name); choice != cell.choices.end() && cell.status != "missing")
+      tried[choice->second].insert(cell.place);
+  for (const std::string& place : bench.places())
+    for (const auto& [name, places] : tried)
+      if (places.count(place) == 0) standings[name].untried.push_back(place);
+}
 
 Standings standings_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
   Standings standings;
@@ -32,7 +65,7 @@ Standings standings_of(const Bench& bench, const Group& group, const std::vector
   };
   for (const Pairing& pair : pairs)
     for (const Duel* duel : pair.places) {
-      if (!duel->refused.empty() || duel->errors.verdict == Verdict::too_few) continue;
+      if (!has_verdict(*duel)) continue;
       standings[duel->first].compared = standings[duel->second].compared = true;
       if (!is_winner(duel->errors.verdict)) continue;
       const bool first = duel->errors.verdict == Verdict::first_better;
@@ -40,6 +73,8 @@ Standings standings_of(const Bench& bench, const Group& group, const std::vector
       note(loser.beaten_on, duel->place);
       if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
     }
+  add_overall(pairs, standings);
+  add_untried(bench, group, standings);
   const double useless_above = bench.useless_above();
   for (const Cell& cell : bench.cells) {
     const auto choice = cell.choices.find(group.name);
@@ -85,15 +120,23 @@ void add_counts(const std::string& what, const SaidOf& counts, std::vector<std::
   }
 }
 
-void add_beaten(const std::vector<std::string>& beaten, const Standings& standings, std::size_t places,
+/// "beaten on corridor by 0.30 mm, and over all places, all places weighing alike, by 0.21 mm"
+std::string beaten_text(const Bench& bench, const Standing& s) {
+  std::string text = "beaten";
+  if (!s.beaten_on.empty())
+    text += places_text(s.beaten_on, bench.places().size()) +
+            (s.most > 0 ? (s.beaten_on.size() > 1 ? ", by up to " : " by ") + millimetres(s.most)
+                        : ", for lack of results");
+  if (s.beaten_overall)
+    text += (s.beaten_on.empty() ? " over all places, " : ", and over all places, ") + bench.weights_text + ", " +
+            (s.most_overall > 0 ? "by " + millimetres(s.most_overall) : "for lack of results");
+  return text;
+}
+
+void add_beaten(const Bench& bench, const std::vector<std::string>& beaten, const Standings& standings,
                 std::vector<std::string>& sentences) {
   SaidOf said;
-  for (const std::string& name : beaten) {
-    const Standing& s = standings.at(name);
-    said.add(name, "beaten" + places_text(s.beaten_on, places) +
-                       (s.most > 0 ? (s.beaten_on.size() > 1 ? ", by up to " : " by ") + millimetres(s.most)
-                                   : ", for lack of results"));
-  }
+  for (const std::string& name : beaten) said.add(name, beaten_text(bench, standings.at(name)));
   for (const auto& [what, names] : said.all())
     sentences.push_back(text::enumerate(names) + (names.size() > 1 ? " are " : " is ") + what);
 }
@@ -101,7 +144,7 @@ void add_beaten(const std::vector<std::string>& beaten, const Standings& standin
 /// What stands in a group: who was compared and who not, by name and in its order.
 struct Field {
   std::vector<std::string> unbeaten, beaten, silent, unknown;
-  SaidOf failing, useless;
+  SaidOf failing, useless, untried;
   bool any_winner = false;
 };
 
@@ -116,8 +159,9 @@ Field field_of(const Group& group, Standings& standings) {
     else if (!s.compared)
       field.unknown.push_back(name);
     else
-      (s.beaten_on.empty() ? field.unbeaten : field.beaten).push_back(name);
-    field.any_winner |= !s.beaten_on.empty();
+      (s.is_beaten() ? field.beaten : field.unbeaten).push_back(name);
+    field.any_winner |= s.is_beaten();
+    if (!s.untried.empty()) field.untried.add(name, listed(s.untried));
     if (s.failed > 0 && s.failed < s.cells) field.failing.add(name, std::to_string(s.failed) + of_cells);
     if (s.useless > 0) field.useless.add(name, std::to_string(s.useless) + of_cells);
   }
@@ -126,6 +170,37 @@ Field field_of(const Group& group, Standings& standings) {
     return standings[x].beaten_on.size() < standings[y].beaten_on.size();
   });
   return field;
+}
+
+/// Who has the smaller errors where the other gives more results: no number says which of that counts more. Who is
+/// beaten by somebody else is no choice where others are not.
+std::vector<std::string> opposed_in_words(const Bench& bench, const Field& field, const std::vector<Pairing>& pairs) {
+  const auto is_choice = [&](const std::string& name) {
+    return field.unbeaten.empty() ||
+           std::find(field.unbeaten.begin(), field.unbeaten.end(), name) != field.unbeaten.end();
+  };
+  SaidOf where;  // by place, who is opposed to whom there
+  const auto add = [&](const Duel& duel, const std::string& place) {
+    if (!duel.refused.empty() || duel.errors.verdict != Verdict::opposed) return;
+    const bool first = duel.errors.difference.value < 0;
+    where.add(place, (first ? duel.first : duel.second) + " has the smaller errors and " +
+                         (first ? duel.second : duel.first) + " more results");
+  };
+  const std::string overall = "over all places, " + bench.weights_text;
+  for (const Pairing& pair : pairs) {
+    if (!is_choice(pair.first()) || !is_choice(pair.second())) continue;
+    for (const Duel* duel : pair.places) add(*duel, duel->place);
+    if (pair.overall && pair.overall->weighted) add(*pair.overall, overall);
+  }
+  std::vector<std::string> sentences;
+  for (auto [what, places] : where.all()) {
+    const bool also_overall = std::erase(places, overall) > 0;
+    const bool named = !places.empty() && !places.front().empty();
+    sentences.push_back(what + (named ? " on " + listed(places) : "") +
+                        (also_overall ? (named ? ", and " : " ") + overall : "") +
+                        ": which of that counts more is for you to say");
+  }
+  return sentences;
 }
 
 void add_nothing_separates(const Bench& bench, const Field& field, const std::vector<Pairing>& pairs,
@@ -149,19 +224,29 @@ void add_nothing_separates(const Bench& bench, const Field& field, const std::ve
   if (!power.empty()) sentences.push_back(power);
 }
 
+void add_unbeaten(const Field& field, const Standings& standings, std::vector<std::string>& sentences) {
+  // Nobody takes what is of no use in most trials, though nothing that gave an answer was better; and what was tried on
+  // some places only is second to what was tried on all.
+  std::vector<std::string> taken, partly, useless;
+  for (const std::string& name : field.unbeaten) {
+    const Standing& s = standings.at(name);
+    (2 * (s.useless + s.failed) > s.cells ? useless : s.untried.empty() ? taken : partly).push_back(name);
+  }
+  if (!taken.empty()) sentences.push_back("take " + text::enumerate(taken, " or ") + ", beaten nowhere");
+  if (!partly.empty())
+    sentences.push_back((taken.empty() ? "take " + text::enumerate(partly, " or ") + ","
+                                       : text::enumerate(partly) + (partly.size() > 1 ? " are" : " is")) +
+                        " beaten nowhere that " + (partly.size() > 1 ? "they were" : "it was") + " tried");
+  if (!useless.empty())
+    sentences.push_back(text::enumerate(useless) + (useless.size() > 1 ? " are" : " is") +
+                        " beaten nowhere, and of use in fewer than half of the cells");
+}
+
 void add_choice(const Bench& bench, const Field& field, const Standings& standings,
                 std::vector<std::string>& sentences) {
   const std::size_t places = bench.places().size();
   if (!field.unbeaten.empty()) {
-    // Nobody takes what is of no use in most trials, though nothing that gave an answer was better.
-    std::vector<std::string> taken;
-    for (const std::string& name : field.unbeaten) {
-      const Standing& s = standings.at(name);
-      if (2 * (s.useless + s.failed) <= s.cells || s.useless == 0) taken.push_back(name);
-    }
-    sentences.push_back(taken.empty() ? text::enumerate(field.unbeaten) +
-                                            " are beaten nowhere, and of use in fewer than half of the cells"
-                                      : "take " + text::enumerate(taken, " or ") + ", beaten nowhere");
+    add_unbeaten(field, standings, sentences);
   } else if (places < 2) {
     sentences.push_back("each of " + text::enumerate(field.beaten) + " is beaten by another");
     return;
@@ -173,8 +258,14 @@ void add_choice(const Bench& bench, const Field& field, const Standings& standin
     sentences.push_back("none is best everywhere");
     sentences.push_back(text::enumerate(nearest) + (nearest.size() > 1 ? " come" : " comes") + " nearest, beaten on " +
                         std::to_string(fewest) + " of " + std::to_string(places) + " places");
+    std::vector<std::string> best;
+    for (const std::string& name : field.beaten)
+      if (standings.at(name).best_overall) best.push_back(name);
+    if (!best.empty())
+      sentences.push_back("over all places, " + bench.weights_text + ", nothing beats " +
+                          text::enumerate(best, " or "));
   }
-  add_beaten(field.beaten, standings, places, sentences);
+  add_beaten(bench, field.beaten, standings, sentences);
 }
 
 std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
@@ -184,19 +275,24 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   if (!pairs.empty() && std::all_of(pairs.begin(), pairs.end(), all_same)) {
     sentences.push_back("nothing separates " + text::enumerate(field.unbeaten) + ": they gave the same in every trial");
     sentences.push_back("what they do differently does not reach what is measured here");
-  } else if (!field.any_winner && field.unbeaten.size() > 1) {
+  } else if (const auto opposed = opposed_in_words(bench, field, pairs); field.any_winner || !opposed.empty()) {
+    if (field.any_winner) add_choice(bench, field, standings, sentences);
+    sentences.insert(sentences.end(), opposed.begin(), opposed.end());
+    if (!field.any_winner && field.unbeaten.size() > 2)
+      sentences.push_back("nothing else separates " + text::enumerate(field.unbeaten));
+  } else if (field.unbeaten.size() > 1) {
     add_nothing_separates(bench, field, pairs, sentences);
-  } else if (field.any_winner) {
-    add_choice(bench, field, standings, sentences);
   }
   if (!field.unknown.empty())
     sentences.push_back("of " + text::enumerate(field.unknown) + " nothing can be said: too few trials to compare");
+  for (const auto& [places, names] : field.untried.all())
+    sentences.push_back(text::enumerate(names) + (names.size() > 1 ? " were" : " was") + " not tried on " + places);
   add_counts("without result: ", field.failing, sentences);
   add_counts(fmt::format("off by more than {:g} mm: ", 1e3 * bench.useless_above()), field.useless, sentences);
   sentences.insert(sentences.end(), field.silent.begin(), field.silent.end());
   std::string text = group.name + ":";
   for (std::size_t k = 0; k < sentences.size(); ++k)
-    text += " " + (k == 0 ? sentences[k] : begin_sentence(sentences[k])) + ".";
+    text += " " + (k == 0 ? sentences[k] : begin_sentence(sentences[k], group.alternatives)) + ".";
   return text;
 }
 

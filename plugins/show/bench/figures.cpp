@@ -124,6 +124,15 @@ void draw_row(Drawing& d, const Axis& axis, double y, const Row& row, const std:
     d.words.push_back({begin - 6, y + 3, 8, failed, Drawing::Anchor::end});
 }
 
+/// A picture goes its way without the page: what the command line set for all cells is below it.
+Drawing with_overrides(const Bench& bench, Drawing drawing) {
+  const std::string given = overrides_text(bench);
+  if (given.empty()) return drawing;
+  drawing.words.push_back({8, drawing.height + 8, 8.5, given});
+  drawing.height += 16;
+  return drawing;
+}
+
 }  // namespace
 
 Drawing panel(const Bench& bench, const Analysis& analysis, const Group& group) {
@@ -180,11 +189,11 @@ Drawing panel(const Bench& bench, const Analysis& analysis, const Group& group) 
 Drawing figure(const Bench& bench, const Analysis& analysis) {
   Drawing all;
   for (const Group& group : bench.groups) all.append(panel(bench, analysis, group));
-  if (!bench.groups.empty()) return all;
+  if (!bench.groups.empty()) return with_overrides(bench, std::move(all));
   // Rows of a bench without groups have one choice, of no name.
   Analysis named = analysis;
   for (Row& row : named.rows) row.choices["error"] = bench.error_metric;
-  return panel(bench, named, Group{"error", {bench.error_metric}, {}, false});
+  return with_overrides(bench, panel(bench, named, Group{"error", {bench.error_metric}, {}, false}));
 }
 
 }  // namespace plumbline::bench

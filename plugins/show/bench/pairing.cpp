@@ -59,7 +59,10 @@ std::string millimetres(double metres) {
 
 std::string rope_text(const Bench& bench) { return fmt::format("{:g} mm", 1e3 * bench.rope); }
 
-std::string begin_sentence(std::string text) {
+std::string begin_sentence(std::string text, const std::vector<std::string>& names) {
+  for (const std::string& name : names)
+    if (text.starts_with(name) && (text.size() == name.size() || text[name.size()] == ' ' || text[name.size()] == ','))
+      return text;
   const std::string word = text.substr(0, text.find(' '));
   if (word.find_first_of("._%") == std::string::npos && !text.empty())
     text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));

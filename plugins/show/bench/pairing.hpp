@@ -33,7 +33,8 @@ std::string power_text(const Pairing& pair, const Bench& bench);
 std::string listed(const std::vector<std::string>& places);
 std::string millimetres(double metres);  ///< of its absolute value
 std::string rope_text(const Bench& bench);
-/// With a capital letter, but for kinds of nodes, which stay as they are written: "adjust.schur".
-std::string begin_sentence(std::string text);
+/// With a capital letter, but for kinds of nodes, which stay as they are written ("adjust.schur"), and for what begins
+/// with one of `names`: "gut" and "Gut" may be two alternatives.
+std::string begin_sentence(std::string text, const std::vector<std::string>& names = {});
 
 }  // namespace plumbline::bench

@@ -146,9 +146,9 @@ std::vector<Sentence> verdicts(const Bench& bench, const Analysis& analysis) {
       Sentence sentence{sentence_of(pair, bench)};
       const auto any = [&](auto&& holds) { return std::any_of(pair.places.begin(), pair.places.end(), holds); };
       sentence.refused = any([](const Duel* duel) { return !duel->refused.empty(); });
-      sentence.winner = any([](const Duel* duel) { return is_winner(duel->errors.verdict); });
-      sentence.open = !any(
-          [](const Duel* duel) { return is_winner(duel->errors.verdict) || duel->errors.verdict == Verdict::equal; });
+      const auto decided = [](const Duel* duel) { return is_winner(duel->errors.verdict); };
+      sentence.winner = any(decided) || (pair.overall && pair.overall->weighted && decided(pair.overall));
+      sentence.open = !sentence.winner && !any([](const Duel* duel) { return duel->errors.verdict == Verdict::equal; });
       sentences.push_back(std::move(sentence));
     }
   return sentences;
@@ -206,7 +206,7 @@ std::string method_text(const Bench& bench, const Analysis& analysis) {
   if (bench.rope > 0) text += "; differences below " + rope_text(bench) + " count as equal";
   if (bench.places().size() > 1)
     text += bench.weights.empty() ? "; the file states no weights, so nothing is said over all places together"
-                                  : "; over all places: " + bench.weights_text;
+                                  : "; what is said over all places is of their mean, " + bench.weights_text;
   return text + ".";
 }
 

@@ -157,6 +157,12 @@ std::string interval_text(const Estimate& estimate, double scale) {
          number_text(scale * estimate.interval.upper, half) + ")";
 }
 
+std::string overrides_text(const Bench& bench) {
+  std::string text;
+  for (const std::string& given : bench.overrides) text += (text.empty() ? "all with " : ", ") + one_line(given);
+  return text.empty() ? "" : text + " of the command line";
+}
+
 std::string coverage_text(const Bench& bench, const Analysis& analysis) {
   std::string text = std::to_string(analysis.cells) + " cells with " + std::to_string(analysis.seeds) +
                      (analysis.seeds == 1 ? " seed: " : " different seeds: ") + std::to_string(analysis.done) +
@@ -165,29 +171,53 @@ std::string coverage_text(const Bench& bench, const Analysis& analysis) {
   if (bench.behind > 0)
     text += "; judged at the look at the first " + std::to_string(bench.judged_seeds) + " seeds, without " +
             std::to_string(bench.behind) + " cells of later ones that have run";
+  if (const std::string given = overrides_text(bench); !given.empty()) text += "; " + given;
   std::size_t excluded = 0;
   for (const Excluded& item : bench.excluded) excluded += item.cells;
   if (excluded > 0) text += "; " + std::to_string(excluded) + " excluded by the file";
   return text;
 }
 
+namespace {
+
+/// Names of columns, no two the same: a group may have the name of a variable, or of a column that every table has.
+class Columns {
+ public:
+  explicit Columns(std::set<std::string> fixed) : taken_(std::move(fixed)) {}
+  std::string of(const std::string& name, const std::string& what) {
+    std::string unique = name;
+    while (!taken_.insert(unique).second) unique = what + " " + unique;
+    return text::csv_field(unique);
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+}  // namespace
+
 std::string to_csv(const Bench& bench) {
   std::set<std::string> quantities;
   for (const Cell& cell : bench.cells)
     for (const auto& [name, value] : cell.measures) quantities.insert(name);
+  const std::string given = overrides_text(bench);
+  std::set<std::string> fixed = quantities;
+  fixed.insert({"place", "seed", "status", "seconds", "error_text", "overrides"});
+  Columns columns(fixed);
   std::string text = "place";
-  for (const Variable& variable : bench.variables) text += "," + text::csv_field(variable.name);
-  for (const Group& group : bench.groups) text += "," + text::csv_field(group.name);
+  for (const Variable& variable : bench.variables) text += "," + columns.of(variable.name, "variable");
+  for (const Group& group : bench.groups) text += "," + columns.of(group.name, "alternative of");
   text += ",seed,status";
   for (const std::string& quantity : quantities) text += "," + text::csv_field(quantity);
-  text += ",seconds,error_text\r\n";
+  text += given.empty() ? ",seconds,error_text\r\n" : ",seconds,error_text,overrides\r\n";
   for (const Cell& cell : bench.cells) {
     text += text::csv_field(cell.place);
     for (const Variable& variable : bench.variables) text += "," + text::csv_field(cell.values.at(variable.name));
     for (const Group& group : bench.groups) text += "," + text::csv_field(cell.choices.at(group.name));
     text += "," + std::to_string(cell.seed) + "," + cell.status;
     for (const std::string& quantity : quantities) text += "," + shortest(cell.measure(quantity));
-    text += "," + shortest(seconds_of(bench, cell)) + "," + text::csv_field(cell.error) + "\r\n";
+    text += "," + shortest(seconds_of(bench, cell)) + "," + text::csv_field(cell.error) +
+            (given.empty() ? "" : "," + text::csv_field(given)) + "\r\n";
   }
   return text;
 }
@@ -195,6 +225,7 @@ std::string to_csv(const Bench& bench) {
 std::string to_json(const Bench& bench, const Analysis& analysis) {
   Json json;
   json["title"] = bench.title;
+  json["overrides"] = bench.overrides;
   json["error"] = {{"metric", bench.error_metric}, {"unit", "m"}};
   json["rope"] = bench.rope;
   json["confidence"] = analysis.confidence;

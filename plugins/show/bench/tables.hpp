@@ -19,7 +19,10 @@ std::string number_text(double value, double uncertainty);
 std::string cost_text(double cost);  ///< six digits, "–" if it is not known
 std::string interval_text(const statistics::Estimate& estimate, double scale);  ///< "0.24 (0.21–0.28)"
 
-/// What stands above every table: how many cells, trials, failures.
+/// "all with private=0 of the command line"; empty without any.
+std::string overrides_text(const Bench& bench);
+
+/// What stands above every table: how many cells, trials, failures, and what was set for all of them.
 std::string coverage_text(const Bench& bench, const Analysis& analysis);
 
 }  // namespace plumbline::bench

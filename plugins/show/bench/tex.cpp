@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "show/bench/sentences.hpp"
 #include "show/bench/tables.hpp"
@@ -20,15 +22,17 @@ std::string one_line(std::string text) {
   return text;
 }
 
-/// Names of places and alternatives without the characters that \csname cannot take, no two the same.
+/// Names of places and alternatives without the characters that \csname cannot take, no two the same. One that needs
+/// no change keeps itself, whatever others become.
 class TexNames {
  public:
+  explicit TexNames(const Analysis& analysis) {
+    for (const Row& row : analysis.rows) keep(row.place), keep(row.name);
+    for (const Duel& duel : analysis.duels) keep(duel.place), keep(duel.first), keep(duel.second);
+  }
   std::string of(const std::string& name) {
     if (const auto known = names_.find(name); known != names_.end()) return known->second;
-    std::string plain = name;
-    for (char& c : plain)
-      if (std::string("\\{}%#&~^$_\r\n").find(c) != std::string::npos) c = '-';
-    for (std::size_t at; (at = plain.find("·")) != std::string::npos;) plain.replace(at, std::string("·").size(), "+");
+    const std::string plain = plain_of(name);
     std::string unique = plain;
     for (int n = 2; !taken_.insert(unique).second; ++n) unique = plain + "-" + std::to_string(n);
     return names_[name] = unique;
@@ -42,6 +46,16 @@ class TexNames {
   }
 
  private:
+  static std::string plain_of(std::string name) {
+    for (char& c : name)
+      if (std::string("\\{}%#&~^$_\r\n").find(c) != std::string::npos) c = '-';
+    for (std::size_t at; (at = name.find("·")) != std::string::npos;) name.replace(at, std::string("·").size(), "+");
+    return name;
+  }
+  void keep(const std::string& name) {
+    if (plain_of(name) == name) names_[name] = name, taken_.insert(name);
+  }
+
   std::map<std::string, std::string> names_;
   std::set<std::string> taken_;
 };
@@ -104,7 +118,7 @@ std::string table(const Bench& bench, const Analysis& analysis) {
 
 /// What ran, what to choose, what covariances state, and how intervals and tests were made.
 std::string paragraph(const Bench& bench, const Analysis& analysis) {
-  std::string text = coverage_text(bench, analysis);
+  std::string text = coverage_text(bench, analysis) + ".";
   for (const auto& sentences : {choices_to_make(bench, analysis), calibration_verdicts(analysis)})
     for (const std::string& sentence : sentences) text += " " + sentence + (sentence.ends_with('.') ? "" : ".");
   return "\\newcommand{\\benchparagraph}{%\n" + tex_text(text + " " + method_text(bench, analysis)) + "}\n";
@@ -122,11 +136,14 @@ std::string to_tex(const Bench& bench, const Analysis& analysis) {
       "\\makeatletter\n"
       "\\newcommand{\\bench}[1]{\\ifcsname bench@#1\\endcsname\\csname bench@#1\\endcsname\\else\\textbf{??}\\fi}\n"
       "\\newcommand{\\benchdiff}[1]{\\bench{diff/#1}}\n";
-  TexNames names;
-  std::string definitions;
-  // What is not defined prints ??, so that nothing that does not exist is quoted as a number.
+  TexNames names(analysis);
+  // What is not defined prints ??, so that nothing that does not exist is quoted as a number; nor is what two things
+  // would be quoted by ("a/b" with "c", "a" with "b/c").
+  std::vector<std::pair<std::string, std::string>> defined;
+  std::map<std::string, int> times;
   const auto define = [&](const std::string& name, const std::string& value) {
-    if (value != "–") definitions += "\\expandafter\\def\\csname bench@" + name + "\\endcsname{" + value + "}\n";
+    ++times[name];
+    if (value != "–") defined.emplace_back(name, value);
   };
   define("cells", std::to_string(analysis.cells));
   define("seeds", std::to_string(analysis.seeds));
@@ -155,7 +172,13 @@ std::string to_tex(const Bench& bench, const Analysis& analysis) {
     define(name + "-low", number_text(1e3 * d.interval.lower, half));
     define(name + "-high", number_text(1e3 * d.interval.upper, half));
   }
-  return text + names.legend() + definitions + "\\makeatother\n" + table(bench, analysis) + paragraph(bench, analysis);
+  std::string definitions, ambiguous;
+  for (const auto& [name, value] : defined)
+    if (times.at(name) == 1) definitions += "\\expandafter\\def\\csname bench@" + name + "\\endcsname{" + value + "}\n";
+  for (const auto& [name, count] : times)
+    if (count > 1) ambiguous += "% " + name + " could be one or another thing here, and is neither\n";
+  return text + names.legend() + ambiguous + definitions + "\\makeatother\n" + table(bench, analysis) +
+         paragraph(bench, analysis);
 }
 
 }  // namespace plumbline::bench

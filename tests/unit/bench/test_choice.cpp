@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "show/bench/analysis.hpp"
+#include "show/bench/figures.hpp"
 #include "show/bench/page.hpp"
 #include "show/bench/sentences.hpp"
 #include "show/bench/tables.hpp"
@@ -44,7 +45,7 @@ std::string choice(const Bench& bench) { return choices_to_make(bench, analyse(b
 TEST(Choice, AnAnswerThatIsOffByDecimetresDoesNotWinOverNone) {
   const std::string said = choice(bench_of(0.5, 3));
   EXPECT_THAT(said, Not(HasSubstr("take least squares"))) << said;
-  EXPECT_THAT(said, Not(HasSubstr("obust is beaten"))) << said;
+  EXPECT_THAT(said, Not(HasSubstr("robust is beaten"))) << said;
   EXPECT_THAT(said, HasSubstr("Off by more than 100 mm: least squares in 24 of 48 cells")) << said;
   for (const Sentence& sentence : verdicts(bench_of(0.5, 3), analyse(bench_of(0.5, 3))))
     EXPECT_FALSE(sentence.winner) << sentence.text;
@@ -52,7 +53,7 @@ TEST(Choice, AnAnswerThatIsOffByDecimetresDoesNotWinOverNone) {
 
 TEST(Choice, AnAnswerOfUseWinsOverNone) {
   const std::string said = choice(bench_of(0.001, 3));
-  EXPECT_THAT(said, HasSubstr("take least squares, beaten nowhere. Robust is beaten on spoilt, for lack of results"));
+  EXPECT_THAT(said, HasSubstr("take least squares, beaten nowhere. robust is beaten on spoilt, for lack of results"));
 }
 
 TEST(Choice, WhatIsOfNoUseInMostCellsIsNotTaken) {
@@ -114,8 +115,168 @@ TEST(Choice, IsSaidInSentencesThatAPersonWouldSay) {
   }
   EXPECT_LE(longest, 40u) << said;
   EXPECT_GE(sentences, 4u) << said;
-  EXPECT_THAT(said, HasSubstr("none is best everywhere. Solver number")) << said;
+  EXPECT_THAT(said, HasSubstr("none is best everywhere. solver number")) << said;
   EXPECT_THAT(said, HasSubstr("nearest, beaten on 1 of 6 places.")) << said;
+}
+
+/// One trial of each of `errors` (by alternative, in m; nan: no result) for each seed at each place.
+template <typename Error>
+Bench trials_of(const std::vector<std::string>& places, std::size_t seeds, const std::vector<std::string>& names,
+                const Error& error) {
+  Bench bench;
+  bench.rope = 0.00005;
+  bench.groups = {{"method", names, {}, false}};
+  for (std::size_t p = 0; p < places.size(); ++p)
+    for (std::size_t seed = 0; seed < seeds; ++seed)
+      for (const std::string& name : names) {
+        Cell cell;
+        cell.scenario = cell.place = places[p];
+        cell.choices["method"] = name;
+        cell.seed = seed;
+        const double found = error(name, p, seed);
+        cell.status = std::isfinite(found) ? "done" : "failed";
+        cell.measures["error"] = cell.measures["worst"] = found;
+        bench.cells.push_back(cell);
+      }
+  return bench;
+}
+
+/// In [-1, 1), the same each time.
+double noise(std::size_t a, std::size_t b) { return static_cast<double>((a * 7919 + b * 104729) % 2003) / 1001.5 - 1; }
+
+/// Ten seeds at each of eight places show nothing at any of them, and all together they do.
+Bench winner_over_all_places() {
+  std::vector<std::string> places;
+  for (int p = 0; p < 8; ++p) places.push_back("p" + std::to_string(p));
+  Bench bench = trials_of(places, 10, {"plain", "worse"}, [](const std::string& name, std::size_t p, std::size_t seed) {
+    return name == "plain" ? 0.001 : 0.0012 + 0.0006 * noise(p + 1, seed + 1);
+  });
+  for (const std::string& place : places) bench.weights[place] = 1;
+  bench.weights_text = "all places weighing alike";
+  return bench;
+}
+
+/// Once "nothing separates plain and worse", above the verdict that names the better one.
+TEST(Choice, AWinnerOverAllPlacesIsOne) {
+  const Bench bench = winner_over_all_places();
+  const Analysis analysis = analyse(bench);
+  for (const Duel& duel : analysis.duels)
+    ASSERT_EQ(duel.errors.verdict, duel.overall ? statistics::Verdict::first_better : statistics::Verdict::undecided)
+        << duel.place << " " << duel.words;
+  EXPECT_THAT(choice(bench), testing::StartsWith("method: take plain, beaten nowhere. worse is beaten over all places, "
+                                                 "all places weighing alike, by 0."));
+  EXPECT_TRUE(verdicts(bench, analysis).at(0).winner);
+  EXPECT_THAT(to_tex(bench, analysis), HasSubstr("take plain, beaten nowhere"));
+}
+
+TEST(Choice, WithoutWeightsNothingIsTakenFromAllPlacesTogether) {
+  Bench bench = winner_over_all_places();
+  bench.weights.clear();
+  EXPECT_THAT(choice(bench), HasSubstr("nothing separates plain and worse: no winner at any place"));
+}
+
+/// Once "nothing separates" two of which one has a fourth of the errors and the other twice the results.
+TEST(Choice, SmallerErrorsAgainstMoreResultsAreSaidInTheirOwnWords) {
+  const Bench bench =
+      trials_of({"one", "two"}, 40, {"sure", "frail"}, [](const std::string& name, std::size_t p, std::size_t seed) {
+        if (name == "sure") return 0.002 + 0.0002 * noise(p, seed);
+        return seed % 5 < 2 ? std::nan("") : 0.001 + 0.0002 * noise(p + 5, seed);
+      });
+  EXPECT_THAT(choice(bench), testing::StartsWith("method: frail has the smaller errors and sure more results on one / "
+                                                 "two: which of that counts more is for you to say."));
+  EXPECT_THAT(choice(bench), Not(HasSubstr("nothing separates")));
+  Bench weighed = bench;
+  weighed.weights = {{"one", 1}, {"two", 1}};
+  weighed.weights_text = "all places weighing alike";
+  EXPECT_THAT(choice(weighed),
+              HasSubstr("more results on one / two, and over all places, all places weighing alike: "));
+}
+
+/// Once "take a or b" with b without result in most cells.
+TEST(Choice, WhatGivesNoResultInMostCellsIsNotTaken) {
+  const Bench bench =
+      trials_of({"one", "two"}, 30, {"a", "b", "c"}, [](const std::string& name, std::size_t p, std::size_t seed) {
+        if (name == "b" && seed % 5 < 3) return std::nan("");
+        return (name == "a" ? 0.001 : name == "b" ? 0.0002 : 0.004) * (1 + 0.2 * noise(p, seed));
+      });
+  EXPECT_THAT(choice(bench), HasSubstr("take a, beaten nowhere. b is beaten nowhere, and of use in fewer than half of "
+                                       "the cells. c is beaten"));
+  EXPECT_THAT(choice(bench), HasSubstr("b has the smaller errors and a more results on one / two"));
+  EXPECT_THAT(choice(bench), Not(HasSubstr("and c more results"))) << "c is no choice";
+}
+
+/// Once "take a or c, beaten nowhere" of one that stands at one place of four.
+TEST(Choice, WhatWasNotTriedEverywhereIsSecondAndSaysWhere) {
+  Bench bench = trials_of({"easy", "h1", "h2", "h3"}, 16, {"a", "b", "c"},
+                          [](const std::string& name, std::size_t p, std::size_t seed) {
+                            return (name == "b" ? 0.003 : 0.001) * (1 + 0.2 * noise(p + name[0], seed));
+                          });
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.choices.at("method") == "c" && cell.place != "easy"; });
+  EXPECT_THAT(choice(bench), HasSubstr("take a, beaten nowhere. c is beaten nowhere that it was tried. b is beaten"));
+  EXPECT_THAT(choice(bench), HasSubstr("c was not tried on h1 / h2 / h3."));
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.choices.at("method") == "a" && cell.place == "h1"; });
+  EXPECT_THAT(choice(bench), HasSubstr("take a or c, beaten nowhere that they were tried."));
+}
+
+/// Once "take Gut or X. Gut is beaten by 6.76 mm.", of gut.
+TEST(Choice, NamesStayAsTheyAreWritten) {
+  const Bench bench = trials_of({""}, 12, {"Gut", "gut"}, [](const std::string& name, std::size_t, std::size_t seed) {
+    return (name == "gut" ? 0.006 : 0.001) * (1 + 0.2 * noise(name[0], seed));
+  });
+  EXPECT_THAT(choice(bench), testing::StartsWith("method: take Gut, beaten nowhere. gut is beaten by "));
+}
+
+/// Once "no winner can rest on them" beside two winners: of two that always gave nought, and one that did not.
+TEST(Choice, SeedsThatAreOneTrialForSomeAreSoForThose) {
+  Bench bench =
+      trials_of({""}, 10, {"zero", "null", "one"}, [](const std::string& name, std::size_t, std::size_t seed) {
+        return name == "one" ? 0.001 * (1.5 + noise(3, seed)) : 0.0;
+      });
+  EXPECT_THAT(analyse(bench).unused,
+              testing::Contains("all 10 seeds gave the same with null and with zero: they are one trial, so no "
+                                "interval and no winner between these two can rest on them"));
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.choices.at("method") == "one"; });
+  EXPECT_THAT(analyse(bench).unused, testing::Contains(HasSubstr("no winner can rest on")));
+}
+
+/// Once in none of the files that a bench leaves.
+TEST(Tables, WhatTheCommandLineSetForAllCellsIsInEveryFile) {
+  Bench bench = bench_of(0.001, 24);
+  bench.title = "planted";
+  bench.overrides = {"private=0"};
+  const Analysis analysis = analyse(bench);
+  for (const std::string& text :
+       {to_html(bench, analysis), to_markdown(bench, analysis), to_csv(bench), to_tex(bench, analysis),
+        to_svg(figure(bench, analysis), Svg::file), to_pdf(figure(bench, analysis))})
+    EXPECT_THAT(text, HasSubstr("all with private=0 of the command line"));
+  EXPECT_THAT(to_json(bench, analysis), HasSubstr("\"overrides\": [\n  \"private=0\"\n ]"));
+}
+
+TEST(Tables, NoTwoColumnsHaveOneName) {
+  Bench bench = bench_of(0.001, 24);
+  bench.variables = {{"method", {"x"}}};
+  bench.groups.push_back({"seed", {"p"}, {}, false});
+  for (Cell& cell : bench.cells) cell.values["method"] = "x", cell.choices["seed"] = "p";
+  EXPECT_THAT(to_csv(bench),
+              testing::StartsWith("place,method,alternative of method,alternative of seed,seed,status,"));
+}
+
+/// Once \bench{a/b/x-1/rmse} was that of x_1.
+TEST(Tables, ANameThatTexCanTakeKeepsItselfAndTwoThingsShareNone) {
+  const Bench bench =
+      trials_of({"a", "a/b"}, 8, {"x_1", "x-1", "b/x-1"}, [](const std::string& name, std::size_t, std::size_t seed) {
+        return (name == "x-1" ? 0.003 : 0.001) * (1 + 0.01 * noise(1, seed));
+      });
+  const std::string tex = to_tex(bench, analyse(bench));
+  EXPECT_THAT(tex, HasSubstr("% x_1 is written x-1-2\n"));
+  EXPECT_THAT(tex, HasSubstr("csname bench@a/x-1/rmse\\endcsname{3.0"));
+  EXPECT_THAT(tex, HasSubstr("csname bench@a/x-1-2/rmse\\endcsname{1.0"));
+  EXPECT_THAT(tex, Not(HasSubstr("csname bench@a/b/x-1/rmse\\"))) << "of place a/b, or of b/x-1 at a?";
+}
+
+TEST(Tables, TheParagraphOfAPaperEndsItsSentences) {
+  const Bench bench = bench_of(0.001, 24);
+  EXPECT_THAT(to_tex(bench, analyse(bench)), HasSubstr("not run yet. method: "));
 }
 
 /// evaluate.cost counts what an alternative rejected, too: 3.78e6 to 4.23e6 in a table reads as a solver that diverged.
