@@ -133,7 +133,12 @@ struct Said {
 
 class StateReader {
  public:
-  StateReader(const Job& job, const std::string& source) : job_(job), source_(source) {
+  StateReader(const Job& job, const std::string& source, const SurveyLink& survey)
+      : job_(job), source_(source), survey_(survey) {
+    if (job.frame == "survey" && !survey)
+      throw std::runtime_error(source + ": answers job " + job.id +
+                               ", which is in the frame of the survey, and this round takes survey and design for one "
+                               "frame; expected what the round of that job said (frames.with.use)");
     out_.sources.push_back(source);
     for (const JobItem& item : job.items) item_of_[vda_action_id(job, item)] = &item;
   }
@@ -206,7 +211,7 @@ class StateReader {
     const auto result = ordered_json::parse(said.result, nullptr, false);
     if (result.is_object()) {
       try {
-        refuse_other_units(result);
+        refuse_other_units(result, {job_.frame});
         note_unknown_keys(result, {"measured", "sigma", "setting", "note", "units", "unit", "frame"}, ignored_);
       } catch (const std::runtime_error& error) {
         return refuse(said.line, "the result of action " + said.action + ": " + error.what());
@@ -216,6 +221,7 @@ class StateReader {
       if (!read)
         return refuse(said.line, "the result of action " + said.action + " is " + said.result.substr(0, 80) +
                                      ", expected three numbers each for measured, sigma, setting");
+      if (job_.frame == "survey") bring_to_building(*actual, survey_);
       actual->note = result.contains("note") && result["note"].is_string() ? result["note"].get<std::string>() : "";
     } else {
       actual->note = said.result;
@@ -237,6 +243,7 @@ class StateReader {
 
   const Job& job_;
   std::string source_;
+  const SurveyLink& survey_;
   std::map<std::string, const JobItem*> item_of_;
   std::vector<Said> said_;
   std::map<std::string, int> ignored_;  ///< keys of results
@@ -261,8 +268,8 @@ std::string state_of_log(const std::string& line) {
 
 }  // namespace
 
-ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source) {
-  StateReader reader(job, source);
+ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source, const SurveyLink& survey) {
+  StateReader reader(job, source, survey);
   // One message over several lines, or one in each line.
   if (ordered_json::parse(lines, nullptr, false).is_object()) {
     reader.read(lines, 1);

@@ -11,6 +11,7 @@
 
 #include "artifacts/actuals.hpp"
 #include "loop/job/job.hpp"
+#include "loop/job/survey_link.hpp"
 
 namespace plumbline::loop {
 
@@ -51,6 +52,9 @@ std::string vda_action_id(const Job& job, const JobItem& item);
 /// with the earliest message that says so; a later one that says otherwise is refused, as are messages that are no
 /// state of 2.x or 3.x, of another order, on unknown actions or that lack what the standard requires. A result that is
 /// a JSON object may hold `measured` (E, N, H [m]), `sigma` and `setting` (right, up, out [m]); any other is a note.
-ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source);
+/// Places are in the frame of the job. Throws std::runtime_error for a job in the frame of the survey where survey and
+/// design are taken to share one.
+ActualsT vda_actuals(const std::string& lines, const Job& job, const std::string& source,
+                     const SurveyLink& survey = {});
 
 }  // namespace plumbline::loop

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "loop/fit/facade.hpp"
+#include "loop/job/survey_link.hpp"
 #include "loop/job/unknown_keys.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/hash.hpp"
@@ -70,10 +71,8 @@ JobItem panel_item(const PlannedPanelT& panel, const LoopItemT& item, const Eige
 }
 
 /// A round place near the facade, so that items keep their digits.
-Eigen::Vector3d origin_for(const InstallationPlanT& plan) {
-  if (plan.brackets.empty()) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d first = plan.brackets.front()->design;
-  return first.unaryExpr([](double x) { return std::abs(x) > 1000 ? 1000 * std::floor(x / 1000) : 0.0; });
+Eigen::Vector3d origin_near(const Eigen::Vector3d& place) {
+  return place.unaryExpr([](double x) { return std::abs(x) > 1000 ? 1000 * std::floor(x / 1000) : 0.0; });
 }
 
 }  // namespace
@@ -86,7 +85,7 @@ Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, 
   Job job;
   job.revision = state.revision, job.basis = plan.basis, job.design_file = plan.design_file;
   job.created_at = created_at, job.valid_until = valid_until;
-  job.origin = origin_for(plan);
+  if (!plan.brackets.empty()) job.origin = origin_near(plan.brackets.front()->design);
   job.setting_sigma = plan.setting_sigma, job.station_sigma = plan.station_sigma;
   std::map<std::string, const LoopItemT*> released;
   for (const auto& item : state.items)
@@ -106,6 +105,22 @@ Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, 
   return job;
 }
 
+Job in_survey(const Job& job, const FrameLink& building_from_survey) {
+  Job out = job;
+  const auto turned = [&](const Eigen::Vector3d& place) {
+    return Eigen::Vector3d(building_from_survey.apply_inverse(place + job.origin));
+  };
+  out.frame = "survey";
+  out.origin = origin_near(job.items.empty() ? turned(Eigen::Vector3d::Zero()) : turned(job.items.front().design));
+  out.building_from_job = link_about(building_from_survey, out.origin);
+  const Eigen::Quaterniond back = building_from_survey.to_from_from.rotation.conjugate();
+  for (JobItem& item : out.items) {
+    item.design = turned(item.design) - out.origin, item.target = turned(item.target) - out.origin;
+    item.design_rotation = back * item.design_rotation, item.target_rotation = back * item.target_rotation;
+  }
+  return out;
+}
+
 void note_jobs(const InstallationPlanT& plan, LoopStateT& state) {
   std::set<int> floors = {0};
   for (const auto& item : state.items)
@@ -118,6 +133,22 @@ void note_jobs(const InstallationPlanT& plan, LoopStateT& state) {
         item->jobs.push_back(id);
   }
 }
+
+namespace {
+
+ordered_json link_json(const FrameLink& link) {
+  ordered_json covariance = ordered_json::array();
+  for (int i = 0; i < 6; ++i)  // the job has places before rotations, the link rotations before places
+    for (int j = 0; j < 6; ++j) covariance.push_back(link.covariance((i + 3) % 6, (j + 3) % 6));
+  return {{"position", numbers(link.to_from_from.translation)},
+          {"orientation", quaternion(link.to_from_from.rotation)},
+          {"scale", link.scale},
+          {"scalesPlanOnly", link.plan_only},
+          {"covariance", covariance},
+          {"source", link.origin}};
+}
+
+}  // namespace
 
 std::string job_json(const Job& job) {
   ordered_json out;
@@ -132,6 +163,7 @@ std::string job_json(const Job& job) {
                     {"origin", numbers(job.origin)},
                     {"orientation", {0.0, 0.0, 0.0, 1.0}},
                     {"robotInFrameCovariance", covariance}}};
+  if (job.building_from_job) out["frames"][0]["buildingFromFrame"] = link_json(*job.building_from_job);
   out["assumedRobot"] = {{"settingSigma", job.setting_sigma}, {"stationSigma", job.station_sigma}};
   out["items"] = ordered_json::array();
   for (const JobItem& item : job.items) {
@@ -201,6 +233,10 @@ class Reader {
       fail("a whole number from " + std::to_string(least));
     return value_.get<int>();
   }
+  bool flag() const {
+    if (!value_.is_boolean()) fail("true or false");
+    return value_.get<bool>();
+  }
   double number() const {
     if (!value_.is_number() || !std::isfinite(value_.get<double>())) fail("a finite number");
     return value_.get<double>();
@@ -238,6 +274,38 @@ class Reader {
   const ordered_json& value_;
   std::string path_;
 };
+
+std::vector<double> read_covariance(const Reader& reader) {
+  std::vector<double> numbers;
+  for (const Reader& one : reader.items()) numbers.push_back(one.number());
+  if (numbers.size() != 36) reader.fail("36 numbers, row by row");
+  return numbers;
+}
+
+FrameLink read_link(const Reader& reader, const std::string& frame) {
+  reader.only({"position", "orientation", "scale", "scalesPlanOnly", "covariance", "source"});
+  FrameLink link;
+  link.to = "building", link.from = frame, link.origin = reader.at("source").text();
+  link.to_from_from.translation = reader.at("position").vector();
+  link.to_from_from.rotation = reader.at("orientation").rotation();
+  link.scale = reader.at("scale").number_from(0.9, 1.1), link.plan_only = reader.at("scalesPlanOnly").flag();
+  const std::vector<double> covariance = read_covariance(reader.at("covariance"));
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) link.covariance((i + 3) % 6, (j + 3) % 6) = covariance[6 * i + j];
+  return link;
+}
+
+/// Name, origin, and where it lies in the building.
+void read_frame(const Reader& frame, Job& job) {
+  frame.only({"name", "origin", "orientation", "robotInFrameCovariance", "buildingFromFrame"});
+  job.frame = frame.at("name").one_of({"building", "survey"}), job.origin = frame.at("origin").vector();
+  if (frame.at("orientation").rotation().vec().norm() > 1e-9)
+    frame.at("orientation").fail("0, 0, 0, 1: the root frame is not turned, and items would be");
+  read_covariance(frame.at("robotInFrameCovariance"));
+  if (frame.has("buildingFromFrame") && job.frame == "building")
+    frame.at("buildingFromFrame").fail("nothing: the frame is the building's own");
+  if (job.frame == "survey") job.building_from_job = read_link(frame.at("buildingFromFrame"), job.frame);
+}
 
 JobItem read_item(const Reader& reader, const std::string& frame) {
   JobItem item;
@@ -304,13 +372,7 @@ Job read_job(const std::string& text) {
   if (root.at("sources").has("designFile")) job.design_file = root.at("sources").at("designFile").text();
   const auto frames = root.at("frames").items();
   if (frames.size() != 1) root.at("frames").fail("one root frame");
-  frames[0].only({"name", "origin", "orientation", "robotInFrameCovariance"});
-  job.frame = frames[0].at("name").text(), job.origin = frames[0].at("origin").vector();
-  if (frames[0].at("orientation").rotation().vec().norm() > 1e-9)
-    frames[0].at("orientation").fail("0, 0, 0, 1: the root frame is not turned, and items would be");
-  if (frames[0].at("robotInFrameCovariance").items().size() != 36)
-    frames[0].at("robotInFrameCovariance").fail("36 numbers, row by row");
-  for (const Reader& one : frames[0].at("robotInFrameCovariance").items()) one.number();
+  read_frame(frames[0], job);
   job.setting_sigma = root.at("assumedRobot").at("settingSigma").number_from(0, 1);
   job.station_sigma = root.at("assumedRobot").at("stationSigma").number_from(0, 1);
   for (const Reader& item : root.at("items").items()) job.items.push_back(read_item(item, job.frame));

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
+#include "geometry/frame_graph.hpp"
 
 namespace plumbline::loop {
 
@@ -31,7 +33,8 @@ struct Job {
   std::string created_at, valid_until;  ///< ISO 8601; empty: not said
   std::string basis;                    ///< InstallationPlan.basis
   std::string design_file;
-  std::string frame = "building";                    ///< name of the root frame
+  std::string frame = "building";              ///< name of the root frame: "building", or "survey", that of the control
+  std::optional<FrameLink> building_from_job;  ///< of "survey": for points less the origin below, its covariance there
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< of the job's coordinates in the root frame [m]
   double station_sigma = 0, setting_sigma = 0;       ///< assumed of the robot [m]
   std::vector<JobItem> items;
@@ -42,6 +45,10 @@ struct Job {
 /// whose corners do not tell which way it faces. The id is a hash of the content.
 Job make_job(const InstallationPlanT& plan, const LoopStateT& state, int floor, const std::string& created_at,
              const std::string& valid_until);
+
+/// The same job in the frame of the survey, where the control is that a robot or a tool is set up on. The id is kept:
+/// it is that of the content.
+Job in_survey(const Job& job, const FrameLink& building_from_survey);
 
 /// Notes at all released items the ids of the jobs that hold them: of all floors and of their own.
 void note_jobs(const InstallationPlanT& plan, LoopStateT& state);

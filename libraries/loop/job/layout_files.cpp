@@ -73,13 +73,14 @@ std::string layer_of(const PlannedPanelT& panel) {
   return std::string("PANEL_") + (panel.installed ? "HUNG" : gate_name(panel.gate));
 }
 
-void dxf_outline(std::string& text, const PlannedPanelT& panel) {
+void dxf_outline(std::string& text, const PlannedPanelT& panel, const SurveyLink& survey) {
   const std::string layer = layer_of(panel);
   text += "0\nPOLYLINE\n8\n" + layer + "\n66\n1\n10\n0.0\n20\n0.0\n30\n0.0\n70\n9\n";  // closed, in space
   for (const std::size_t corner : {0u, 1u, 3u, 2u}) {
     const Eigen::Vector3d arm = panel.corners[corner] - panel.centre;
     text += "0\nVERTEX\n8\n" + layer + "\n";
-    dxf_place(text, panel.corners[corner] + panel.shift + panel.rotation.cross(arm));
+    const Eigen::Vector3d place = panel.corners[corner] + panel.shift + panel.rotation.cross(arm);
+    dxf_place(text, survey ? survey->apply_inverse(place) : place);
     text += "70\n32\n";
   }
   text += "0\nSEQEND\n8\n" + layer + "\n";
@@ -87,7 +88,8 @@ void dxf_outline(std::string& text, const PlannedPanelT& panel) {
 
 }  // namespace
 
-std::string layout_dxf(const InstallationPlanT& plan, const Job& job, const std::vector<LayoutPoint>& control) {
+std::string layout_dxf(const InstallationPlanT& plan, const Job& job, const std::vector<LayoutPoint>& control,
+                       const SurveyLink& survey) {
   std::string entities;
   std::set<std::string> layers, of_job;
   for (const JobItem& item : job.items) of_job.insert(item.id);
@@ -102,7 +104,7 @@ std::string layout_dxf(const InstallationPlanT& plan, const Job& job, const std:
                                                   [&](const std::string& id) { return of_job.contains(id); });
     if (panel->corners.size() != 4 || !concerned) continue;
     layers.insert(layer_of(*panel));
-    dxf_outline(entities, *panel);
+    dxf_outline(entities, *panel, survey);
   }
   std::string text =
       "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n0\nTABLE\n2\nLAYER\n70\n" +
@@ -122,6 +124,8 @@ using Json = nlohmann::ordered_json;
 const std::vector<std::string> kActualKeys = {"item",  "job",     "revision", "by",    "at",   "outcome", "measured",
                                               "sigma", "setting", "note",     "units", "unit", "frame"};
 
+const std::vector<std::string> kFrames = {"building", "survey"};
+
 Json parsed_actuals(const std::string& text, const std::string& source) {
   static const char* const kExpected = "expected {\"items\": [{\"item\": \"F01-C01-R1\", \"outcome\": \"done\"}]}";
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
@@ -129,7 +133,7 @@ Json parsed_actuals(const std::string& text, const std::string& source) {
   Json parsed;
   try {
     parsed = parse_each_key_once(text);
-    if (parsed.is_object()) refuse_other_units(parsed);
+    if (parsed.is_object()) refuse_other_units(parsed, kFrames);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(source + ": " + error.what());
   }
@@ -143,7 +147,7 @@ Json parsed_actuals(const std::string& text, const std::string& source) {
 /// Throws std::runtime_error that says which key is wrong, and how; keys that nobody reads are counted in `ignored`.
 std::unique_ptr<ActualT> actual_of(const Json& entry, std::map<std::string, int>& ignored) {
   if (!entry.is_object()) throw std::runtime_error("is no object with 'item' and 'outcome'");
-  refuse_other_units(entry);
+  refuse_other_units(entry, kFrames);
   note_unknown_keys(entry, kActualKeys, ignored);
   auto actual = empty_actual();
   const auto wrong = [&](const char* key, const char* expected) {
@@ -185,6 +189,17 @@ std::unique_ptr<ActualT> actual_of(const Json& entry, std::map<std::string, int>
 
 namespace {
 
+/// Where the two frames differ nobody can tell which of them a place is in that does not say it.
+void bring_said_to_building(ActualT& actual, const Json& entry, const Json& file, const SurveyLink& survey) {
+  if (!survey || !actual.measured.allFinite()) return;
+  const Json frame = entry.contains("frame") ? entry["frame"] : file.contains("frame") ? file["frame"] : Json();
+  if (frame.is_null())
+    throw std::runtime_error(
+        "'measured' is in a frame that is not said, and survey and design have two here (" + survey->origin +
+        "); expected \"frame\": \"survey\", that of the control and of the job, or \"building\", that of the design");
+  if (frame == "survey") bring_to_building(actual, survey);
+}
+
 /// Beside 'items'.
 void note_unknown_of_file(const Json& parsed, const std::string& source, std::map<std::string, int>& ignored) {
   try {
@@ -196,7 +211,7 @@ void note_unknown_of_file(const Json& parsed, const std::string& source, std::ma
 
 }  // namespace
 
-ActualsT read_actuals_json(const std::string& text, const std::string& source) {
+ActualsT read_actuals_json(const std::string& text, const std::string& source, const SurveyLink& survey) {
   const Json parsed = parsed_actuals(text, source);
   ActualsT out;
   out.sources.push_back(source);
@@ -205,7 +220,9 @@ ActualsT read_actuals_json(const std::string& text, const std::string& source) {
   for (const Json& entry : parsed["items"]) {
     const std::string place = source + ": items[" + std::to_string(index++) + "]";
     try {
-      out.items.push_back(actual_of(entry, ignored));
+      auto actual = actual_of(entry, ignored);
+      bring_said_to_building(*actual, entry, parsed, survey);
+      out.items.push_back(std::move(actual));
       out.items.back()->source = source + " items[" + std::to_string(index - 1) + "]";
     } catch (const std::runtime_error& error) {
       out.refused.push_back(place + ": " + error.what());

@@ -1,112 +1,21 @@
 // Staked points of layout tools as reports.
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <regex>
 #include <set>
 #include <stdexcept>
 
 #include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/job/layout_files.hpp"
-#include "loop/job/unknown_keys.hpp"
+#include "loop/job/staked_columns.hpp"
+#include "loop/state/date.hpp"
 
 namespace plumbline::loop {
 namespace {
-
-/// Which column is what; a tool's own order unless the head of the table says otherwise.
-struct StakedColumns {
-  std::size_t name = 0, east = 1, north = 2, height = 3, date = std::string::npos;
-  std::size_t most() const { return std::max({name, east, north, height}); }
-};
-
-std::string lower_case(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
-/// "Easting [m]" is "easting" and "m".
-std::pair<std::string, std::string> name_and_unit(std::string_view cell) {
-  const std::string text = lower_case(text::trim(cell));
-  const auto open = text.find_first_of("[(");
-  if (open == std::string::npos) return {text, ""};
-  const auto close = text.find_first_of("])", open);
-  return {std::string(text::trim(text.substr(0, open))),
-          close == std::string::npos ? "" : std::string(text::trim(text.substr(open + 1, close - open - 1)))};
-}
-
-/// X and Y are left out: half of the world takes X for north.
-const std::map<std::string, char>& meaning_of_heads() {
-  static const std::map<std::string, char> heads = {
-      {"ptid", 'p'},      {"name", 'p'},       {"point", 'p'}, {"point id", 'p'}, {"pointid", 'p'},
-      {"id", 'p'},        {"point name", 'p'}, {"punkt", 'p'}, {"e", 'e'},        {"east", 'e'},
-      {"easting", 'e'},   {"rechtswert", 'e'}, {"n", 'n'},     {"north", 'n'},    {"northing", 'n'},
-      {"hochwert", 'n'},  {"h", 'h'},          {"z", 'h'},     {"height", 'h'},   {"elev", 'h'},
-      {"elevation", 'h'}, {"el", 'h'},         {"höhe", 'h'},  {"hoehe", 'h'},    {"timestamp", 't'},
-      {"datetime", 't'},  {"date time", 't'}};
-  return heads;
-}
-
-/// Takes the head's word for the order of the columns if it names all three. Throws std::runtime_error for a unit that
-/// is not metres, for a head that names some of the columns, because the tool's own order may contradict it, and for
-/// one that names something twice, such as where a point was to be and where it is. Columns that are not read are named
-/// in `ignored`.
-void read_head(const std::vector<std::string_view>& cells, const std::string& source, StakedColumns& columns,
-               std::vector<std::string>& ignored) {
-  std::map<char, std::size_t> found;
-  std::vector<std::size_t> unknown;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const auto [name, unit] = name_and_unit(cells[i]);
-    const auto known = meaning_of_heads().find(name);
-    if (known == meaning_of_heads().end()) {
-      if (!name.empty() && name != "code") unknown.push_back(i);
-      continue;
-    }
-    if (!found.emplace(known->second, i).second)
-      throw std::runtime_error(source + ": its columns '" + std::string(text::trim(cells[found.at(known->second)])) +
-                               "' and '" + std::string(text::trim(cells[i])) +
-                               "' say the same: which of them was measured nobody can tell; keep that one alone");
-    if (std::string("enh").find(known->second) != std::string::npos && !unit.empty() && unit != "m" &&
-        unit != "metre" && unit != "meter")
-      throw std::runtime_error(source + ": its column '" + std::string(text::trim(cells[i])) + "' is in " + unit +
-                               "; expected metres: export it in metres");
-  }
-  if (found.count('e') && found.count('n') && found.count('h'))
-    columns.east = found['e'], columns.north = found['n'], columns.height = found['h'];
-  else if ((found.count('e') && found['e'] != columns.east) || (found.count('n') && found['n'] != columns.north) ||
-           (found.count('h') && found['h'] != columns.height))
-    throw std::runtime_error(source +
-                             ": its head names some of the coordinates, and not where this tool writes them; expected "
-                             "all three as E, N and H");
-  if (found.count('p')) columns.name = found['p'];
-  if (found.count('t')) columns.date = found['t'];
-  std::map<std::string, int> not_read;
-  for (const std::size_t i : unknown) {
-    const std::string name(text::trim(cells[i]));
-    const char* taken = i == columns.east     ? "easting"
-                        : i == columns.north  ? "northing"
-                        : i == columns.height ? "height"
-                                              : nullptr;
-    if (taken)
-      ignored.push_back(source + ": what its column '" + name + "' is nobody knows here; it is taken for the " + taken +
-                        ", by the order of the tool's own files");
-    else if (i != columns.name)
-      ++not_read[name];
-  }
-  if (const std::string words = words_of_ignored(not_read); !words.empty()) ignored.push_back(source + ": " + words);
-}
-
-/// Whether a line names easting, northing and height: a head, wherever it stands.
-bool names_all_coordinates(const std::vector<std::string_view>& cells) {
-  std::set<char> found;
-  for (const std::string_view cell : cells)
-    if (const auto known = meaning_of_heads().find(name_and_unit(cell).first); known != meaning_of_heads().end())
-      found.insert(known->second);
-  return found.contains('e') && found.contains('n') && found.contains('h');
-}
 
 /// "# Units: metres", "# Units = m", "# coordinates in units [m]". Throws std::runtime_error if a comment says that
 /// they are others. What is called a unit and is none of lengths ("Total station unit: TS16") says nothing.
@@ -116,7 +25,7 @@ void look_at_units(std::string_view comment, std::size_t line, const std::string
       others(
           "(us|u\\.s\\.|survey|international|ft|sft|feet|foot|[mck]m|(milli|centi|kilo)met(re|er)s?|in|inch(es)?|yards?"
           ")\\b.*");
-  const std::string words = lower_case(comment.substr(0, 200));  // the expressions go deeper with each letter
+  const std::string words = text::to_lower(comment.substr(0, 200));  // the expressions go deeper with each letter
   std::smatch found;
   if (!std::regex_search(words, found, said)) return;
   const bool heads = text::trim(found.prefix().str() + found[1].str()).find_first_not_of("#/; ") == std::string::npos;
@@ -135,55 +44,121 @@ std::optional<double> staked_number(std::string_view cell, LayoutFormat format) 
   return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
+/// A point of the file.
+struct StakedRow {
+  std::size_t line;
+  std::string name, at;
+  Eigen::Vector3d place;
+};
+
+/// Throws std::runtime_error that says why a line is no point.
+StakedRow row_of(const std::vector<std::string_view>& cells, std::size_t line, const StakedColumns& columns,
+                 LayoutFormat format) {
+  if (cells.size() <= columns.most())
+    throw std::runtime_error("found " + std::to_string(cells.size()) +
+                             " columns, expected a name and three coordinates");
+  StakedRow row{line, std::string(text::trim(cells[columns.name])), {}, {}};
+  int k = 0;
+  for (const std::size_t column : {columns.east, columns.north, columns.height}) {
+    const auto number = staked_number(cells[column], format);
+    if (!number) throw std::runtime_error("the coordinates of '" + row.name + "' are no numbers");
+    row.place[k++] = *number;
+  }
+  if (columns.date < cells.size()) row.at = std::string(text::trim(cells[columns.date]));
+  return row;
+}
+
+/// Of one point's rows the one that counts: they say the same, or one is later than all others; else none.
+std::optional<StakedRow> last_of(const std::vector<StakedRow>& rows) {
+  constexpr double kSame = 1e-4;  // what files are rounded to [m]
+  const bool agree = std::all_of(rows.begin(), rows.end(), [&](const StakedRow& row) {
+    return (row.place - rows.front().place).cwiseAbs().maxCoeff() <= kSame && row.at == rows.front().at;
+  });
+  if (agree) return rows.front();
+  const StakedRow* last = nullptr;
+  double newest = 0;
+  for (const StakedRow& row : rows) {
+    const auto seconds = seconds_of(row.at);
+    if (!seconds || (last && *seconds == newest)) return std::nullopt;
+    if (!last || *seconds > newest) last = &row, newest = *seconds;
+  }
+  return *last;
+}
+
+/// Each point once, in the order of the file. Rows that do not count are refused with their lines.
+std::vector<StakedRow> each_once(const std::vector<StakedRow>& rows, const std::string& source,
+                                 std::vector<std::string>& refused) {
+  std::map<std::string, std::vector<StakedRow>> of_name;
+  for (const StakedRow& row : rows) of_name[row.name].push_back(row);
+  std::vector<StakedRow> out;
+  for (const StakedRow& row : rows) {
+    const std::vector<StakedRow>& same = of_name.at(row.name);
+    const auto last = last_of(same);
+    if (last && last->line == row.line) out.push_back(row);
+    if (same.size() == 1 || row.line == same.front().line) continue;
+    const double off = (row.place - same.front().place).norm();
+    const bool is_dated = std::any_of(same.begin(), same.end(), [&](const auto& r) { return r.at != row.at; });
+    refused.push_back(source + ":" + std::to_string(row.line) + ": '" + row.name + "' stands in line " +
+                      std::to_string(same.front().line) + " too, " + text::millimetres(off) + " from here; " +
+                      (last ? "line " + std::to_string(last->line) + " is taken, " +
+                                  (is_dated ? "the last by its date" : "they say the same")
+                            : "no date says which is the last one, and none is taken: keep that row alone"));
+  }
+  return out;
+}
+
+/// Reads a file line by line: heads, comments, points.
+class StakedReader {
+ public:
+  StakedReader(LayoutFormat format, const std::string& source, ActualsT& out)
+      : format_(format), source_(source), out_(out) {
+    if (format == LayoutFormat::trimble) columns_.north = 1, columns_.east = 2;
+  }
+
+  void read(const text::Line& line) {
+    if (text::trim(line.text).empty()) return;
+    // Some writers put what they are before the head.
+    if (text::trim(line.text).front() == '#') return look_at_units(line.text, line.number, source_);
+    const auto split = text::split(line.text, format_ == LayoutFormat::hilti ? ';' : ',');
+    const std::vector<std::string_view> cells(split.begin(), split.end());
+    // A first point with one coordinate that cannot be read is no head.
+    const bool is_head = (std::exchange(first_, false) || names_all_coordinates(cells)) &&
+                         std::none_of(cells.begin() + 1, cells.end(),
+                                      [&](std::string_view cell) { return staked_number(cell, format_).has_value(); });
+    if (is_head) return read_head(cells, source_, columns_, out_.ignored);
+    try {
+      rows_.push_back(row_of(cells, line.number, columns_, format_));
+    } catch (const std::runtime_error& error) {
+      out_.refused.push_back(source_ + ":" + std::to_string(line.number) + ": " + error.what());
+    }
+  }
+
+  std::vector<StakedRow> points() { return each_once(rows_, source_, out_.refused); }
+
+ private:
+  LayoutFormat format_;
+  const std::string& source_;
+  ActualsT& out_;
+  StakedColumns columns_;
+  bool first_ = true;
+  std::vector<StakedRow> rows_;
+};
+
 }  // namespace
 
-ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source) {
+ActualsT read_staked(const std::string& text, LayoutFormat format, const std::string& source,
+                     const SurveyLink& survey) {
   ActualsT out;
   out.sources.push_back(source);
   const std::string decoded = text::decode_text(text).text;
-  std::set<std::string> seen;
-  StakedColumns columns;
-  if (format == LayoutFormat::trimble) columns.north = 1, columns.east = 2;
-  bool first = true;
-  for (const text::Line& line : text::split_lines(decoded)) {
-    if (text::trim(line.text).empty()) continue;
-    if (text::trim(line.text).front() == '#') {  // some writers put what they are before the head
-      look_at_units(line.text, line.number, source);
-      continue;
-    }
-    const std::string place = source + ":" + std::to_string(line.number);
-    const auto refuse = [&](const std::string& why) { out.refused.push_back(place + ": " + why); };
-    const auto split = text::split(line.text, format == LayoutFormat::hilti ? ';' : ',');
-    const std::vector<std::string_view> cells(split.begin(), split.end());
-    // A first point with one coordinate that cannot be read is no head.
-    const bool is_head = (std::exchange(first, false) || names_all_coordinates(cells)) &&
-                         std::none_of(cells.begin() + 1, cells.end(),
-                                      [&](std::string_view cell) { return staked_number(cell, format).has_value(); });
-    if (is_head) {
-      read_head(cells, source, columns, out.ignored);
-      continue;
-    }
-    if (cells.size() <= columns.most()) {
-      refuse("found " + std::to_string(cells.size()) + " columns, expected a name and three coordinates");
-      continue;
-    }
-    const std::string name(text::trim(cells[columns.name]));
-    const std::array<std::optional<double>, 3> at = {staked_number(cells[columns.east], format),
-                                                     staked_number(cells[columns.north], format),
-                                                     staked_number(cells[columns.height], format)};
-    if (!at[0] || !at[1] || !at[2]) {
-      refuse("the coordinates of '" + name + "' are no numbers");
-      continue;
-    }
-    if (!seen.insert(name).second) {
-      refuse("'" + name + "' occurs twice; the first is taken");
-      continue;
-    }
+  StakedReader reader(format, source, out);
+  for (const text::Line& line : text::split_lines(decoded)) reader.read(line);
+  for (const StakedRow& row : reader.points()) {
     auto actual = std::make_unique<ActualT>();
-    actual->item = name, actual->outcome = "done", actual->by = source, actual->source = place;
-    actual->measured = {*at[0], *at[1], *at[2]};
+    actual->item = row.name, actual->outcome = "done", actual->by = source, actual->at = row.at;
+    actual->source = source + ":" + std::to_string(row.line), actual->measured = row.place;
     actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
-    if (columns.date < cells.size()) actual->at = std::string(text::trim(cells[columns.date]));
+    bring_to_building(*actual, survey);
     out.items.push_back(std::move(actual));
   }
   return out;

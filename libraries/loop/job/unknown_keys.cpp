@@ -87,7 +87,7 @@ Json parse_each_key_once(std::string_view text) {
   }
 }
 
-void refuse_other_units(const Json& object) {
+void refuse_other_units(const Json& object, const std::vector<std::string>& frames) {
   for (const char* key : {"units", "unit"}) {
     if (!object.contains(key)) continue;
     const Json& said = object[key];
@@ -96,9 +96,9 @@ void refuse_other_units(const Json& object) {
       throw std::runtime_error("'" + std::string(key) + "' is " + said.dump().substr(0, 60) +
                                "; lengths are in metres: expected \"m\"");
   }
-  if (object.contains("frame") && object["frame"] != "building")
+  if (object.contains("frame") && std::find(frames.begin(), frames.end(), object["frame"]) == frames.end())
     throw std::runtime_error("'frame' is " + object["frame"].dump().substr(0, 60) +
-                             "; places are in the frame of the job, \"building\"");
+                             "; places are in the frame of the job, expected " + Json(frames).dump());
 }
 
 }  // namespace plumbline::loop

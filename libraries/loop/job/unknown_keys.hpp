@@ -25,8 +25,8 @@ std::string words_of_ignored(const std::map<std::string, int>& ignored);
 /// twice: which of the two counts nobody could tell.
 nlohmann::ordered_json parse_each_key_once(std::string_view text);
 
-/// Throws std::runtime_error if `object` says a unit of lengths other than metres, or a frame other than "building":
+/// Throws std::runtime_error if `object` says a unit of lengths other than metres, or a frame that is none of `frames`:
 /// as "units": {"length": "m"}, "unit": "m", "frame": "building".
-void refuse_other_units(const nlohmann::ordered_json& object);
+void refuse_other_units(const nlohmann::ordered_json& object, const std::vector<std::string>& frames);
 
 }  // namespace plumbline::loop

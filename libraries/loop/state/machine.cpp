@@ -170,23 +170,24 @@ bool contradicts(const LoopItemT& item, const ActualT& actual) {
          (actual.outcome == "failed" || actual.outcome == "skipped");
 }
 
-/// The target's own number, also rounded to millimetres.
-bool is_echo(const Eigen::Vector3d& measured, const Eigen::Vector3d& target) {
-  const Eigen::Vector3d rounded = 1e-3 * (1e3 * target).array().round();
-  return (measured - target).cwiseAbs().maxCoeff() <= kEcho || (measured - rounded).cwiseAbs().maxCoeff() < 1e-9;
+/// The target's own number, also rounded: to millimetres here, or as its numbers were in the survey's frame.
+bool is_echo(const ActualT& actual, const Eigen::Vector3d& target) {
+  constexpr double kCorner = 0.867;  // of a cube of rounded places, from its middle, in steps
+  const Eigen::Vector3d rounded = 1e-3 * (1e3 * target).array().round(), off = actual.measured - target;
+  return off.cwiseAbs().maxCoeff() <= kEcho || (actual.measured - rounded).cwiseAbs().maxCoeff() < 1e-9 ||
+         off.norm() <= kCorner * actual.step;
 }
 
 /// Whether a report shows that its panel hangs: it was measured there, and not by copying the target.
 bool shows_panel(const LoopItemT& item, const ActualT& actual) {
   if (!actual.measured.allFinite() || !item.expected.allFinite()) return false;
-  return !is_echo(actual.measured, item.expected) &&
-         (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
+  return !is_echo(actual, item.expected) && (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
 }
 
 /// Why the place of a report that is taken does not show that its panel hangs; empty if it does, or there is none.
 std::string no_proof(const LoopItemT& item, const ActualT& actual) {
   if (item.kind != "panel" || item.seen || !actual.measured.allFinite() || !item.expected.allFinite()) return {};
-  const std::string how = is_echo(actual.measured, item.expected)
+  const std::string how = is_echo(actual, item.expected)
                               ? std::string("is the number that was asked for")
                               : fmt::format("lies {:.0f} mm from where it should be, {:.0f} mm along an axis show it",
                                             1e3 * (actual.measured - item.expected).norm(), 1e3 * kPanelReach);

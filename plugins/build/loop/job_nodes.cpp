@@ -28,7 +28,9 @@ void check_dates(const std::string& created_at, const std::string& valid_until) 
 void WriteJob::run(Context& context) {
   check_dates(*created_at, *valid_until);
   const InstallationPlanT planned = plan.unpack();
-  const Job made = make_job(planned, state.unpack(), static_cast<int>(*floor), *created_at, *valid_until);
+  const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
+  Job made = make_job(planned, state.unpack(), static_cast<int>(*floor), *created_at, *valid_until);
+  if (survey) made = in_survey(made, *survey);
   const std::string text = job_json(made);
   job.commit(text_file("job.json", "application/json", text));
   std::string signed_bytes;
@@ -47,16 +49,17 @@ void WriteJob::run(Context& context) {
   trimble.commit(text_file("layout_trimble.csv", "text/csv", layout_csv(points, LayoutFormat::trimble)));
   leica.commit(text_file("layout_leica.csv", "text/csv", layout_csv(points, LayoutFormat::leica)));
   control_points.commit(text_file("control.csv", "text/csv", layout_csv(of_control, LayoutFormat::hilti)));
-  drawing.commit(text_file("layout.dxf", "image/vnd.dxf", layout_dxf(planned, made, of_control)));
+  drawing.commit(text_file("layout.dxf", "image/vnd.dxf", layout_dxf(planned, made, of_control, survey)));
   context.metric("items", static_cast<double>(made.items.size()), "1");
 }
 
 void ReadActuals::run(Context& context) {
   const std::string text = content_of(*file, context), name = file->name()->str();
-  ActualsT read = *format == "json"      ? read_actuals_json(text, name)
-                  : *format == "hilti"   ? read_staked(text, LayoutFormat::hilti, name)
-                  : *format == "trimble" ? read_staked(text, LayoutFormat::trimble, name)
-                                         : read_staked(text, LayoutFormat::leica, name);
+  const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
+  ActualsT read = *format == "json"      ? read_actuals_json(text, name, survey)
+                  : *format == "hilti"   ? read_staked(text, LayoutFormat::hilti, name, survey)
+                  : *format == "trimble" ? read_staked(text, LayoutFormat::trimble, name, survey)
+                                         : read_staked(text, LayoutFormat::leica, name, survey);
   for (const auto* lines : {&read.refused, &read.ignored})
     for (const std::string& line : *lines) context.warn(line);
   if (read.items.empty())

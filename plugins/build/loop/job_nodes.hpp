@@ -7,16 +7,20 @@
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "artifacts/transform.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::loop {
 
 struct WriteJob : Node {
-  static constexpr Info info{"write.job", "", 2, "What is released, for robots (JSON, signed) and for layout tools"};
+  static constexpr Info info{"write.job", "", 3, "What is released, for robots (JSON, signed) and for layout tools"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan that released it"};
   In<LoopState> state{"state", frame("frame=?F"), "the state after the release"};
   Optional<Points> control{"control", frame("frame=?F"),
                            "control points, for a file of their own: a tool is set up on them"};
+  Optional<Transform> frames{"frames", frame("to=?F,from=?S"),
+                             "what survey and control were moved by into the frame of the plan (frames.to_building): "
+                             "jobs and layouts go back by it; without: nothing"};
   Param<int64_t> floor{"floor", 0, between(0, 1000), "items of this floor only; 0: all"};
   Param<std::string> created_at{"created_at", "", "when, ISO 8601 with zone; empty: not said"};
   Param<std::string> valid_until{"valid_until", "",
@@ -35,9 +39,12 @@ struct WriteJob : Node {
 };
 
 struct ReadActuals : Node {
-  static constexpr Info info{"read.actuals", "", 2,
+  static constexpr Info info{"read.actuals", "", 3,
                              "What robots and people report: actuals.json, or staked points of a layout tool"};
   In<File> file{"file", "the file"};
+  Optional<Transform> frames{"frames", frame("to=building,from=?S"),
+                             "what the survey was moved by into the building's frame: staked points are in the "
+                             "survey's; without: they share one"};
   Param<std::string> format{"format", "json", one_of("json", "hilti", "trimble", "leica"), "who wrote it"};
   Param<std::string> frame_name{"frame", "building", one_of("building"), "frame of its places"};
   Out<Actuals> actuals{"actuals", frame("frame=building"), "the reports"};

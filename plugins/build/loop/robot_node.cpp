@@ -31,6 +31,10 @@ void RobotNode::tell_of_what_the_plan_took(const Job& todo, Context& context) co
 
 void RobotNode::run(Context& context) {
   const Job todo = read_job(content_of(*job, context));
+  if (todo.building_from_job)
+    throw std::runtime_error(
+        "the job is in the frame of the survey, and what is simulated is in that of the design; "
+        "expected a job without 'frames' (write.job)");
   tell_of_what_the_plan_took(todo, context);
   PointsT site = truth.unpack();
   std::map<std::string, PointT*> point;

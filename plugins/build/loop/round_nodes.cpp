@@ -52,14 +52,17 @@ void ReadReports::run(Context& context) {
   if (states->size() != jobs->size())
     throw std::runtime_error("found " + std::to_string(states->size()) + " files of states and " +
                              std::to_string(jobs->size()) + " jobs; expected for each the job that it answers");
+  const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
   ActualsT all;
-  for (const FilePath& file : *json) take(read_actuals_json(text_of(file), name_of_file(file)), all);
-  for (const FilePath& file : *hilti) take(read_staked(text_of(file), LayoutFormat::hilti, name_of_file(file)), all);
-  for (const FilePath& file : *trimble)
-    take(read_staked(text_of(file), LayoutFormat::trimble, name_of_file(file)), all);
-  for (const FilePath& file : *leica) take(read_staked(text_of(file), LayoutFormat::leica, name_of_file(file)), all);
+  for (const FilePath& file : *json) take(read_actuals_json(text_of(file), name_of_file(file), survey), all);
+  const auto take_staked = [&](const std::vector<FilePath>& files, LayoutFormat format) {
+    for (const FilePath& file : files) take(read_staked(text_of(file), format, name_of_file(file), survey), all);
+  };
+  take_staked(*hilti, LayoutFormat::hilti);
+  take_staked(*trimble, LayoutFormat::trimble);
+  take_staked(*leica, LayoutFormat::leica);
   for (std::size_t i = 0; i < states->size(); ++i)
-    take(vda_actuals(text_of((*states)[i]), read_job(text_of((*jobs)[i])), name_of_file((*states)[i])), all);
+    take(vda_actuals(text_of((*states)[i]), read_job(text_of((*jobs)[i])), name_of_file((*states)[i]), survey), all);
   for (const auto& item : all.items)
     if (item->at.empty()) {
       context.warn("the report on " + item->item +

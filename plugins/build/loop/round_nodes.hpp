@@ -3,6 +3,7 @@
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/loop_state.hpp"
+#include "artifacts/transform.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::loop {
@@ -19,8 +20,11 @@ struct ReadState : Node {
 };
 
 struct ReadReports : Node {
-  static constexpr Info info{"read.reports", "", 2,
+  static constexpr Info info{"read.reports", "", 3,
                              "What robots and people report since the last round, out of as many files as there are"};
+  Optional<Transform> frames{"frames", frame("to=building,from=?S"),
+                             "what the survey was moved by into the building's frame: staked points, and what answers "
+                             "a job in the survey's frame, are there; without: they share one"};
   Param<std::vector<FilePath>> json{"json", std::vector<FilePath>{}, "files like actuals.json"};
   Param<std::vector<FilePath>> hilti{"hilti", std::vector<FilePath>{}, "staked points: PtID;E;N;H"};
   Param<std::vector<FilePath>> trimble{"trimble", std::vector<FilePath>{},

@@ -19,7 +19,8 @@ void WriteVda5050::run(Context& context) {
 
 void ReadVda5050::run(Context& context) {
   const Job ordered = read_job(content_of(*job, context));
-  const ActualsT read = vda_actuals(content_of(*states, context), ordered, states->name()->str());
+  const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
+  const ActualsT read = vda_actuals(content_of(*states, context), ordered, states->name()->str(), survey);
   for (const auto* lines : {&read.refused, &read.ignored})
     for (const std::string& line : *lines) context.warn(line);
   context.metric("reports", static_cast<double>(read.items.size()), "1");

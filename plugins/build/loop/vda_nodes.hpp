@@ -3,6 +3,7 @@
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/transform.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::loop {
@@ -21,9 +22,12 @@ struct WriteVda5050 : Node {
 };
 
 struct ReadVda5050 : Node {
-  static constexpr Info info{"read.vda5050", "", 1, "State messages of robots as reports on the items of a job"};
+  static constexpr Info info{"read.vda5050", "", 2, "State messages of robots as reports on the items of a job"};
   In<File> job{"job", "job.json that was ordered"};
   In<File> states{"states", "state messages of VDA 5050, one in each line, in any order, as often as they came"};
+  Optional<Transform> frames{"frames", frame("to=building,from=?S"),
+                             "what the survey was moved by into the building's frame, for a job in the survey's; "
+                             "without: they share one"};
   Param<std::string> frame_name{"frame", "building", one_of("building"), "frame of its places"};
   Out<Actuals> actuals{"actuals", frame("frame=building"), "the reports, each item once"};
   void run(Context& context) override;

@@ -39,10 +39,27 @@ std::string day(int number, const char* time) {
   return text;
 }
 
+/// How the design lies in the survey: where its origin is, and by how much it is turned.
+struct SurveyFrame {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  double degrees = 0;
+
+  double angle() const { return degrees * 3.14159265358979323846 / 180; }
+  Eigen::Matrix3d turn() const { return Eigen::AngleAxisd(angle(), Eigen::Vector3d::UnitZ()).toRotationMatrix(); }
+  Eigen::Vector3d survey(const Eigen::Vector3d& building) const { return origin + turn() * building; }
+  Eigen::Vector3d building(const Eigen::Vector3d& survey) const { return turn().transpose() * (survey - origin); }
+  std::vector<std::string> words() const {
+    char text[200];
+    std::snprintf(text, sizeof text, "frames.with.translation=[%.4f, %.4f, %.4f]", origin.x(), origin.y(), origin.z());
+    return {"frames.with.use=given", text, "frames.with.rotation=" + std::to_string(angle()),
+            "frames.with.sigmas=[0.00001, 0.0005, 0.0005, 0.0005]"};
+  }
+};
+
 /// Where hooks are, and robots that do what a job says to a tenth of a millimetre.
 class Site {
  public:
-  explicit Site(const Program& plumbline) : plumbline_(plumbline) {
+  explicit Site(const Program& plumbline, SurveyFrame frame = {}) : plumbline_(plumbline), frame_(frame) {
     plumbline.write("start.yaml", kStart), plumbline.write("measure.yaml", kMeasure);
     const Answer answer = plumbline({"run", "start.yaml", "--out", "start", "seed=3"});
     if (answer.code != 0) throw std::runtime_error(answer.err);
@@ -68,16 +85,17 @@ class Site {
         plumbline_({"run", "measure.yaml", "--out", out, "truth=truth.csv", "seed=" + std::to_string(round)});
     if (answer.code != 0) throw std::runtime_error(answer.err);
     fs::create_directory(plumbline_.work() / folder);
-    for (const char* name : {"plates.csv", "design.ifc"})
-      fs::copy_file(plumbline_.work() / "start/site" / name, plumbline_.work() / folder / name);
+    fs::copy_file(plumbline_.work() / "start/site/design.ifc", plumbline_.work() / folder / "design.ifc");
+    plumbline_.write(folder + "/plates.csv", turned_plates());
     fs::copy_file(plumbline_.work() / out / "readings.csv", plumbline_.work() / folder / "readings.csv");
     std::string control = "id,E,N,H,sE_mm,sN_mm,sH_mm\n";
     const Json marks = Json::parse(read_file(plumbline_.work() / out / "control.json"));
     for (const Json& point : marks["points"]) {
-      const Json& p = point["position"];
+      const Json& given = point["position"];
+      const Eigen::Vector3d p = frame_.survey({given[0].get<double>(), given[1].get<double>(), given[2].get<double>()});
       char text[200];
-      std::snprintf(text, sizeof text, "%s,%.6f,%.6f,%.6f,0.3,0.3,0.3\n", point["id"].get<std::string>().c_str(),
-                    p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+      std::snprintf(text, sizeof text, "%s,%.6f,%.6f,%.6f,0.3,0.3,0.3\n", point["id"].get<std::string>().c_str(), p.x(),
+                    p.y(), p.z());
       control += text;
     }
     plumbline_.write(folder + "/control.csv", control);
@@ -89,6 +107,7 @@ class Site {
   /// Does the job of a round, and reports it the day after. Returns the number of items.
   std::size_t work(int round) {
     const loop::Job job = loop::read_job(read_file(plumbline_.work() / ("round" + std::to_string(round)) / "job.json"));
+    if (job.frame != (frame_.degrees == 0 ? "building" : "survey")) throw std::runtime_error("a job in " + job.frame);
     Random luck(7, "robot", static_cast<std::uint64_t>(round));
     Json reports;
     reports["items"] = Json::array();
@@ -98,9 +117,10 @@ class Site {
                   {"revision", item.revision},
                   {"by", "robot-1"},
                   {"at", day(round + 1, "06:00")},
+                  {"frame", job.frame},
                   {"outcome", "done"}};
       if (item.kind == "bracket")
-        move(item.id, item.design_rotation * (item.setting + luck.normal3(0.0001)));
+        move(item.id, frame_.turn().transpose() * (item.design_rotation * (item.setting + luck.normal3(0.0001))));
       else
         for (int k = 0; k < 3; ++k) report["measured"].push_back(job.origin[k] + item.target[k] + luck.normal(0.001));
       reports["items"].push_back(report);
@@ -120,6 +140,13 @@ class Site {
     }
   }
 
+  /// Where the hook of a bracket is, in the frame of the survey.
+  Eigen::Vector3d place(const std::string& name) const {
+    for (const std::string& row : truth_)
+      if (const auto [id, place] = read(row); id == name) return frame_.survey(place);
+    throw std::runtime_error(name + " is no anchor");
+  }
+
   std::vector<std::string> names() const {
     std::vector<std::string> all;
     for (const std::string& row : truth_) all.push_back(read(row).first);
@@ -127,6 +154,25 @@ class Site {
   }
 
  private:
+  /// Azimuths of plates count from the north of the survey.
+  std::string turned_plates() const {
+    std::istringstream rows(read_file(plumbline_.work() / "start/site/plates.csv"));
+    std::string text, row;
+    std::getline(rows, row);
+    std::istringstream heads(row);
+    std::size_t column = 0;
+    for (std::string head; std::getline(heads, head, ',') && head != "facing_azimuth_deg";) ++column;
+    text = row + "\n";
+    while (std::getline(rows, row)) {
+      std::istringstream cells(row);
+      std::size_t at = 0;
+      for (std::string cell; std::getline(cells, cell, ','); ++at)
+        text += (at > 0 ? "," : "") + (at == column ? std::to_string(std::stod(cell) - frame_.degrees) : cell);
+      text += "\n";
+    }
+    return text;
+  }
+
   /// Of a row of truth/anchors.csv, or one of ours.
   std::pair<std::string, Eigen::Vector3d> read(const std::string& row) const {
     std::vector<std::string> cells;
@@ -137,6 +183,7 @@ class Site {
   }
 
   const Program& plumbline_;
+  SurveyFrame frame_;
   std::string head_;
   std::vector<std::string> truth_;
 };
@@ -186,6 +233,80 @@ TEST(SiteLoop, RoundAfterRoundUntilEveryPanelHangs) {
   const std::string state = read_file(plumbline.work() / out / "state.json");
   EXPECT_EQ(run_round(plumbline, round).code, 0);
   EXPECT_EQ(read_file(plumbline.work() / out / "state.json"), state);
+}
+
+/// Points of a layout file: PtID;E;N;H.
+std::map<std::string, Eigen::Vector3d> points_of(const fs::path& file) {
+  std::map<std::string, Eigen::Vector3d> points;
+  std::istringstream rows(read_file(file));
+  std::string row;
+  std::getline(rows, row);
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    std::vector<std::string> cell(4);
+    for (std::string& one : cell) std::getline(cells, one, ';');
+    points[cell[0]] = {std::stod(cell[1]), std::stod(cell[2]), std::stod(cell[3])};
+  }
+  return points;
+}
+
+/// A tool is set up on control.csv and sets what is in layout_hilti.csv. In two frames, 50 mm or 6000 km apart, it sets
+/// it there; what it stakes comes back, and the next campaign finds every bracket where it was to be.
+TEST(SiteLoop, ControlLayoutsAndStakedPointsAreInTheFrameOfTheSurvey) {
+  for (const SurveyFrame& frame :
+       {SurveyFrame{{0.030, -0.045, 0.020}, 0.5}, SurveyFrame{{500000, 5700000, 432.1}, 33}}) {
+    const Program plumbline;
+    Site site(plumbline, frame);
+    site.measure(1);
+    ASSERT_EQ(run_round(plumbline, 1, frame.words()).code, 0);
+    const auto layout = points_of(plumbline.work() / "round1/layout_hilti.csv");
+    ASSERT_FALSE(layout.empty());
+    std::map<std::string, Eigen::Vector3d> before;
+    for (const auto& [name, place] : layout) before[name] = site.place(name);
+    site.work(1);  // along each bracket's own axes, whatever the frame
+    for (const auto& [name, place] : layout) {
+      EXPECT_LT((place - site.place(name)).norm(), 0.0015) << name << ": stakes and settings say the same";
+      EXPECT_LT((place - before[name]).norm(), 0.03) << name;
+    }
+    const Json job = Json::parse(read_file(plumbline.work() / "round1/job.json"));
+    EXPECT_EQ(job["frames"][0]["name"], "survey");
+    EXPECT_NEAR(std::sqrt(job["frames"][0]["buildingFromFrame"]["covariance"][14].get<double>()), 0.0005, 1e-6);
+    std::string staked = "PtID;E;N;H;Timestamp\n";
+    for (const auto& [name, place] : layout) {
+      char text[200];
+      const Eigen::Vector3d p = site.place(name);
+      std::snprintf(text, sizeof text, "%s;%.4f;%.4f;%.4f;%s\n", name.c_str(), p.x(), p.y(), p.z(),
+                    day(2, "06:00").c_str());
+      staked += text;
+    }
+    plumbline.write("staked.csv", staked);
+    site.measure(2);
+    std::vector<std::string> words = frame.words();
+    words.push_back("reports.with.hilti=[staked.csv]"), words.push_back("reports.with.json=[]");
+    const Answer second = run_round(plumbline, 2, words);
+    ASSERT_EQ(second.code, 0) << second.out << second.err;
+    const std::string summary = read_file(plumbline.work() / "round2/summary.txt");
+    EXPECT_FALSE(contains(summary, "not taken")) << summary;
+    EXPECT_TRUE(contains(summary, "floor 1: hang ")) << summary;
+  }
+}
+
+/// Reports of robots in that frame, until every panel hangs.
+TEST(SiteLoop, InAMapRoundAfterRoundUntilEveryPanelHangs) {
+  const Program plumbline;
+  const SurveyFrame map{{500000, 5700000, 432.1}, 33};
+  Site site(plumbline, map);
+  std::string summary;
+  for (int round = 1; round < 16; ++round) {
+    site.measure(round);
+    const Answer answer = run_round(plumbline, round, map.words());
+    ASSERT_EQ(answer.code, 0) << answer.out << answer.err;
+    summary = read_file(plumbline.work() / ("round" + std::to_string(round)) / "summary.txt");
+    EXPECT_FALSE(contains(summary, "not taken")) << summary;
+    if (contains(summary, "next: nothing: every panel hangs")) break;
+    site.work(round);
+  }
+  EXPECT_TRUE(contains(summary, "next: nothing: every panel hangs within its limits")) << summary;
 }
 
 TEST(SiteLoop, WhatARoundMustKnowIsAskedFor) {

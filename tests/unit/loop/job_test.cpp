@@ -343,8 +343,8 @@ TEST(LayoutFiles, ColumnsThatNobodyReadsAreNamed) {
   EXPECT_EQ(ignored("A;1;2;3\n"), "");
   EXPECT_EQ(ignored("PtID;E;N;H;Remark;Setting\nA;1;2;3;bolt stuck;0.004\n"),
             "s.csv: 'Remark' and 'Setting' are not read\n");
-  EXPECT_NE(ignored("PtID;Design E;Design N;Design H;Staked E;Staked N;Staked H\nA;1;2;3;4;5;6\n")
-                .find("what its column 'Design E' is nobody knows here; it is taken for the easting"),
+  EXPECT_NE(ignored("PtID;Grid E;Grid N;Grid H\nA;1;2;3\n")
+                .find("what its column 'Grid E' is nobody knows here; it is taken for the easting"),
             std::string::npos);
   // Where it was to be and where it is: the first would be an echo of the design.
   EXPECT_THROW(ignored("PtID;E;N;H;East;North;Height\nA;1;2;3;4;5;6\n"), std::runtime_error);
@@ -398,7 +398,72 @@ TEST(LayoutFiles, WhatIsNoPointIsRefusedWithItsLine) {
   EXPECT_EQ(back.refused,
             (std::vector<std::string>{"staked.csv:3: found 3 columns, expected a name and three coordinates",
                                       "staked.csv:4: the coordinates of 'y' are no numbers",
-                                      "staked.csv:5: 'F01-C01-R1' occurs twice; the first is taken"}));
+                                      "staked.csv:5: 'F01-C01-R1' stands in line 2 too, 0.0 mm from here; line 2 is "
+                                      "taken, they say the same"}));
+}
+
+/// Which of two rows is the correction nobody can tell but by a date.
+TEST(LayoutFiles, OfAPointThatWasStakedTwiceTheLastCountsOrNone) {
+  const auto read = [](const std::string& rows) {
+    return read_staked("PtID;E;N;H;Timestamp\n" + rows, LayoutFormat::hilti, "s.csv");
+  };
+  const std::string first = "A;3.0119;0;1;2026-05-05T07:00:00Z\n", second = "A;3.0019;0;1;2026-05-05T09:00:00+02:00\n",
+                    third = "A;3.0020;0;1;2026-05-05T08:00:00Z\n", other = "B;1;2;3;2026-05-05T07:00:00Z\n";
+  for (const std::string& rows : {first + other + third, third + first + other}) {
+    const ActualsT back = read(rows);
+    ASSERT_EQ(back.items.size(), 2u);
+    const ActualT& a = *back.items[back.items[0]->item == "A" ? 0 : 1];
+    EXPECT_EQ(a.measured.x(), 3.0020) << rows;
+    ASSERT_EQ(back.refused.size(), 1u);
+    EXPECT_NE(back.refused[0].find("9.9 mm from here; line " + a.source.substr(6) + " is taken, the last by its date"),
+              std::string::npos)
+        << back.refused[0];
+  }
+  for (const std::string& rows :
+       {first + second + other, std::string("A;3.0119;0;1\nA;3.0019;0;1\nB;1;2;3\n"),
+        std::string("A;3.0119;0;1;2026-05-05T07:00:00Z\nA;3.0019;0;1;05.05.2026 09:00\nB;1;2;3\n")}) {
+    const ActualsT back = read(rows);
+    ASSERT_EQ(back.items.size(), 1u) << rows;
+    EXPECT_EQ(back.items[0]->item, "B");
+    EXPECT_EQ(back.refused, std::vector<std::string>{"s.csv:3: 'A' stands in line 2 too, 10.0 mm from here; no date "
+                                                     "says which is the last one, and none is taken: keep that row "
+                                                     "alone"});
+  }
+}
+
+/// Layout tools write where a point was to be beside where it is.
+TEST(LayoutFiles, WhereAPointWasToBeIsNotWhereItIs) {
+  const Eigen::Vector3d staked(401.25, 77.5, 12.125);
+  const auto read = [](const std::string& head, const std::string& row) {
+    return read_staked(head + "\nA;" + row + "\n", LayoutFormat::hilti, "s.csv");
+  };
+  for (const char* head : {"PtID;Design E;Design N;Design H;Staked E;Staked N;Staked H",
+                           "PtID;E;N;H;E staked;N staked;H staked", "PtID;E_soll;N_soll;H_soll;E_ist;N_ist;H_ist [m]",
+                           "Name;Design Easting;Design Northing;Design Elevation;As-staked Easting;As-staked "
+                           "Northing;As-staked Elevation"}) {
+    const ActualsT back = read(head, "1;2;3;401.25;77.5;12.125");
+    ASSERT_EQ(back.items.size(), 1u) << head;
+    EXPECT_EQ(back.items[0]->measured, staked) << head;
+    EXPECT_EQ(back.ignored.size(), 1u) << head;
+  }
+  EXPECT_EQ(
+      read("PtID;Design E;Design N;Design H;E;N;H;dE;Delta N", "1;2;3;401.25;77.5;12.125;0;0").items.at(0)->measured,
+      staked);
+  const auto fault = [&](const std::string& head) {
+    try {
+      read(head, "1;2;3;4;5;6");
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(fault("PtID;Design E;Design N;Design H").find("names where points were to be, and not where they were"),
+            std::string::npos);
+  EXPECT_NE(fault("PtID;E;N;H;Staked E;Staked N").find("names some coordinates of where they were staked"),
+            std::string::npos);
+  EXPECT_NE(fault("PtID;Grid E;Grid N;Grid H;Local E;Local N;Local H").find("'Grid E' and 'Local E' say the same"),
+            std::string::npos);
+  EXPECT_EQ(fault("PtID;E;N;H;Target Height;Instrument Height"), "");
 }
 
 TEST(LayoutFiles, ANameWithASeparatorIsRefused) {

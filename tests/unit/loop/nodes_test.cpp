@@ -1,16 +1,20 @@
 // What nodes of the loop and the program that speaks to robots say, and what they refuse.
 #include <sys/wait.h>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/frame_artifact.hpp"
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "artifacts/transform.hpp"
 #include "loop/job/job.hpp"
+#include "loop/job/layout_files.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "node_harness.hpp"
@@ -63,6 +67,41 @@ TEST(WriteJob, DatesThatRobotsWouldRefuseAreRefusedBeforeTheJobIsOut) {
             std::string::npos);
   EXPECT_NE(said("", "3.5.2026").find("valid_until is '3.5.2026'; expected ISO 8601 with a zone"), std::string::npos);
   EXPECT_NE(said("2026-05-02T08:00:00", "").find("created_at is '2026-05-02T08:00:00'; expected"), std::string::npos);
+}
+
+/// A survey that is shifted by millimetres looks like no other frame, and is one.
+TEST(WriteJob, HandsOutWhatIsWhereTheControlIs) {
+  const Released released;
+  FrameLink link;
+  link.to = "building", link.from = "survey", link.plan_only = true;
+  link.to_from_from.translation = {0.030, -0.045, 0.020};
+  PointsT control;
+  control.points.push_back(std::make_unique<PointT>());
+  control.points[0]->id = "G1", control.points[0]->role = "control";
+  control.points[0]->position = {-4, -8, 1}, control.points[0]->sigma.setConstant(0.0005);
+  const auto outputs = [&](const FrameLink* applied) {
+    NodeHarness node("write.job");
+    node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", released.state);
+    node.input<Points>("control", control);
+    if (applied) node.input<Transform>("frames", transform_artifact(*applied));
+    node.run();
+    return std::array{text_of(node.output<File>("job")), text_of(node.output<File>("hilti")),
+                      text_of(node.output<File>("control_points"))};
+  };
+  const auto designed = outputs(nullptr), turned = outputs(&link);
+  EXPECT_EQ(designed[2], turned[2]) << "as it was given";
+  const auto first = [](const std::string& layout) {
+    return read_staked(layout, LayoutFormat::hilti, "layout").items.at(0)->measured;
+  };
+  EXPECT_LT((first(designed[1]) - first(turned[1]) - link.to_from_from.translation).norm(), 2e-4);
+  EXPECT_EQ(read_job(designed[0]).frame, "building");
+  EXPECT_EQ(read_job(turned[0]).frame, "survey");
+  EXPECT_EQ(read_job(turned[0]).id, read_job(designed[0]).id);
+  link.plan_only = false, link.to_from_from.rotation = Eigen::AngleAxisd(0.002, Eigen::Vector3d::UnitX());
+  NodeHarness node("write.job");
+  node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", released.state);
+  node.input<Transform>("frames", transform_artifact(link));
+  EXPECT_NE(said_of(node).find("mm per metre against the design"), std::string::npos) << said_of(node);
 }
 
 TEST(ReadActuals, WhatIsNotReadIsSaid) {
