@@ -9,6 +9,7 @@
 #include "base/text/bare_name.hpp"
 #include "base/text/words.hpp"
 #include "build/loop/panel_limits.hpp"
+#include "build/loop/panel_order.hpp"
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/panel_fit.hpp"
@@ -190,7 +191,7 @@ class Builder {
         if (!(limits.wider + limits.narrower > 0)) continue;
         in_.facade.joints.push_back(joint_of(a, b, upward, said->design, limits));
       }
-    wait_for_what_is_not_planned();
+    wait_for_what_is_below();
     for (const auto& [panel, before] : rules_.after) add_dependence(panel, before);
   }
 
@@ -260,13 +261,54 @@ class Builder {
     return facts;
   }
 
+  /// By its name where that is its own. Else as a round before named it, by its tag, or by its name and the anchor next
+  /// to its lower left corner: a GlobalId tells nobody which panel to hang.
   void name_panels() {
-    std::map<std::string, int> count;
-    for (const auto& panel : deviation_.panels) ++count[panel->name], judged_[panel->guid] = panel.get();
-    for (const auto& panel : deviation_.panels)
-      id_of_[panel->guid] = panel->name.empty() || count[panel->name] > 1 ? panel->guid : panel->name;
+    std::map<std::string, int> named, tagged;
+    for (const auto& panel : deviation_.panels) {
+      ++named[panel->name], ++tagged[tag_of(panel->guid)];
+      judged_[panel->guid] = panel.get();
+    }
+    std::map<std::string, int> taken;
+    for (const auto& panel : deviation_.panels) {
+      std::string id = named[panel->name] == 1 ? panel->name : id_in_state(panel->guid);
+      if (id.empty() && tagged[tag_of(panel->guid)] == 1) id = tag_of(panel->guid);
+      if (id.empty()) id = name_by_anchor(*panel);
+      ++taken[id_of_[panel->guid] = id];
+    }
+    for (auto& [guid, id] : id_of_)
+      if (id.empty() || taken[id] > 1) id = guid;
     for (const auto& [guid, element] : elements_)
       if (element->is_panel) wholes_.insert(element->parent_guid);
+  }
+
+  std::string tag_of(const std::string& guid) const {
+    const auto element = elements_.find(guid);
+    return element == elements_.end() ? "" : element->second->tag;
+  }
+
+  /// Of a panel with this GlobalId in the state of the round before; empty: there is none.
+  std::string id_in_state(const std::string& guid) const {
+    if (state_)
+      for (const auto& item : state_->items)
+        if (item->kind == "panel" && item->guid == guid) return item->id;
+    return {};
+  }
+
+  /// "Panel at F1-C1-R1"; empty where no anchor of it has a place.
+  std::string name_by_anchor(const PanelDeviationT& panel) const {
+    const auto corner = std::find_if(panel.corners.begin(), panel.corners.end(),
+                                     [](const auto& one) { return one->name == "bottom_left"; });
+    if (corner == panel.corners.end()) return {};
+    std::string nearest;
+    double least = std::numeric_limits<double>::infinity();
+    const std::vector<std::string> own = anchors_of(panel);
+    for (const auto& anchor : deviation_.anchors)
+      if (const double off = (anchor->design - (*corner)->design).norm();
+          off < least && std::find(own.begin(), own.end(), anchor->id) != own.end())
+        least = off, nearest = anchor->id;
+    if (nearest.empty()) return {};
+    return (panel.name.empty() ? "panel at " : panel.name + " at ") + nearest;
   }
 
   static std::vector<std::string> anchors_of(const PanelDeviationT& judged) {
@@ -329,55 +371,83 @@ class Builder {
     return joint;
   }
 
-  /// A panel of the design of which no anchor was measured is no panel of the facade, and those above it wait
-  /// nevertheless.
-  void wait_for_what_is_not_planned() {
-    std::set<std::string> unknown(rules_.standing.begin(), rules_.standing.end());
-    const bool all_stand = unknown.erase("*") > 0;
-    for (const auto& [guid, element] : elements_) {
-      if (!element->is_panel || wholes_.count(guid) > 0) continue;
-      const bool stands = unknown.erase(element->name) > 0 || all_stand;
-      if (stands || panel_at_.count(guid) > 0 || !element->box_low.allFinite() || !element->box_high.allFinite())
-        continue;
-      const std::string id = id_of_unplanned(*element);
-      std::vector<std::string> above;
-      for (Panel& panel : in_.facade.panels)
-        if (is_below(*element, panel)) panel.depends_on.push_back(id), above.push_back(panel.id);
-      if (!above.empty())
-        in_.notes.push_back("panel " + id + " is not planned and is below " + text::join(above, 8) +
-                            ": wait for it, unless a round before saw it hang or standing=['" + element->name +
+  /// A panel waits for the next ones below, whatever is between; for those too of which no anchor was measured, and
+  /// which are no panels of the facade.
+  void wait_for_what_is_below() {
+    std::vector<PanelPlace> places;
+    for (const Panel& panel : in_.facade.panels)
+      places.push_back({panel.id, {panel.corners.begin(), panel.corners.end()}});
+    const std::size_t planned = places.size();
+    check_standing();
+    const std::vector<const DesignElementT*> unplanned = unplanned_panels();
+    for (const DesignElementT* element : unplanned) places.push_back({id_of_unplanned(*element), box_of(*element)});
+    std::vector<std::vector<std::string>> above(unplanned.size());
+    for (Panel& panel : in_.facade.panels)
+      for (const std::size_t below : next_below(panel, places)) {
+        if (is_said_to_come_after(places[below].id, panel.id) ||
+            (below >= planned && is_said_to_stand(*unplanned[below - planned])))
+          continue;
+        depend(panel, places[below].id);
+        if (below >= planned) above[below - planned].push_back(panel.id);
+      }
+    for (std::size_t i = 0; i < unplanned.size(); ++i)
+      if (!above[i].empty())
+        in_.notes.push_back("panel " + places[planned + i].id + " is not planned and is below " +
+                            text::join(above[i], 8) +
+                            ": wait for it, unless a round before saw it hang or standing=['" + unplanned[i]->name +
                             "'] says that it does");
-    }
-    if (!unknown.empty())
-      throw std::runtime_error("'standing' names '" + *unknown.begin() + "', which is no panel of the design");
+  }
+
+  /// Who hangs from the top downward says so, and no joint contradicts it.
+  bool is_said_to_come_after(const std::string& panel, const std::string& other) const {
+    const auto rule = rules_.after.find(panel);
+    return rule != rules_.after.end() &&
+           std::find(rule->second.begin(), rule->second.end(), other) != rule->second.end();
+  }
+
+  void check_standing() const {
+    for (const std::string& name : rules_.standing)
+      if (name != "*" && std::none_of(elements_.begin(), elements_.end(), [&](const auto& element) {
+            return element.second->is_panel && wholes_.count(element.first) == 0 && element.second->name == name;
+          }))
+        throw std::runtime_error("'standing' names '" + name + "', which is no panel of the design");
+  }
+
+  bool is_said_to_stand(const DesignElementT& panel) const {
+    return std::any_of(rules_.standing.begin(), rules_.standing.end(),
+                       [&](const std::string& name) { return name == "*" || name == panel.name; });
+  }
+
+  /// Panels of the design with a place that are not planned.
+  std::vector<const DesignElementT*> unplanned_panels() const {
+    std::vector<const DesignElementT*> out;
+    for (const auto& [guid, element] : elements_)
+      if (element->is_panel && wholes_.count(guid) == 0 && panel_at_.count(guid) == 0 && element->box_low.allFinite() &&
+          element->box_high.allFinite())
+        out.push_back(element);
+    return out;
+  }
+
+  static std::vector<Eigen::Vector3d> box_of(const DesignElementT& element) {
+    std::vector<Eigen::Vector3d> corners;
+    for (int corner = 0; corner < 8; ++corner)
+      corners.push_back(element.placement * Eigen::Vector3d((corner & 1 ? element.box_high : element.box_low).x(),
+                                                            (corner & 2 ? element.box_high : element.box_low).y(),
+                                                            (corner & 4 ? element.box_high : element.box_low).z()));
+    return corners;
   }
 
   /// As a round before has named it.
   std::string id_of_unplanned(const DesignElementT& element) const {
-    if (state_)
-      for (const auto& item : state_->items)
-        if (item->kind == "panel" && item->guid == element.guid) return item->id;
-    const bool is_taken = std::any_of(in_.facade.panels.begin(), in_.facade.panels.end(),
-                                      [&](const Panel& panel) { return panel.id == element.name; });
+    if (const std::string known = id_in_state(element.guid); !known.empty()) return known;
+    const auto& planned = in_.facade.panels;
+    const bool is_taken =
+        std::any_of(planned.begin(), planned.end(), [&](const Panel& panel) { return panel.id == element.name; }) ||
+        std::any_of(elements_.begin(), elements_.end(), [&](const auto& other) {
+          return other.first != element.guid && other.second->is_panel && other.second->name == element.name &&
+                 wholes_.count(other.first) == 0;
+        });
     return element.name.empty() || is_taken ? element.guid : element.name;
-  }
-
-  /// Whether the box of an element ends where the panel begins, over half of the narrower one's width.
-  static bool is_below(const DesignElementT& element, const Panel& panel) {
-    constexpr double kWidestJoint = 0.2, kOverlap = 0.02, kDepth = 0.3;  // [m]
-    Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Eigen::Vector3d at((corner & 1 ? element.box_high : element.box_low).x(),
-                               (corner & 2 ? element.box_high : element.box_low).y(),
-                               (corner & 4 ? element.box_high : element.box_low).z());
-      const Eigen::Vector3d place = panel.axes.transpose() * (element.placement * at);
-      low = low.cwiseMin(place), high = high.cwiseMax(place);
-    }
-    const Eigen::Vector3d begin = panel.axes.transpose() * panel.corners[0],
-                          end = panel.axes.transpose() * panel.corners[3];
-    const double gap = begin.y() - high.y(), common = std::min(high.x(), end.x()) - std::max(low.x(), begin.x());
-    return gap > -kOverlap && gap < kWidestJoint && common >= 0.5 * std::min(high.x() - low.x(), end.x() - begin.x()) &&
-           std::abs(0.5 * (low.z() + high.z()) - begin.z()) < kDepth;
   }
 
   void add_dependence(const std::string& panel, const std::vector<std::string>& before) {

@@ -150,8 +150,67 @@ TEST(FacadeInput, APanelWaitsForTheOneBelowAlsoWhereThatOneIsNotPlanned) {
     rules.standing = {standing};
     EXPECT_TRUE(before("South").empty()) << standing;
   }
+  // What is under one that hangs is not next.
+  add_element("Lowest", {0.1, -0.1, -4.0}, {1.9, 0.1, -2.02});
+  rules.standing = {"Low"};
+  EXPECT_TRUE(before("South").empty());
+  rules.standing.clear();
+  EXPECT_EQ(before("South"), std::vector<std::string>{"Low"});
   rules.standing = {"Lwo"};
   EXPECT_NE(fault_of(input, rules).find("'standing' names 'Lwo', which is no panel of the design"), std::string::npos);
+}
+
+/// Rows with windows between have no joint that would say which of them is first.
+TEST(FacadeInput, APanelWaitsForTheNextOneBelowAlsoAcrossARibbonOfWindows) {
+  Input input;
+  for (const auto& [name, height] : {std::pair("Low", 0.0), {"Middle", 4.1}, {"High", 8.2}})
+    add_panel(input, name, {0, 0, height}, {0, -1, 0});
+  add_panel(input, "Aside", {2.02, 0, 4.1}, {0, -1, 0});
+  const std::size_t n = 3 * input.model.points.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 0.0003 * 0.0003 : 0.0);
+  FacadeRules rules;
+  const auto before = [&](const std::string& id) {
+    const FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+    EXPECT_TRUE(faults_of(made.facade).empty());
+    return std::find_if(made.facade.panels.begin(), made.facade.panels.end(),
+                        [&](const Panel& p) { return p.id == id; })
+        ->depends_on;
+  };
+  EXPECT_EQ(before("Middle"), std::vector<std::string>{"Low"});
+  EXPECT_EQ(before("High"), std::vector<std::string>{"Middle"}) << "what is below that waits by itself";
+  EXPECT_TRUE(before("Low").empty());
+  EXPECT_TRUE(before("Aside").empty());
+  rules.after["Low"] = {"Middle"}, rules.after["Middle"] = {"High"};
+  EXPECT_EQ(before("Low"), std::vector<std::string>{"Middle"}) << "from the top downward, as it is said";
+  EXPECT_TRUE(before("High").empty());
+}
+
+/// A GlobalId tells nobody which panel to hang.
+TEST(FacadeInput, PanelsOfOneNameAreToldApartByTagOrAnchor) {
+  Input input = two_facades();
+  for (auto& panel : input.deviation.panels) panel->name = "Panel";
+  const auto ids = [&](const LoopStateT* state) {
+    const FacadeInput made = facade_of(input.deviation, input.model, input.design, state, {});
+    return std::vector<std::string>{made.facade.panels.at(0).id, made.facade.panels.at(1).id};
+  };
+  using Ids = std::vector<std::string>;
+  EXPECT_EQ(ids(nullptr), (Ids{"Panel at South0", "Panel at East0"}));
+  for (const auto& [guid, tag] : {std::pair("South", "P-17"), {"East", "P-18"}}) {
+    auto element = std::make_unique<DesignElementT>();
+    element->guid = guid, element->name = "Panel", element->tag = tag, element->is_panel = true;
+    element->position.setZero(), element->box_low.setConstant(std::nan("")), element->box_high = element->box_low;
+    input.design.elements.push_back(std::move(element));
+  }
+  EXPECT_EQ(ids(nullptr), (Ids{"P-17", "P-18"}));
+  input.design.elements[1]->tag = "P-17";
+  EXPECT_EQ(ids(nullptr), (Ids{"Panel at South0", "Panel at East0"})) << "a tag of two says nothing";
+  // What a site has begun with it keeps.
+  LoopStateT state;
+  auto item = std::make_unique<LoopItemT>();
+  item->id = item->guid = "South", item->kind = "panel", item->expected.setZero();
+  state.items.push_back(std::move(item));
+  EXPECT_EQ(ids(&state), (Ids{"South", "Panel at East0"}));
 }
 
 TEST(FacadeInput, NamesThatDifferInCaseAloneAreTold) {
@@ -339,7 +398,7 @@ TEST(FacadeInput, WhatIsBelowIsUnderThePanelAndBeneathItsWidth) {
     return south->depends_on == std::vector<std::string>{"Low"};
   };
   EXPECT_TRUE(waits({0, -0.1, -2}, {2, 0.1, -0.19})) << "a joint of 190 mm";
-  EXPECT_FALSE(waits({0, -0.1, -2}, {2, 0.1, -0.21})) << "a gap, and no joint";
+  EXPECT_TRUE(waits({0, -0.1, -6}, {2, 0.1, -2.1})) << "windows between, and no joint";
   EXPECT_TRUE(waits({0, -0.1, -2}, {2, 0.1, 0.019})) << "they overlap by 19 mm";
   EXPECT_FALSE(waits({0, -0.1, -2}, {2, 0.1, 0.021})) << "it stands in its way, not below";
   EXPECT_TRUE(waits({0.98, -0.1, -2}, {4, 0.1, -0.02})) << "over just more than half of the width";
