@@ -42,18 +42,20 @@ std::string suspects_in_words(const PointBlockResult& result, double image_varia
   const Eigen::MatrixXd seen = weight - weight * (result.point_covariance(in_points, in_points) / unit) * weight;
   const ControlSuspects found =
       suspects_of(seen, weight, weight * Eigen::Map<const Eigen::VectorXd>(residuals.data(), n), image_variance);
-  if (!found.worst) return "";
-  const Eigen::Vector3d off = 1e3 * found.worst->off;
-  const std::string& worst = names[found.worst->point];
-  if (found.rivals.empty())
-    return fmt::format("; an error of {} by {:.1f}, {:.1f}, {:.1f} mm would explain most", worst, off.x(), off.y(),
-                       off.z());
-  std::vector<std::string> all{worst};
-  for (const size_t k : found.rivals) all.push_back(names[k]);
-  return "; an error of any of " + few_of(all) +
-         fmt::format(
-             " would explain it alike ({} by {:.1f}, {:.1f}, {:.1f} mm), and which is wrong the others do not tell",
-             worst, off.x(), off.y(), off.z());
+  const auto in_mm = [&](const SuspectedControl& point) {
+    const Eigen::Vector3d off = 1e3 * point.off;
+    return fmt::format("{} by {:.1f}, {:.1f}, {:.1f} mm", names[point.point], off.x(), off.y(), off.z());
+  };
+  std::string words;
+  for (const RivalControl& group : found.rivals) {
+    std::vector<std::string> all{names[group.worst.point]};
+    for (const size_t k : group.others) all.push_back(names[k]);
+    words += "; an error of any of " + few_of(all) + " would explain it alike (" + in_mm(group.worst) +
+             "), and which is wrong the others do not tell";
+  }
+  if (!found.worst) return words;
+  return words + "; an error of " + in_mm(*found.worst) + " would explain most" +
+         (found.rivals.empty() ? "" : " of the rest");
 }
 
 }  // namespace

@@ -326,18 +326,93 @@ Solved solve_under(const std::vector<std::string>& weak_datum, const TagBlockOpt
   }
 }
 
+/// Of groups that fail the priors, which may be what makes the control fail, too.
+std::vector<least_squares::VarianceComponent> not_to_believe(std::vector<least_squares::VarianceComponent> failing) {
+  if (std::any_of(failing.begin(), failing.end(), [](const auto& group) { return group.name != "control"; }))
+    std::erase_if(failing, [](const auto& group) { return group.name == "control"; });
+  return failing;
+}
+
+/// Priors as if they said nothing, control at the standard deviations that its residuals ask for.
+void do_not_believe(const std::vector<least_squares::VarianceComponent>& groups, TagModel& model) {
+  constexpr double nothing = 1e3;
+  for (const auto& group : groups)
+    for (auto& of_model : model.problem.groups)
+      if (of_model.name == group.name)
+        of_model.sigma_factor = group.name == "control" ? std::sqrt(group.factor) : nothing;
+}
+
 /// What is done with control that its tests find wrong.
 enum class WrongControl { as_judged, named, left_out };
 
 /// One adjustment at work.
 class TagAdjustment {
  public:
-  TagAdjustment(const TagBlock& given, const TagBlockOptions& options, JudgedControl judged)
-      : given_(given), options_(options), block_(given), use_(given.observations.size(), true), judged_(judged) {
+  TagAdjustment(const TagBlock& given, const TagBlockOptions& options, JudgedControl judged,
+                std::vector<least_squares::VarianceComponent> disproved = {})
+      : given_(given),
+        options_(options),
+        block_(given),
+        use_(given.observations.size(), true),
+        judged_(std::move(judged)),
+        disproved_(std::move(disproved)) {
     for (const RejectedControl& rejected : judged_.rejected) leave_out(rejected.plate, block_.control);
   }
 
   TagBlockResult run(WrongControl wrong) {
+    adjust();
+    if (wrong == WrongControl::left_out) {
+      if (leave_wrong_control_out() == Search::begins_anew) return over_again(WrongControl::left_out);
+      const auto failing = failing_by_itself();
+      if (judged_.too_many || (!judged_.rejected.empty() && !failing.empty())) {
+        keep_what_is_clear(failing);
+        return over_again(WrongControl::as_judged);
+      }
+    }
+    if (!judged_.disproved.empty()) doubt_what_is_disproved();
+    fill();
+    // Weights by λ are no claims about variances.
+    if (options_.weighting == TagBlockOptions::Weighting::lambda) return std::move(result_);
+    if (wrong == WrongControl::named) {
+      const ControlTests tests = test_control(model_, start_, solved_.adjusted);
+      if (tests.worst || !tests.rivals.empty()) name_wrong_control(given_, options_, result_);
+    }
+    test_groups(block_, result_);
+    test_models(options_, model_, solved_.adjusted, result_);
+    return std::move(result_);
+  }
+
+  /// What the tests of the control come to, and nothing else. What fails then as well is not believed, either.
+  JudgedControl judge() {
+    adjust();
+    const Search search = leave_wrong_control_out();
+    auto failing = failing_by_itself();
+    solved_ = {};
+    if (search == Search::begins_anew)
+      return TagAdjustment(given_, options_, std::move(judged_), std::move(disproved_)).judge();
+    for (const auto& group : disproved_) {
+      judged_.disproved.push_back(group.name);
+      std::erase_if(failing, [&](const auto& other) { return other.name == group.name; });
+    }
+    if (judged_.too_many || judged_.rejected.empty() || failing.empty()) return std::move(judged_);
+    for (auto& group : not_to_believe(std::move(failing))) disproved_.push_back(std::move(group));
+    return TagAdjustment(given_, options_, {}, std::move(disproved_)).judge();
+  }
+
+ private:
+  enum class Search { ended, begins_anew };
+
+  void begin() {
+    result_.left_out.clear();
+    result_.warnings.clear();
+    start_ = start_tag_block(block_, use_, result_.left_out);
+    if (!options_.free_network) move_to_control(block_, start_, result_.warnings);
+    model_ = build_tag_model(block_, options_, start_);
+    do_not_believe(disproved_, model_);
+    require_datum(options_, model_, result_);
+  }
+
+  void adjust() {
     begin();
     warnings_ = result_.warnings;
     result_.rejected = find_blunders(options_, start_, model_);
@@ -347,35 +422,11 @@ class TagAdjustment {
     }
     layout_.emplace(model_.problem);
     solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
-    if (wrong == WrongControl::left_out && !leave_wrong_control_out()) return as_judged();
-    // What stays in doubt fails the test of the control by itself: it says nothing of those that are out.
-    if (judged_.doubt.empty() && !judged_.rejected.empty() && !all_but_images_hold(solved_.reliability.groups)) {
-      judged_.doubt = not_mended_in_words(given_, judged_.tested, std::exchange(judged_.rejected, {}));
-      return as_judged();
-    }
-    fill();
-    // Weights by λ are no claims about variances.
-    if (options_.weighting == TagBlockOptions::Weighting::lambda) return std::move(result_);
-    test_groups(block_, result_);
-    test_models(options_, model_, solved_.adjusted, result_);
-    if (wrong == WrongControl::named && test_control(model_, start_, solved_.adjusted).worst)
-      name_wrong_control(given_, options_, result_);
-    return std::move(result_);
   }
 
- private:
-  void begin() {
-    result_.left_out.clear();
-    result_.warnings.clear();
-    start_ = start_tag_block(block_, use_, result_.left_out);
-    if (!options_.free_network) move_to_control(block_, start_, result_.warnings);
-    model_ = build_tag_model(block_, options_, start_);
-    require_datum(options_, model_, result_);
-  }
-
-  TagBlockResult as_judged() {
+  TagBlockResult over_again(WrongControl wrong) {
     solved_ = {};  // its cofactors and those of the next adjustment are not there at once
-    return TagAdjustment(given_, options_, judged_).run(WrongControl::as_judged);
+    return TagAdjustment(given_, options_, judged_).run(wrong);
   }
 
   void begin_again() {
@@ -384,22 +435,21 @@ class TagAdjustment {
     result_.warnings = warnings_;
   }
 
-  /// Whether the adjustment at hand is the one that the tests of the control ask for.
-  bool leave_wrong_control_out() {
+  /// Leaves out what is clear, until nothing is. The adjustment at hand is then the one without it, unless too many
+  /// went.
+  Search leave_wrong_control_out() {
     for (;;) {
-      const ControlTests tests = test_control(model_, start_, solved_.adjusted);
-      if (judged_.rejected.empty()) judged_.tested = model_.control_plates.size();
+      const ControlTests tests = test_control(model_, start_, solved_.adjusted, plates_of(judged_.needed));
+      if (judged_.tested == 0) judged_.tested = model_.control_plates.size();
       judged_.hidden = tests.hidden;
-      if (!tests.worst) return true;
-      if (!tests.rivals.empty()) {
-        judged_.doubt = rivals_in_words(given_, *tests.worst, tests.rivals);
-        return true;
+      doubt_rivals(tests.rivals);
+      if (!tests.worst) {
+        test_needed_again();
+        return Search::ended;
       }
       judged_.rejected.push_back(*tests.worst);
-      if (are_too_many(judged_.tested, judged_.rejected)) {
-        judged_.doubt = too_many_in_words(given_, judged_.tested, std::exchange(judged_.rejected, {}));
-        return false;
-      }
+      judged_.too_many = are_too_many(judged_.tested, judged_.rejected);
+      if (judged_.too_many) return Search::ended;
       leave_out(tests.worst->plate, block_.control);
       try {
         const double sigma = model_.problem.groups[group_images].sigma_factor;
@@ -411,10 +461,75 @@ class TagAdjustment {
         solved_ = solve_under(result_.weak_datum, options_, *layout_, model_);
       } catch (const std::runtime_error& without) {
         judged_.rejected.pop_back();
-        judged_.doubt = needed_in_words(given_, *tests.worst, without.what());
-        return false;
+        judged_.needed.push_back({*tests.worst, without.what()});
+        return Search::begins_anew;
       }
     }
+  }
+
+  /// Control that stays in doubt fails its test, and that says nothing of what is out.
+  std::vector<least_squares::VarianceComponent> failing_by_itself() const {
+    auto failing = failing_but_images(solved_.reliability.groups);
+    if (!judged_.doubts.empty() || !judged_.needed.empty())
+      std::erase_if(failing, [](const auto& group) { return group.name == "control"; });
+    return failing;
+  }
+
+  void doubt_rivals(const std::vector<ControlRivals>& groups) {
+    judged_.doubts.clear();
+    judged_.unclear.clear();
+    for (const ControlRivals& group : groups) {
+      judged_.doubts.push_back(rivals(given_, group.worst, group.others));
+      judged_.unclear.push_back(group.worst.plate);
+      judged_.unclear.insert(judged_.unclear.end(), group.others.begin(), group.others.end());
+    }
+  }
+
+  /// A point that the block needs may have contradicted what is out by now.
+  void test_needed_again() {
+    if (judged_.needed.empty()) return;
+    const ControlTests tests = test_control(model_, start_, solved_.adjusted);
+    std::erase_if(judged_.needed, [&](NeededControl& point) {
+      const int plate = point.worst.plate;
+      if (tests.worst && tests.worst->plate == plate) return point.worst = *tests.worst, false;
+      for (const ControlRivals& group : tests.rivals) {
+        if (group.worst.plate == plate) return point.worst = group.worst, false;
+        if (std::find(group.others.begin(), group.others.end(), plate) != group.others.end()) return false;
+      }
+      return judged_.needed.size() == 1 || (!tests.worst && tests.rivals.empty());
+    });
+  }
+
+  /// Where control or priors fail by themselves, that may be what the points contradict: wrong are those that do
+  /// whatever the priors say or, if these hold, at the standard deviations of the survey that the rest asks for.
+  void keep_what_is_clear(std::vector<least_squares::VarianceComponent> failing) {
+    if (judged_.too_many) std::erase_if(failing, [](const auto& group) { return group.name == "control"; });
+    JudgedControl clear;
+    clear.too_many = failing.empty();
+    solved_ = {};
+    try {
+      if (!failing.empty()) clear = TagAdjustment(given_, options_, {}, not_to_believe(std::move(failing))).judge();
+    } catch (const std::runtime_error&) {  // without the priors the photographs do not determine the block
+      clear.too_many = true;
+    }
+    if (clear.too_many) {
+      clear = {};
+      clear.doubts = {judged_.too_many ? too_many(given_, judged_.tested, judged_.rejected)
+                                       : not_mended(given_, judged_.tested, judged_.rejected)};
+    }
+    clear.tested = judged_.tested;
+    judged_ = std::move(clear);
+  }
+
+  /// What contradicts once more where everything is believed again.
+  void doubt_what_is_disproved() {
+    std::vector<int> known = plates_of(judged_.needed);
+    known.insert(known.end(), judged_.unclear.begin(), judged_.unclear.end());
+    const ControlTests tests = test_control(model_, start_, solved_.adjusted, known);
+    judged_.hidden = tests.hidden;
+    if (tests.worst || !tests.rivals.empty())
+      judged_.doubts.push_back(as_far_as_believed(
+          given_, tests.rivals.empty() ? *tests.worst : tests.rivals.front().worst, judged_.disproved));
   }
 
   void fill() {
@@ -438,7 +553,8 @@ class TagAdjustment {
   TagBlock block_;
   std::vector<bool> use_;
   JudgedControl judged_;
-  std::vector<std::string> warnings_;  ///< of the first start, which is the one that people gave
+  std::vector<least_squares::VarianceComponent> disproved_;  ///< groups that this search does not believe
+  std::vector<std::string> warnings_;                        ///< of the first start, which is the one that people gave
   TagBlockResult result_;
   TagStart start_;
   TagModel model_;
@@ -465,9 +581,9 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   if (by_lambda && !(options.lambda > 0 && options.corner_sigma > 0))
     throw std::runtime_error("lambda weighting needs lambda > 0 [px^2/m^2] and corner_sigma > 0 [px]");
   return TagAdjustment(given, options, {})
-      .run(by_lambda                ? WrongControl::as_judged
-           : options.robust_control ? WrongControl::left_out
-                                    : WrongControl::named);
+      .run(by_lambda || !options.test_control ? WrongControl::as_judged
+           : options.robust_control           ? WrongControl::left_out
+                                              : WrongControl::named);
 }
 
 }  // namespace plumbline::block

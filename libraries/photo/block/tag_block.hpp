@@ -102,9 +102,11 @@ struct TagBlockOptions {
       5;  ///< tags whose root mean square is above are left out of the final least squares; 0 keeps all
   /// Control points that contradict the photographs and the other control (three coordinates together, level 0.001 over
   /// all points) are left out of the datum, the worst first and one at a time. What contradicts and cannot be left out
-  /// stays, and TagBlockResult::control_doubt says why: other points would explain the same, the rest does not hold the
-  /// block, or more than a third would go. Weights by covariance only.
+  /// stays, and TagBlockResult::control_doubts say why: other points would explain the same, the rest does not hold the
+  /// block, more than a third would go, or it contradicts only as far as a prior is believed that fails its own test.
+  /// Then the block fails, whatever the test over all of the control says. Weights by covariance only.
   bool robust_control = false;
+  bool test_control = true;  ///< false: control is not tested point by point, and nothing of it left out or named
   /// Groups of control plates, indices into TagBlock::plates: what the adjustment without a group says of it is in
   /// TagBlockResult::withheld, one of a group. Nothing is adjusted again.
   std::vector<std::vector<int>> withhold = {};
@@ -144,7 +146,15 @@ struct RejectedControl {
   int plate = 0;
   Eigen::Vector3d off = Eigen::Vector3d::Zero();    ///< survey minus model without it [m]
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();  ///< of that difference, if nothing were wrong [m]
-  double test = 0, limit = 0;                       ///< chi-squared with 3 degrees of freedom, when it was left out
+  double test = 0, limit = 0;                       ///< chi-squared, when it was left out
+  int freedom = 3;                                  ///< of that
+};
+
+/// Control that contradicts the photographs and the other control and was kept all the same.
+struct ControlDoubt {
+  double test = 0, limit = 0;  ///< chi-squared of the point that contradicts most
+  int freedom = 3;
+  std::string words;  ///< which points, and why they were kept
 };
 
 /// Control points against what an adjustment without them says: survey minus model, minus what the survey's
@@ -214,7 +224,8 @@ struct TagBlockResult {
   double image_variance_factor = 1;  ///< by which the given corner covariances were multiplied
   std::vector<least_squares::VarianceComponent> groups;
   /// Images against the detector's own covariances (before image_variance_factor), within what detectors are wrong by;
-  /// control, interior and tag scale priors by the chi-squared test.
+  /// control, interior and tag scale priors by the chi-squared test. Where single control points contradict and stay,
+  /// "control points" is a test that fails.
   std::vector<GroupTest> tests;
   /// Whether the images ask for more than the camera model that was used: image-variant principal point, distortion
   /// that changes with the distance. A test that fails names what to set, and makes no block invalid.
@@ -224,8 +235,7 @@ struct TagBlockResult {
   std::vector<AdjustedControl> control;
   std::vector<int> rejected;  ///< observations left out as blunders
   std::vector<RejectedControl> rejected_control;
-  std::string
-      control_doubt;  ///< control that contradicts and was kept all the same, with the reason; one of `warnings`
+  std::vector<ControlDoubt> control_doubts;
   std::vector<WithheldControl> withheld;  ///< one of each TagBlockOptions::withhold
   std::vector<std::string> weak_datum;    ///< motions of the block that control holds only weakly
   double weakest_datum_sigma = 0;         ///< [m], see DatumAnalysis

@@ -54,19 +54,27 @@ TagModel build_tag_model(const TagBlock& block, const TagBlockOptions& options, 
 /// are not tested.
 void test_groups(const TagBlock& block, TagBlockResult& result);
 
-/// Whether control and priors pass the tests of test_groups(). Where a prior does not, it may be that which control
+/// Control and priors that fail the tests of test_groups(). Where a prior does, it may be that which control
 /// contradicts.
-bool all_but_images_hold(const std::vector<least_squares::VarianceComponent>& groups);
+std::vector<least_squares::VarianceComponent> failing_but_images(
+    const std::vector<least_squares::VarianceComponent>& groups);
+
+/// Control points one of which is wrong, and which the others do not tell.
+struct ControlRivals {
+  RejectedControl worst;
+  std::vector<int> others;  ///< plates
+};
 
 /// What the tests of single control points say.
 struct ControlTests {
-  std::optional<RejectedControl> worst;  ///< the point that contradicts the rest most, if its test fails
-  std::vector<int> rivals;  ///< further plates whose control, were it wrong, would explain the same as well as `worst`
+  std::optional<RejectedControl> worst;  ///< of the points that contradict and have no rival that which does so most
+  std::vector<ControlRivals> rivals;
   std::vector<int> hidden;  ///< plates whose control may be off in some direction without that it shows
 };
 
-/// Tests each control point (control_suspects.hpp).
-ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted);
+/// Tests each control point but those of the plates `kept`, whatever their errors are (control_suspects.hpp).
+ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted,
+                          const std::vector<int>& kept = {});
 
 /// What the rest of the block says of these control plates: the same formula, for all of them together, is the
 /// adjustment without them to first order (Cook & Weisberg 1982, 2.2).

@@ -30,6 +30,12 @@ void leave_out(int plate, TagControl& control) {
   std::erase(control.plates, plate);
 }
 
+std::vector<int> plates_of(const std::vector<NeededControl>& needed) {
+  std::vector<int> plates;
+  for (const NeededControl& point : needed) plates.push_back(point.worst.plate);
+  return plates;
+}
+
 bool are_too_many(size_t tested, const std::vector<RejectedControl>& rejected) {
   constexpr size_t part = 3;
   return part * rejected.size() > tested;
@@ -37,9 +43,9 @@ bool are_too_many(size_t tested, const std::vector<RejectedControl>& rejected) {
 
 namespace {
 
-constexpr const char* no_single_points =
-    "survey and photographs do not show the same state, or what is stated of survey, tags or camera is wrong; that is "
-    "no matter of single points, so all are kept";
+constexpr const char* which_does_not_show =
+    "survey and photographs do not show the same state, or what is stated of survey, tags or camera is wrong; single "
+    "points that are do not stand out, so all are kept";
 
 std::string most_of(const TagBlock& given, const std::vector<RejectedControl>& rejected) {
   std::vector<int> most;
@@ -47,36 +53,63 @@ std::string most_of(const TagBlock& given, const std::vector<RejectedControl>& r
   return text::enumerate(names_of(given, most));
 }
 
+ControlDoubt doubt_of(const RejectedControl& worst, std::string words) {
+  return {worst.test, worst.limit, worst.freedom, std::move(words)};
+}
+
+/// The group of observations, as people call what is stated of it.
+std::string stated_of(const std::string& group) {
+  const std::string interior = "interior prior";
+  if (group == "control") return "the survey's standard deviations";
+  if (group == "tag scale prior") return "the size of the tags";
+  if (group == interior) return "the camera's calibration";
+  if (group.starts_with(interior)) return "the calibration of camera " + group.substr(interior.size() + 4);
+  return "the " + group;
+}
+
 }  // namespace
 
-std::string too_many_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
-  return "more than a third of the " + std::to_string(tested) + " control points contradict the photographs, " +
-         most_of(given, rejected) + " most: " + no_single_points;
+ControlDoubt too_many(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
+  return doubt_of(rejected.front(), "more than a third of the " + std::to_string(tested) +
+                                        " control points contradict the photographs, " + most_of(given, rejected) +
+                                        " most: " + which_does_not_show);
 }
 
-std::string not_mended_in_words(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
-  return std::to_string(rejected.size()) + " of the " + std::to_string(tested) +
-         " control points contradict the photographs, " + most_of(given, rejected) +
-         " most, and without them the rest still does not hold: " + no_single_points;
+ControlDoubt not_mended(const TagBlock& given, size_t tested, const std::vector<RejectedControl>& rejected) {
+  return doubt_of(rejected.front(), std::to_string(rejected.size()) + " of the " + std::to_string(tested) +
+                                        " control points contradict the photographs, " + most_of(given, rejected) +
+                                        " most, and without them the rest still does not hold: " + which_does_not_show);
 }
 
-std::string rivals_in_words(const TagBlock& given, const RejectedControl& worst, const std::vector<int>& rivals) {
+ControlDoubt rivals(const TagBlock& given, const RejectedControl& worst, const std::vector<int>& others) {
   std::vector<int> all{worst.plate};
-  all.insert(all.end(), rivals.begin(), rivals.begin() + std::min<std::ptrdiff_t>(std::ssize(rivals), 4));
-  const std::string more = rivals.size() > 4 ? " and " + std::to_string(rivals.size() - 4) + " more" : "";
-  return "control contradicts the photographs, and that of " + text::enumerate(names_of(given, all)) + more +
-         fmt::format(
-             " would explain it alike ({} by {}): which is wrong the others do not tell, so all are kept; survey one "
-             "more near them, or measure these again",
-             given.plates[worst.plate].anchor, in_mm(worst.off));
+  all.insert(all.end(), others.begin(), others.begin() + std::min<std::ptrdiff_t>(std::ssize(others), 4));
+  const std::string more = others.size() > 4 ? " and " + std::to_string(others.size() - 4) + " more" : "";
+  return doubt_of(
+      worst,
+      "control contradicts the photographs, and that of " + text::enumerate(names_of(given, all)) + more +
+          fmt::format(
+              " would explain it alike ({} by {}): which is wrong the others do not tell, so all are kept; survey one "
+              "more near them, or measure these again",
+              given.plates[worst.plate].anchor, in_mm(worst.off)));
 }
 
-std::string needed_in_words(const TagBlock& given, const RejectedControl& worst, const std::string& without) {
-  return fmt::format(
-             "the control of {} contradicts the photographs and the other control by {} and is kept, because without "
-             "it: ",
-             given.plates[worst.plate].anchor, in_mm(worst.off)) +
-         without;
+ControlDoubt needed(const TagBlock& given, const NeededControl& point) {
+  const RejectedControl& worst = point.worst;
+  return doubt_of(worst, fmt::format("the control of {} contradicts the photographs and the other control by {} and is "
+                                     "kept, because without it: ",
+                                     given.plates[worst.plate].anchor, in_mm(worst.off)) +
+                             point.without);
+}
+
+ControlDoubt as_far_as_believed(const TagBlock& given, const RejectedControl& worst,
+                                const std::vector<std::string>& disproved) {
+  std::vector<std::string> stated;
+  for (const std::string& group : disproved) stated.push_back(stated_of(group));
+  const std::string what = text::enumerate(stated);
+  return doubt_of(worst, fmt::format("control contradicts the photographs, that of {} most, by {}, but only as far as "
+                                     "one believes {}, which the block disproves: so it is kept",
+                                     given.plates[worst.plate].anchor, in_mm(worst.off), what));
 }
 
 namespace {
@@ -99,9 +132,9 @@ void fill_rejected(const TagBlock& given, TagBlockResult& result) {
 
 void fill_judged_control(const TagBlock& given, const JudgedControl& judged, TagBlockResult& result) {
   result.rejected_control = judged.rejected;
-  result.control_doubt = judged.doubt;
+  for (const NeededControl& point : judged.needed) result.control_doubts.push_back(needed(given, point));
+  result.control_doubts.insert(result.control_doubts.end(), judged.doubts.begin(), judged.doubts.end());
   fill_rejected(given, result);
-  if (!judged.doubt.empty()) result.warnings.push_back(judged.doubt);
   if (judged.hidden.empty()) return;
   const size_t shown = std::min<size_t>(judged.hidden.size(), 5);
   const std::vector<int> first(judged.hidden.begin(), judged.hidden.begin() + static_cast<std::ptrdiff_t>(shown));
@@ -116,11 +149,12 @@ void name_wrong_control(const TagBlock& given, TagBlockOptions options, TagBlock
   options.withhold.clear();
   const TagBlockResult without = adjust_tag_block(given, options);
   for (const RejectedControl& rejected : without.rejected_control)
-    result.warnings.push_back(
-        fmt::format("the control of {} contradicts the photographs and the other control by {} and is kept: "
-                    "robust_control=true of the adjustment (block.with.robust_control=true) leaves it out",
-                    given.plates[rejected.plate].anchor, in_mm(rejected.off)));
-  if (!without.control_doubt.empty()) result.warnings.push_back(without.control_doubt);
+    result.control_doubts.push_back(doubt_of(
+        rejected, fmt::format("the control of {} contradicts the photographs and the other control by {} and is kept: "
+                              "robust_control=true of the adjustment (block.with.robust_control=true) leaves it out",
+                              given.plates[rejected.plate].anchor, in_mm(rejected.off))));
+  result.control_doubts.insert(result.control_doubts.end(), without.control_doubts.begin(),
+                               without.control_doubts.end());
 }
 
 }  // namespace plumbline::block

@@ -65,11 +65,14 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
 
 }  // namespace
 
-bool all_but_images_hold(const std::vector<least_squares::VarianceComponent>& groups) {
-  return std::all_of(groups.begin(), groups.end(), [](const auto& group) {
-    return group.name == "images" || !(group.redundancy > 0.1) ||
-           group.factor <= chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy;
-  });
+std::vector<least_squares::VarianceComponent> failing_but_images(
+    const std::vector<least_squares::VarianceComponent>& groups) {
+  std::vector<least_squares::VarianceComponent> failing;
+  for (const auto& group : groups)
+    if (group.name != "images" && group.redundancy > 0.1 &&
+        group.factor > chi_squared_quantile(1 - test_level, group.redundancy) / group.redundancy)
+      failing.push_back(group);
+  return failing;
 }
 
 namespace {
@@ -85,22 +88,32 @@ Eigen::MatrixXd between(const Eigen::MatrixXd& w, const Eigen::MatrixXd& a) {
 
 }  // namespace
 
-ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted) {
+ControlTests test_control(const TagModel& model, const TagStart& start, const bundle::Adjusted& adjusted,
+                          const std::vector<int>& kept) {
   ControlTests result;
   if (model.control_term < 0) return result;
   const auto term = static_cast<size_t>(model.control_term);
-  const Eigen::MatrixXd& whitening = model.problem.known[term].whitening;
+  const auto& known = model.problem.known[term];
+  const Eigen::MatrixXd whitening = known.whitening / model.problem.groups[known.group].sigma_factor;
   const auto quality = adjusted.cofactors->known(adjusted.state, term);
   const auto rows = whitening.rows();
+  const auto plate = [&](size_t k) { return start.plates[model.control_plates[k]]; };
+  std::vector<size_t> unknown;
+  for (size_t k = 0; k < model.control_plates.size(); ++k)
+    if (std::find(kept.begin(), kept.end(), plate(k)) != kept.end()) unknown.push_back(k);
   const ControlSuspects suspects = suspects_of(between(whitening, quality.residual_cofactor),
                                                between(whitening, Eigen::MatrixXd::Identity(rows, rows)),
-                                               whitening.transpose() * quality.rows.residual);
-  const auto plate = [&](size_t k) { return start.plates[model.control_plates[k]]; };
-  for (const size_t k : suspects.rivals) result.rivals.push_back(plate(k));
+                                               whitening.transpose() * quality.rows.residual, 1, std::move(unknown));
+  const auto of = [&](const SuspectedControl& found) {
+    return RejectedControl{plate(found.point), found.off,   Eigen::Vector3d::Zero(),
+                           found.test,         found.limit, found.freedom};
+  };
+  for (const RivalControl& group : suspects.rivals) {
+    result.rivals.push_back({of(group.worst), {}});
+    for (const size_t k : group.others) result.rivals.back().others.push_back(plate(k));
+  }
   for (const size_t k : suspects.hidden) result.hidden.push_back(plate(k));
-  if (suspects.worst)
-    result.worst = RejectedControl{plate(suspects.worst->point), suspects.worst->off, Eigen::Vector3d::Zero(),
-                                   suspects.worst->test, suspects.worst->limit};
+  if (suspects.worst) result.worst = of(*suspects.worst);
   return result;
 }
 
@@ -159,6 +172,23 @@ void test_models(const TagBlockOptions& options, const TagModel& model, const bu
   if (points) add_principal_points(score, result);
 }
 
+namespace {
+
+/// Baarda's rule: what decides is the point that contradicts most, at its level; the sum over all of them may hide it.
+GroupTest test_of_points(const std::vector<ControlDoubt>& doubts) {
+  constexpr size_t told = 5;
+  GroupTest test;
+  test.group = "control points", test.passed = false;
+  const ControlDoubt& worst = *std::max_element(
+      doubts.begin(), doubts.end(), [](const auto& a, const auto& b) { return a.test - a.limit < b.test - b.limit; });
+  test.factor = worst.test / worst.freedom, test.limit = worst.limit / worst.freedom;
+  for (size_t k = 0; k < std::min(doubts.size(), told); ++k) test.words += (k > 0 ? "; " : "") + doubts[k].words;
+  if (doubts.size() > told) test.words += "; and so are " + std::to_string(doubts.size() - told) + " more";
+  return test;
+}
+
+}  // namespace
+
 void test_groups(const TagBlock& block, TagBlockResult& result) {
   const std::string interior = "interior prior";
   for (const auto& group : result.groups) {
@@ -194,6 +224,7 @@ void test_groups(const TagBlock& block, TagBlockResult& result) {
     if (test.passed) test.words.clear();
     result.tests.push_back(test);
   }
+  if (!result.control_doubts.empty()) result.tests.push_back(test_of_points(result.control_doubts));
 }
 
 }  // namespace plumbline::block

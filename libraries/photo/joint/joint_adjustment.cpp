@@ -133,6 +133,21 @@ class Joint {
   }
 
   JointResult run() {
+    come_to_rest();
+    while (leave_wrong_marks_out()) come_to_rest();
+    result_.block.rejected = rejected_;
+    result_.block.rejected_control = std::move(judged_.rejected_control);
+    result_.block.control_doubts = std::move(judged_.control_doubts);
+    result_.block.warnings = warnings_;  // later passes only repeat them
+    result_.block.left_out.insert(result_.block.left_out.end(), without_.begin(), without_.end());
+    for (auto& tag : result_.block.tags) tag.observation = sound_.number[tag.observation];
+    fill_statistics();
+    fill_survey();
+    return std::move(result_);
+  }
+
+ private:
+  void come_to_rest() {
     for (;;) {
       pass();
       const double moved = move_network();
@@ -144,21 +159,38 @@ class Joint {
                                  std::to_string(result_.iterations) +
                                  " relinearisations: they contradict each other far beyond their accuracy");
     }
-    result_.block.rejected = rejected_;
-    result_.block.warnings = warnings_;  // later passes only repeat them
-    for (auto& tag : result_.block.tags) tag.observation = sound_.number[tag.observation];
-    fill_statistics();
-    fill_survey();
-    return std::move(result_);
   }
 
- private:
+  /// Marks whose plates the photographs show elsewhere, tested as control where nothing moves any more: there the
+  /// weights are what the readings ask for. What has been left out stays out.
+  bool leave_wrong_marks_out() {
+    block::TagBlockOptions how = options_.block;
+    how.loss = block::RobustLoss::none;
+    TagBlockResult tested = block::adjust_tag_block(sound_.block, how);
+    const std::vector<block::RejectedControl> found = tested.rejected_control;
+    judged_.control_doubts = std::move(tested.control_doubts);
+    for (const std::string& warning : tested.warnings)
+      if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
+    if (found.empty()) return false;
+    if (judged_.rejected_control.empty())  // readings of marks that are out are not held against the photographs
+      result_.conspicuous = network_.conspicuous(covariance_, used_variance_, critical_w);
+    without_.insert(without_.end(), tested.left_out.end() - static_cast<std::ptrdiff_t>(found.size()),
+                    tested.left_out.end());
+    for (const block::RejectedControl& point : found) {
+      judged_.rejected_control.push_back(point);
+      std::erase_if(marks_, [&](const Mark& mark) { return mark.plate == point.plate; });
+      std::erase(sound_.block.control.plates, point.plate);
+    }
+    return true;
+  }
+
   void pass() {
     said_ = network_.estimate();
     control_ = control_of(marks_, network_, said_, result_.survey_variance, link_);
     sound_.block.control.position = control_.position;
     sound_.block.control.covariance = control_.covariance;
     block::TagBlockOptions how = options_.block;
+    how.test_control = false;  // where it is at rest
     if (result_.iterations > 0) how.loss = block::RobustLoss::none;
     result_.block = block::adjust_tag_block(sound_.block, how);
     if (result_.iterations > 0) return;
@@ -240,7 +272,7 @@ class Joint {
     Eigen::MatrixXd unused;
     said_ = network_.estimate();
     result_.surveyed = graph.express(in_network(whole, network_, said_, used_variance_, unused), link_.to, link_.from);
-    result_.conspicuous = network_.conspicuous(covariance_, used_variance_, critical_w);
+    if (without_.empty()) result_.conspicuous = network_.conspicuous(covariance_, used_variance_, critical_w);
   }
 
   void fill_statistics() {
@@ -260,7 +292,7 @@ class Joint {
     block::test_groups(sound_.block, block);
   }
 
-  const std::vector<Mark>& marks_;
+  std::vector<Mark> marks_;
   KeptNetwork& network_;
   const FrameLink& link_;
   const JointOptions& options_;
@@ -271,6 +303,8 @@ class Joint {
   Eigen::MatrixXd covariance_;  ///< of the network's unknowns
   std::vector<int> rejected_;
   std::vector<std::string> warnings_;
+  TagBlockResult judged_;             ///< its control: what was left out, and what stays in doubt
+  std::vector<std::string> without_;  ///< that, in words
   JointResult result_;
 };
 

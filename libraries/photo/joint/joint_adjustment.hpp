@@ -44,7 +44,8 @@ struct Mark {
 };
 
 struct JointResult {
-  /// As of adjust_tag_block(). In `groups` and the totals the survey stands with all its readings, as "survey".
+  /// As of adjust_tag_block(). In `groups` and the totals the survey stands with all its readings, as "survey". With
+  /// robust_control marks whose plates contradict are adjusted as points of the survey alone.
   block::TagBlockResult block;
   int iterations = 0;          ///< relinearisations of the network
   double survey_variance = 1;  ///< by which the readings' a priori variances were multiplied
@@ -55,7 +56,8 @@ struct JointResult {
   /// the frame of the block, with what the transform is uncertain by. What the model is to be compared with.
   std::vector<std::string> surveyed_ids;
   FramePoints surveyed;
-  std::vector<survey::KeptNetwork::Conspicuous> conspicuous;  ///< readings whose test fails, largest first
+  /// Readings whose test fails, largest first; with all marks, whatever is left out.
+  std::vector<survey::KeptNetwork::Conspicuous> conspicuous;
 };
 
 /// `network` is adjusted already and ends where the joint adjustment has it. `block_from_survey` is exact, or of known

@@ -54,9 +54,6 @@ struct Adjuster : TagAdjusterNode {
   static constexpr double default_lambda = 1e4;
   Param<double> lambda{"lambda", default_lambda, "px^2/m^2", between(1e-12, 1e18),
                        "λ of (5), (σ_px/σ_S)²; for weighting lambda"};
-  Param<bool> robust_control{"robust_control", true,
-                             "leave out control points of marker plates that contradict the photographs and the other "
-                             "control, by name, at most a third; false: they stay, and are named"};
   Param<double> image_sigma{"image_sigma", 0.0, "mm", between(0, 1),
                             "targets: a priori standard deviation of each sensor coordinate, in place of the files'; "
                             "0: as these have it, else "
@@ -90,7 +87,6 @@ struct Adjuster : TagAdjusterNode {
     o.weighting = *weighting == "lambda" ? TagBlockOptions::Weighting::lambda : TagBlockOptions::Weighting::covariance;
     o.lambda = *lambda;
     o.free_network = !control;
-    o.robust_control = *robust_control;
     o.joint_orientations = *joint_orientations;
     choose_engine<Engine>(o);
     return o;

@@ -64,12 +64,17 @@ TagBlockBuilder EvaluateCrossval::builder_of(bool every, size_t first) const {
   return builder;
 }
 
+std::map<std::string, int> EvaluateCrossval::floors() const {
+  std::map<std::string, int> floor;
+  const PlatesT artifact = plates.unpack();
+  for (const auto& plate : artifact.plates) floor[plate->anchor] = plate->floor;
+  return floor;
+}
+
 EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
   const TagBlockBuilder builder = builder_of(true, 0);
   const TagBlock& block = builder.block();
-  const PlatesT artifact = plates.unpack();
-  std::map<std::string, int> floor, number;
-  for (size_t j = 0; j < artifact.plates.size(); ++j) floor[artifact.plates[j]->anchor] = artifact.plates[j]->floor;
+  std::map<std::string, int> floor = floors(), number;
   std::vector<std::string> names;
   for (int plate : block.control.plates) {
     names.push_back(block.plates[plate].anchor);
@@ -89,9 +94,18 @@ EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
   const TagBlockResult result = adjust_tag_block(block, options);
   report(context, block, result);
   Sums sums;
+  for (const RejectedControl& point : result.rejected_control) {
+    const std::string& anchor = block.plates[point.plate].anchor;
+    sums.left_out.push_back({"left out", anchor, floor[anchor], point.off, point.sigma});
+  }
   int failed = 0;
   for (size_t g = 0; g < labels.size(); ++g) {
     const WithheldControl& group = result.withheld[g];
+    const bool all_out = std::all_of(options.withhold[g].begin(), options.withhold[g].end(), [&](int plate) {
+      return std::any_of(result.rejected_control.begin(), result.rejected_control.end(),
+                         [&](const RejectedControl& point) { return point.plate == plate; });
+    });
+    if (all_out) continue;
     if (!group.undetermined.empty()) {
       context.warn(labels[g] + " is not validated: " + group.undetermined);
       ++failed;
@@ -117,9 +131,7 @@ EvaluateCrossval::Sums EvaluateCrossval::withheld(Context& context) {
 }
 
 EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
-  const PlatesT artifact = plates.unpack();
-  std::map<std::string, int> floor;
-  for (const auto& plate : artifact.plates) floor[plate->anchor] = plate->floor;
+  std::map<std::string, int> floor = floors();
   std::vector<TagBlockResult> models;
   std::vector<std::string> anchors;
   for (size_t half = 0; half < 2; ++half) {
@@ -171,6 +183,11 @@ EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
 void EvaluateCrossval::tell(Context& context, const Sums& sums) {
   PointsT out;
   std::string text = "fold,anchor,floor,dx_m,dy_m,dz_m,sigma_x_m,sigma_y_m,sigma_z_m,normalised_dz\n";
+  const auto add_row = [&](const Difference& d) {
+    text +=
+        fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.3f}\n", d.fold + "," + d.anchor, d.floor,
+                    d.off.x(), d.off.y(), d.off.z(), d.sigma.x(), d.sigma.y(), d.sigma.z(), d.off.z() / d.sigma.z());
+  };
   double squares = 0, sum = 0, largest = 0, predicted = 0, all = 0, within = 0;
   for (const Difference& d : sums.all) {
     auto point = std::make_unique<PointT>();
@@ -178,16 +195,16 @@ void EvaluateCrossval::tell(Context& context, const Sums& sums) {
     point->position = d.off;
     point->sigma = d.sigma;
     out.points.push_back(std::move(point));
-    text +=
-        fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.3f}\n", d.fold + "," + d.anchor, d.floor,
-                    d.off.x(), d.off.y(), d.off.z(), d.sigma.x(), d.sigma.y(), d.sigma.z(), d.off.z() / d.sigma.z());
+    add_row(d);
     squares += d.off.z() * d.off.z(), sum += d.off.z(), all += d.off.squaredNorm();
     predicted += d.sigma.z() * d.sigma.z();
     largest = std::max(largest, std::abs(d.off.z()));
     within += std::abs(d.off.z()) <= 2 * d.sigma.z() ? 1 : 0;
   }
+  for (const Difference& d : sums.left_out) add_row(d);
   const auto n = static_cast<double>(sums.all.size());
   context.metric("points", n, "1");
+  context.metric("left_out", static_cast<double>(sums.left_out.size()), "1");
   context.metric("rmse_z", std::sqrt(squares / n), "m");
   context.metric("bias_z", sum / n, "m");
   context.metric("max_abs_z", largest, "m");

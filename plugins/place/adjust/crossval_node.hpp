@@ -1,13 +1,15 @@
 // evaluate.crossval: how well control points are predicted by adjustments that they had no part in.
 #pragma once
 
+#include <map>
+
 #include "artifacts/file.hpp"
 #include "tag_adjuster_node.hpp"
 
 namespace plumbline::block {
 
 struct EvaluateCrossval : TagAdjusterNode {
-  static constexpr Info info{"evaluate.crossval", "", 1,
+  static constexpr Info info{"evaluate.crossval", "", 2,
                              "Cross-validation: each control point against the adjustment without it, by folds or "
                              "floors; or two halves of photographs and control against each other"};
   List<ImageTags> observations{"observations", "tags of every image"};
@@ -21,8 +23,10 @@ struct EvaluateCrossval : TagAdjusterNode {
   Param<int64_t> folds{"folds", 5, between(2, 1000), "number of folds"};
   Out<Points> differences{"differences", frame("frame=?F"),
                           "survey minus model of each point withheld, or one half minus the other of each anchor, with "
-                          "the standard deviation of the difference"};
-  Out<File> table{"table", "the differences as CSV: fold, anchor, floor, dx, dy, dz, their sigmas, normalised dz"};
+                          "the standard deviation of the difference; without control that contradicts"};
+  Out<File> table{"table",
+                  "the differences as CSV: fold, anchor, floor, dx, dy, dz, their sigmas, normalised dz; "
+                  "control that contradicts as fold 'left out'"};
 
   void run(Context& context) override;
 
@@ -35,8 +39,10 @@ struct EvaluateCrossval : TagAdjusterNode {
   struct Sums {
     std::vector<Difference> all;
     double nees_z = 0, nees_3d = 0;
+    std::vector<Difference> left_out;  ///< control that contradicts: in the table alone
   };
   TagBlockBuilder builder_of(bool every, size_t first) const;
+  std::map<std::string, int> floors() const;
   Sums withheld(Context& context);
   Sums halves(Context& context);
   void tell(Context& context, const Sums& sums);

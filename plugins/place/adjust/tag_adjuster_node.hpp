@@ -35,6 +35,9 @@ struct TagAdjusterNode : Node {
                              "tags whose rms residual is above are left out of the final least squares; 0 keeps all"};
   Param<bool> estimate_image_variance{"estimate_image_variance", true,
                                       "scale the corners' covariances so that the images' variance component is 1"};
+  Param<bool> robust_control{"robust_control", true,
+                             "leave out control points of marker plates that contradict the photographs and the other "
+                             "control, by name, at most a third; false: they stay, and are named"};
   Param<std::string> weak_datum{"weak_datum", "error", one_of("error", "warn"),
                                 "what to do if control holds the block's datum only weakly"};
   Param<double> weak_ratio{
@@ -61,6 +64,7 @@ struct TagAdjusterNode : Node {
     o.loss_scale = *loss_scale;
     o.reject_above = *reject_above;
     o.estimate_image_variance = *estimate_image_variance;
+    o.robust_control = *robust_control;
     o.weak_ratio = *weak_ratio;
     o.max_iterations = static_cast<int>(*max_iterations);
     o.threads = static_cast<int>(*threads);

@@ -179,6 +179,39 @@ TEST(Joint, PhotographsTellAWrongReadingThatTheSurveyCannot) {
   EXPECT_THAT(joint.conspicuous[0].what, HasSubstr("distance"));
 }
 
+/// A plate 30 mm beside its mark is left out, and the result is as if that mark had no plate; a wrong reading of a mark
+/// that is sighted once is named all the same.
+TEST(Joint, AMarkThatContradictsIsNotHeldAgainstThePhotographs) {
+  JointOptions robust = known_weights();
+  robust.block.robust_control = true;
+  Site moved = make_site(7), without = make_site(7), sound = make_site(7);
+  const Mark wrong = moved.marks[2];
+  for (auto& seen : moved.images.block.observations)
+    if (seen.plate == wrong.plate) {  // the plate, not its mark
+      const auto corners = tag_corners_in_plate(moved.images.block.plates[wrong.plate].plate);
+      const RigidTransform& pose = moved.images.cam_from_world[seen.image];
+      for (size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector3d place =
+            moved.images.anchors[wrong.plate] + moved.images.world_from_plate[wrong.plate] * corners[k];
+        seen.corners[k] += *project(moved.images.camera, pose * (place + Eigen::Vector3d(0, 0, 0.03))) -
+                           *project(moved.images.camera, pose * place);
+      }
+    }
+  without.images.block.observations = moved.images.block.observations;
+  std::erase_if(without.marks, [&](const Mark& mark) { return mark.plate == wrong.plate; });
+  const JointResult found = moved.adjust(robust), expected = without.adjust(known_weights());
+  ASSERT_EQ(found.block.rejected_control.size(), 1u);
+  EXPECT_EQ(found.block.rejected_control[0].plate, wrong.plate);
+  EXPECT_NEAR(found.block.rejected_control[0].off.z(), -0.03, 0.004);
+  EXPECT_LT((found.block.anchors - expected.block.anchors).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((found.survey_positions - expected.survey_positions).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_FALSE(found.conspicuous.empty()) << "with the mark its readings do not fit";
+  EXPECT_TRUE(expected.conspicuous.empty());
+  const JointResult plain = make_site(7).adjust(known_weights()), tested = sound.adjust(robust);
+  EXPECT_EQ(tested.block.anchors, plain.block.anchors) << "sound control gives the same bits";
+  EXPECT_TRUE(tested.block.rejected_control.empty());
+}
+
 /// Readings twice as uncertain, unknowns with them: every normalised residual is half of what it was.
 TEST(Joint, NormalisedResidualsCountInTheScatterThatTheReadingsHave) {
   Site site = make_site(8);

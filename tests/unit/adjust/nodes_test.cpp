@@ -7,6 +7,7 @@
 
 #include "artifacts/block.hpp"
 #include "artifacts/camera_artifact.hpp"
+#include "artifacts/file.hpp"
 #include "artifacts/image_block.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "node_harness.hpp"
@@ -441,6 +442,33 @@ TEST(AdjustJointNode, GivesAnchorsStationsAndTheSurveyAsAGroup) {
   EXPECT_NE(node.output_bytes("points"), again.output_bytes("points"));
 }
 
+/// A plate that hangs 50 mm beside its mark: named, and adjusted as if it carried none; the readings stay.
+TEST(AdjustJointNode, LeavesAMarkOutWhosePlateContradicts) {
+  SyntheticFacade facade = make_facade(noisy);
+  SyntheticFacade surveyed = facade;
+  const std::string wrong = facade.truth.points[2]->id;
+  for (auto& point : surveyed.truth.points)
+    if (point->id == wrong) point->position.z() += 0.05;
+  NodeHarness robust = joint_node(surveyed), kept = joint_node(surveyed);
+  robust.run();
+  EXPECT_EQ(robust.metric("invalid"), 0);
+  const BlockT block = robust.output<Block>("block");
+  EXPECT_THAT(block.left_out,
+              testing::ElementsAre(HasSubstr("the control of " + wrong + ", which contradicts the photographs")));
+  const auto entry = std::find_if(block.control.begin(), block.control.end(),
+                                  [&](const auto& control) { return control->anchor == wrong; });
+  ASSERT_NE(entry, block.control.end());
+  EXPECT_TRUE((*entry)->left_out);
+  EXPECT_NEAR((*entry)->coordinates[2]->residual, -0.05, 0.004);
+  const PointsT points = robust.output<Points>("points");
+  for (size_t i = 0; i < points.points.size(); ++i)
+    EXPECT_LT((points.points[i]->position - facade.truth.points[i]->position).norm(), 0.005);
+  kept.set("robust_control", "false");
+  kept.run();
+  EXPECT_EQ(kept.metric("invalid"), 1);
+  EXPECT_TRUE(kept.output<Block>("block").left_out.empty());
+}
+
 TEST(AdjustJointNode, SaysThatAnchorsAreNotCalledAsInTheSurvey) {
   SyntheticFacade facade = make_facade(noisy);
   for (auto& plate : facade.plates.plates) plate->anchor += "-other";
@@ -482,6 +510,32 @@ TEST(EvaluateCrossvalNode, SaysOfAFloorWhatTheAdjustmentWithoutItSays) {
     ++compared;
   }
   EXPECT_GT(compared, 5);
+}
+
+/// As the adjuster does: what contradicts predicts nobody, is no part of the figures, and stands in the table.
+TEST(EvaluateCrossvalNode, LeavesWrongControlOutAsTheAdjusterDoes) {
+  SyntheticFacade facade = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 12});
+  facade.control.points[3]->position.z() += 0.05;
+  const std::string wrong = facade.control.points[3]->id;
+  for (const char* by : {"fold", "floor"}) {
+    NodeHarness node("evaluate.crossval");
+    connect(node, facade);
+    node.set("by", by);
+    node.run();
+    EXPECT_EQ(node.metric("left_out"), 1) << by;
+    EXPECT_EQ(node.metric("points"), static_cast<double>(facade.control.points.size() - 1)) << by;
+    EXPECT_EQ(node.metric("invalid"), 0) << by;
+    EXPECT_LT(node.metric("rmse_z"), 0.003) << by;
+    const FileT table = node.output<File>("table");
+    EXPECT_THAT(std::string(table.content.begin(), table.content.end()), HasSubstr("left out," + wrong + ","));
+    for (const auto& point : node.output<Points>("differences").points) EXPECT_NE(point->id, wrong);
+  }
+  NodeHarness kept("evaluate.crossval");
+  connect(kept, facade);
+  kept.set("robust_control", "false");
+  kept.run();
+  EXPECT_EQ(kept.metric("left_out"), 0);
+  EXPECT_EQ(kept.metric("invalid"), 1);
 }
 
 TEST(EvaluateCrossvalNode, HalvesAreOffByWhatBothSay) {
