@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 
 #include "artifacts/deviation.hpp"
@@ -23,7 +24,10 @@ inline const PanelLimitT* limit_along(const PanelDeviationT& judged, const char*
   return nullptr;
 }
 
+/// What the corners of a panel may move by along its axes. A length in the plane, or in space, is held by equal parts
+/// of it along each of its axes: what keeps these keeps it, and some that would keep it too is not planned.
 inline CornerLimits limits_of(const PanelDeviationT& judged) {
+  constexpr double kNothingAsked = 1;  // [m]
   CornerLimits limits{judged.sideways->tolerance, judged.vertical->tolerance, judged.out_of_plane->tolerance};
   if (const PanelLimitT* sideways = limit_along(judged, "horizontal"))
     limits.right = limits.out = sideways->above, limits.left = limits.in = sideways->below;
@@ -31,6 +35,15 @@ inline CornerLimits limits_of(const PanelDeviationT& judged) {
     limits.up = height->above, limits.down = height->below;
   if (const PanelLimitT* outward = limit_along(judged, "out_of_plane"))
     limits.out = outward->above, limits.in = outward->below;
+  limits.left = limits.back(0), limits.down = limits.back(1), limits.in = limits.back(2);
+  const auto narrow = [](std::initializer_list<double*> sides, double to) {
+    for (double* side : sides) *side = std::fmin(*side, to);  // of what is not asked (nan): to
+  };
+  if (const PanelLimitT* length = limit_along(judged, "in_plane"))
+    narrow({&limits.right, &limits.left, &limits.up, &limits.down}, length->above / std::sqrt(2.0));
+  const PanelLimitT* space = limit_along(judged, "space");
+  narrow({&limits.right, &limits.left, &limits.up, &limits.down, &limits.out, &limits.in},
+         space ? space->above / std::sqrt(3.0) : kNothingAsked);
   return limits;
 }
 

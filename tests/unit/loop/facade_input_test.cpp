@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "build/loop/panel_limits.hpp"
 #include "loop/fit/plan_settings.hpp"
 #include "loop/gate/gate.hpp"
 
@@ -325,6 +326,33 @@ TEST(FacadeInput, ATolerancesTwoSidesAndTheStricterOfTwoPanelsCount) {
 }
 
 /// Needed and not planned is something else than not needed.
+/// Once a panel whose anchors failed 3 mm in space was GO with 3.3 mm, and a length that is not asked along an axis was
+/// a tolerance of nan mm, which nobody had given.
+TEST(FacadeInput, LengthsInThePlaneAndInSpaceHoldItsCornersToo) {
+  PanelDeviationT judged;
+  judged.sideways = within(NAN), judged.vertical = within(0.004), judged.out_of_plane = within(NAN);
+  const auto ask = [&](const char* axis, double above, double below) {
+    auto limit = std::make_unique<PanelLimitT>();
+    limit->axis = axis, limit->above = above, limit->below = below;
+    judged.limits.push_back(std::move(limit));
+  };
+  EXPECT_EQ(limits_of(judged).right, 1) << "nothing is asked";
+  EXPECT_EQ(limits_of(judged).back(2), 1);
+  EXPECT_EQ(limits_of(judged).up, 0.004);
+  ask("vertical", 0.005, 0.001), ask("in_plane", 0.003, 0.003);
+  CornerLimits limits = limits_of(judged);
+  EXPECT_NEAR(limits.right, 0.003 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(limits.left, 0.003 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(limits.up, 0.003 / std::sqrt(2.0), 1e-12);
+  EXPECT_EQ(limits.down, 0.001);
+  EXPECT_EQ(limits.out, 1);
+  ask("space", 0.003, 0.003);
+  limits = limits_of(judged);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(limits[k], 0.003 / std::sqrt(3.0), 1e-12) << k;
+  EXPECT_NEAR(limits.back(2), 0.003 / std::sqrt(3.0), 1e-12);
+  EXPECT_EQ(limits.back(1), 0.001);
+}
+
 TEST(FacadeInput, ABracketAtAPanelThatIsNotPlannedIsNoBracketWithoutPanel) {
   Input input = two_facades();
   input.deviation.panels.pop_back();  // East: nobody measured it, or two panels are at its place
