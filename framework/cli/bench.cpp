@@ -306,9 +306,15 @@ int bench(const BenchOptions& given) {
   BenchOptions options = given;
   part_seeds_from_overrides(options);
   if (options.file == "verify" && !fs::exists(options.file)) {
-    if (options.overrides.size() != 1)
-      throw UsageError("'plumbline bench verify' takes one folder that --archive wrote");
-    return verify_bench(options.overrides[0], options);
+    if (options.overrides.empty() || options.overrides[0].find('=') != std::string::npos)
+      throw UsageError(
+          "'plumbline bench verify' takes a folder that --archive wrote, and KEY=VALUE for inputs and programs that "
+          "lie "
+          "elsewhere here");
+    for (size_t i = 1; i < options.overrides.size(); ++i)
+      if (options.overrides[i].find('=') == std::string::npos)
+        throw UsageError("'plumbline bench verify' takes one folder; '" + options.overrides[i] + "' is no KEY=VALUE");
+    return verify_bench(options);
   }
   options.file = find_bench(given.file);
   const runtime::Registry registry = discover();

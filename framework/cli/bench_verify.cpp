@@ -60,6 +60,15 @@ std::vector<std::string> without_cell(const runtime::SweepPlan& plan, const runt
   return gone;
 }
 
+/// What is given here holds in place of what the bench was run with.
+void put_in_place(const std::vector<std::string>& given, runtime::Overrides& overrides) {
+  const auto key_of = [](const std::string& text) { return text.substr(0, text.find('=')); };
+  for (const std::string& one : given) {
+    std::erase_if(overrides, [&](const std::string& other) { return key_of(other) == key_of(one); });
+    overrides.push_back(one);
+  }
+}
+
 }  // namespace
 
 void keep_only(runtime::SweepFile& file, const std::vector<std::string>& wanted) {
@@ -74,11 +83,13 @@ void keep_only(runtime::SweepFile& file, const std::vector<std::string>& wanted)
   });
 }
 
-int verify_bench(const std::string& folder, const BenchOptions& options) {
+int verify_bench(const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
+  const std::string folder = options.overrides.at(0);
   if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / "cells.jsonl"))
     throw UsageError(folder + " is no archive of a bench: plumbline bench FILE --archive DIR makes one");
-  const runtime::Archive archive = runtime::read_archive(folder);
+  runtime::Archive archive = runtime::read_archive(folder);
+  put_in_place({options.overrides.begin() + 1, options.overrides.end()}, archive.overrides);
   const runtime::Registry registry = discover();
   runtime::SweepFile file = read_sweep(archive.bench, registry, archive.folders);
   file.seeds = archive.seeds;
@@ -91,7 +102,7 @@ int verify_bench(const std::string& folder, const BenchOptions& options) {
   const std::vector<std::string> gone = without_cell(plan, archive);
   for (const std::string& label : gone)
     std::printf("differs: %s: it is archived, and no cell that this program makes of the bench\n", label.c_str());
-  const std::vector<std::string> changed = changed_inputs(archive, store.file_hashes());
+  const std::vector<std::string> changed = changed_inputs(archive, plan, store.file_hashes());
   for (const std::string& input : changed) std::printf("differs: the input %s\n", input.c_str());
   if (chosen.empty()) throw std::runtime_error(folder + " has no result of a cell that this program would run");
   if (archive.commit != build_commit())

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -43,8 +46,8 @@ fs::path common_folder(const std::vector<SourceFile>& sources) {
   return common;
 }
 
-/// Files and folders that parameters name, with their hashes.
-Json inputs_of_plan(const SweepPlan& plan, FileHashes& hashes) {
+/// Files and folders that parameters name.
+std::set<std::string> input_paths(const SweepPlan& plan) {
   std::set<std::string> paths;
   std::set<const CellGraph*> seen;
   for (const SweepCell& cell : plan.cells) {
@@ -60,8 +63,12 @@ Json inputs_of_plan(const SweepPlan& plan, FileHashes& hashes) {
           if (!path.empty()) paths.insert(path);
       }
   }
+  return paths;
+}
+
+Json inputs_of_plan(const SweepPlan& plan, FileHashes& hashes) {
   Json inputs = Json::array();
-  for (const std::string& path : paths) inputs.push_back({{"path", path}, {"sha256", hashes.of(path)}});
+  for (const std::string& path : input_paths(plan)) inputs.push_back({{"path", path}, {"sha256", hashes.of(path)}});
   return inputs;
 }
 
@@ -166,22 +173,76 @@ Archive read_archive(const fs::path& folder) {
   return archive;
 }
 
-std::vector<std::string> changed_inputs(const Archive& archive, FileHashes& hashes) {
+namespace {
+
+/// Nothing if it cannot be read.
+std::optional<std::string> hash_of(const std::string& path, FileHashes& hashes) {
+  try {
+    return hashes.of(path);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> changed_inputs(const Archive& archive, const SweepPlan& plan, FileHashes& hashes) {
+  std::set<std::string> now;  // a disk, a folder of programs may be another: what counts is what is read
+  for (const std::string& path : input_paths(plan))
+    if (const auto hash = hash_of(path, hashes)) now.insert(*hash);
   std::vector<std::string> changed;
   for (const auto& [path, sha256] : archive.inputs) {
-    std::string now;
-    try {
-      now = hashes.of(path);
-    } catch (const std::exception&) {
-      changed.push_back(path + " is not there");
-      continue;
-    }
-    if (now != sha256) changed.push_back(path + " is not what the cells were made from: it has been changed");
+    if (now.count(sha256)) continue;
+    const auto there = hash_of(path, hashes);
+    changed.push_back(path + (!there ? " is not there, and nothing that the cells are made from now has its bytes"
+                              : *there == sha256 ? " is as it was, and the cells are made from something else now"
+                                                 : " is not what the cells were made from: it has been changed"));
   }
   return changed;
 }
 
 namespace {
+
+/// A word of a sentence as the numbers in it and what is around them.
+struct Word {
+  std::string around;  ///< with '#' for each number
+  std::vector<std::string> numbers;
+};
+
+Word parts_of(const std::string& text) {
+  static const std::regex number(R"([0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?)");
+  Word word;
+  auto at = text.begin();
+  for (std::sregex_iterator found(text.begin(), text.end(), number), end; found != end; ++found) {
+    word.around.append(at, text.begin() + found->position());
+    word.around += '#';
+    word.numbers.push_back(found->str());
+    at = text.begin() + found->position() + found->length();
+  }
+  word.around.append(at, text.end());
+  return word;
+}
+
+/// What the last digit that is written is worth; 0 of a whole number, which counts something.
+double last_place(const std::string& number) {
+  const auto point = number.find('.'), exponent = number.find('e');
+  if (point == std::string::npos) return 0;
+  const auto digits = (exponent == std::string::npos ? number.size() : exponent) - point - 1;
+  const int power = exponent == std::string::npos ? 0 : std::atoi(number.c_str() + exponent + 1);
+  return std::pow(10.0, power - static_cast<double>(digits));
+}
+
+/// Equal, or numbers with decimals that are rounded to one or the other side: they agree to one in their last place.
+bool alike_in_words(const std::string& a, const std::string& b) {
+  const Word of_a = parts_of(a), of_b = parts_of(b);
+  if (of_a.around != of_b.around) return false;
+  for (std::size_t k = 0; k < of_a.numbers.size(); ++k) {
+    const double unit = std::max(last_place(of_a.numbers[k]), last_place(of_b.numbers[k]));
+    const double x = std::strtod(of_a.numbers[k].c_str(), nullptr), y = std::strtod(of_b.numbers[k].c_str(), nullptr);
+    if (of_a.numbers[k] != of_b.numbers[k] && !(std::abs(x - y) <= 1.001 * unit)) return false;
+  }
+  return true;
+}
 
 /// Why a cell failed, in its first line; files, which an archive has in another folder, are without their names.
 std::string reason_of(const nlohmann::json& result) {
@@ -202,7 +263,7 @@ std::string difference_of(const std::string& archived, const std::string& again,
   if (a.at("status") != b.at("status"))
     return "it was " + a.at("status").get<std::string>() + ", now it is " + b.at("status").get<std::string>() +
            (b.contains("error") ? ": " + b.at("error").get<std::string>() : "");
-  if (a.value("failed_node", "") != b.value("failed_node", "") || reason_of(a) != reason_of(b))
+  if (a.value("failed_node", "") != b.value("failed_node", "") || !alike_in_words(reason_of(a), reason_of(b)))
     return "it failed for another reason: " + reason_of(a) + "; now: " + reason_of(b);
   std::set<std::string> names;
   for (const auto& side : {a, b})

@@ -40,12 +40,13 @@ struct Archive {
 /// Throws std::runtime_error that says what of it is missing, damaged or changed.
 Archive read_archive(const std::filesystem::path& folder);
 
-/// Files that parameters of nodes name and that are not those any more that the cells were made from, in words.
-std::vector<std::string> changed_inputs(const Archive& archive, FileHashes& hashes);
+/// Files, folders and programs that the archived cells were made from and those of `plan` are not, in words. They are
+/// known by their bytes, wherever they lie.
+std::vector<std::string> changed_inputs(const Archive& archive, const SweepPlan& plan, FileHashes& hashes);
 
 /// Metrics of two results that differ by more than `tolerance` of themselves, another status, another reason of a
 /// failure, or a metric that one lacks; empty if they agree. Hashes of inputs are not compared, nor names of files in
-/// reasons.
+/// reasons; numbers with decimals in reasons agree to one in their last place.
 std::string difference_of(const std::string& archived, const std::string& again, double tolerance);
 
 }  // namespace plumbline::runtime

@@ -7,11 +7,14 @@
 #include <cstdlib>
 #include <optional>
 
+#include "base/text/words.hpp"
 #include "show/bench/pairing.hpp"
 
 namespace plumbline::bench {
 
 namespace {
+
+constexpr std::size_t fewest_values = 3;  // of a variable along which something breaks
 
 std::optional<double> number_in(const std::string& text) {
   char* end = nullptr;
@@ -28,7 +31,7 @@ std::vector<std::string> in_order(const Variable& variable) {
   std::sort(values.begin(), values.end(),
             [](const std::string& a, const std::string& b) { return *number_in(a) < *number_in(b); });
   values.erase(std::unique(values.begin(), values.end()), values.end());
-  return values.size() < 3 ? std::vector<std::string>{} : values;
+  return values.size() < fewest_values ? std::vector<std::string>{} : values;
 }
 
 /// Whether the bench knows largest errors; a trial without one does not hold then.
@@ -42,13 +45,23 @@ bool holds(const Cell& cell, double tolerance, bool worst_is_measured) {
   return cell.status == "done" && std::abs(error) <= tolerance;  // nan does not
 }
 
-/// Of all cells with that value, how many hold.
-double share_that_holds(const Bench& bench, const std::string& variable, const std::string& value, double tolerance) {
+/// Of all cells with that value that have run, how many hold; nothing if none has, or the bench excludes it.
+std::optional<double> share_that_holds(const Bench& bench, const std::string& variable, const std::string& value,
+                                       double tolerance) {
   std::size_t all = 0, good = 0;
   const bool worst = measures_worst(bench);
   for (const Cell& cell : bench.cells)
     if (cell.status != "missing" && cell.values.at(variable) == value) ++all, good += holds(cell, tolerance, worst);
-  return all ? static_cast<double>(good) / static_cast<double>(all) : 0;
+  if (all == 0) return std::nullopt;
+  return static_cast<double>(good) / static_cast<double>(all);
+}
+
+/// Whether more sites hold at the last of the values that have run than at the first.
+bool grows(const Bench& bench, const std::string& variable, const std::vector<std::string>& values, double tolerance) {
+  std::vector<double> shares;
+  for (const std::string& value : values)
+    if (const auto share = share_that_holds(bench, variable, value, tolerance)) shares.push_back(*share);
+  return !shares.empty() && shares.back() > shares.front();
 }
 
 std::string place_without(const Cell& cell, const std::string& variable) {
@@ -99,6 +112,24 @@ void judge_sites(const Sites& sites, double confidence, bool worst_is_measured, 
   }
 }
 
+/// Values of which the bench has a cell there, run or not.
+std::vector<bool> planned_in(const Sites& sites, std::size_t values) {
+  std::vector<bool> planned(values, false);
+  for (const auto& [seed, cells] : sites)
+    for (std::size_t v = 0; v < values; ++v)
+      if (cells[v]) planned[v] = true;
+  return planned;
+}
+
+void leave_away(const std::vector<bool>& planned, Sites& sites) {
+  for (auto& [seed, cells] : sites) {
+    std::vector<const Cell*> kept;
+    for (std::size_t v = 0; v < planned.size(); ++v)
+      if (planned[v]) kept.push_back(cells[v]);
+    cells = std::move(kept);
+  }
+}
+
 void add(const Bench& bench, const std::string& variable, const std::vector<std::string>& values, double tolerance,
          double confidence, std::vector<Breakdown>& all) {
   using Key = std::pair<std::string, std::map<std::string, std::string>>;
@@ -116,7 +147,11 @@ void add(const Bench& bench, const std::string& variable, const std::vector<std:
   for (const auto& key : order) {
     Breakdown found;
     found.variable = variable, found.place = key.first, found.name = choices_text(key.second);
-    found.tolerance = tolerance, found.values = values, found.by_worst = worst;
+    found.tolerance = tolerance, found.by_worst = worst;
+    const std::vector<bool> planned = planned_in(sites.at(key), values.size());
+    for (std::size_t v = 0; v < values.size(); ++v) (planned[v] ? found.values : found.excluded).push_back(values[v]);
+    if (found.values.size() < fewest_values) continue;
+    leave_away(planned, sites.at(key));
     judge_sites(sites.at(key), confidence, worst, found);
     if (found.sites > 0) all.push_back(std::move(found));
   }
@@ -138,9 +173,7 @@ std::vector<Breakdown> breakdowns(const Bench& bench, double confidence) {
     for (const double tolerance : bench.tolerances) {
       // Of tags, control and images there may be too few, of noise too much.
       std::vector<std::string> ordered = values;
-      if (share_that_holds(bench, variable.name, values.back(), tolerance) >
-          share_that_holds(bench, variable.name, values.front(), tolerance))
-        std::reverse(ordered.begin(), ordered.end());
+      if (grows(bench, variable.name, values, tolerance)) std::reverse(ordered.begin(), ordered.end());
       add(bench, variable.name, ordered, tolerance, confidence, all);
     }
   }
@@ -169,7 +202,10 @@ std::vector<std::string> breakdown_sentences(const std::vector<Breakdown>& found
       if (b.variable == first.variable && b.place == first.place && b.tolerance == first.tolerance) alike.push_back(&b);
     std::stable_sort(alike.begin(), alike.end(),
                      [](const Breakdown* a, const Breakdown* b) { return a->median > b->median; });
-    std::string text = "as " + first.variable + " goes from " + first.values.front() + " to " + first.values.back() +
+    const Breakdown& widest =
+        **std::max_element(alike.begin(), alike.end(),
+                           [](const Breakdown* a, const Breakdown* b) { return a->values.size() < b->values.size(); });
+    std::string text = "as " + first.variable + " goes from " + widest.values.front() + " to " + widest.values.back() +
                        (first.place.empty() ? "" : " on " + first.place) + ", half of the sites stay within " +
                        tolerance_text(first.tolerance) + " mm ";
     std::string last;
@@ -184,6 +220,10 @@ std::vector<std::string> breakdown_sentences(const std::vector<Breakdown>& found
     if (open > 0)
       text += "; of " + (open == 1 ? "one site" : "up to " + std::to_string(open) + " sites") +
               " the next value has not run yet";
+    for (const Breakdown* b : alike)
+      if (!b->excluded.empty())
+        text += "; " + (b->name.empty() ? "" : "with " + b->name + " ") + "the bench leaves out " +
+                text::enumerate(b->excluded);
     if (!first.by_worst) text += "; by their RMSE, because no largest error is measured";
     sentences.push_back(text + ".");
   }

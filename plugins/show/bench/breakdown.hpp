@@ -13,6 +13,7 @@ struct Breakdown {
   std::string variable, place, name;  ///< place: scenario and the other variables, in words
   double tolerance = 0;               ///< [m]
   std::vector<std::string> values;    ///< of the variable, from where more sites hold to where fewer do
+  std::vector<std::string> excluded;  ///< values of the variable that the bench leaves out here: nothing is open there
   bool by_worst = true;               ///< of largest errors; else of what the file measures as error
   std::size_t sites = 0;              ///< those of which every value up to their end has run
   std::size_t open = 0;               ///< further ones, of which the value that would tell has not run
@@ -23,8 +24,9 @@ struct Breakdown {
   bool has_interval() const { return upper <= values.size(); }
 };
 
-/// For each variable with three or more values, all of them numbers; each place, alternative and tolerance of the file.
-/// Without a largest error what was measured as error counts. `confidence` of the interval, which is exact or wider.
+/// For each variable with three or more values that the bench runs there, all of them numbers; each place, alternative
+/// and tolerance of the file. Without a largest error what was measured as error counts. `confidence` of the interval,
+/// which is exact or wider.
 std::vector<Breakdown> breakdowns(const Bench& bench, double confidence);
 
 /// "up to 0.4 (0.3 to 0.5)", "not even at 0", "through 0.9".

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/text/words.hpp"
 #include "base/text/xml_text.hpp"
 #include "page_parts.hpp"
 #include "show/bench/figures.hpp"
@@ -171,7 +172,7 @@ std::string breakdown_table(const Bench& bench, const Analysis& analysis) {
     text += "<tr><td>" + xml_escaped(b.variable) + "</td><td>" + xml_escaped(b.place) + "</td><td>" +
             xml_escaped(b.name) + "</td><td class=\"n\">" + number_text(1e3 * b.tolerance, 1) +
             "</td><td class=\"n\">" + std::to_string(b.sites) + "</td><td>" + xml_escaped(breakdown_text(b)) +
-            "</td></tr>\n";
+            (b.excluded.empty() ? "" : xml_escaped("; left out: " + text::enumerate(b.excluded))) + "</td></tr>\n";
   return text + "</tbody></table></div>\n";
 }
 

@@ -103,6 +103,7 @@ Json breakdown_json(const Breakdown& b) {
   const auto value = [&](std::size_t count) { return count == 0 ? Json() : Json(b.values[count - 1]); };
   Json json{{"variable", b.variable}, {"place", b.place},   {"name", b.name},          {"tolerance", b.tolerance},
             {"sites", b.sites},       {"values", b.values}, {"holds", value(b.median)}};
+  if (!b.excluded.empty()) json["excluded"] = b.excluded;
   if (b.open > 0) json["open_sites"] = b.open, json["holds_at_most"] = value(b.at_most);
   if (b.has_interval()) json["interval"] = {value(b.lower), value(b.upper)};
   return json;

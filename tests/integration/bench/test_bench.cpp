@@ -1,10 +1,12 @@
 // plumbline bench from outside: what is shared runs once, what failed is told every time, the order never matters.
 #include "bench_program.hpp"
 #include "runtime/base/digest.hpp"
+#include "runtime/sweep/sweep_archive.hpp"
 
 namespace plumbline::test {
 namespace test_bench {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 namespace fs = std::filesystem;
@@ -671,7 +673,53 @@ TEST(Bench, VerifyTellsCellsThatItCannotPlanAndInputsThatChanged) {
   EXPECT_EQ(answer.code, 1);
   EXPECT_THAT(answer.out, HasSubstr("differs: method=c, seed 1: it is archived, and no cell that this program makes"));
   EXPECT_THAT(answer.out, HasSubstr("b.yaml is not what the cells were made from: it has been changed"));
-  EXPECT_THAT(answer.out, HasSubstr("differs: the input /nowhere/at/all is not there"));
+  EXPECT_THAT(answer.out, HasSubstr("differs: the input /nowhere/at/all is not there, and nothing"));
+}
+
+/// A disk under another name, a program in another folder: the bytes are the same, and so are the cells.
+TEST(Bench, VerifyKnowsInputsAndProgramsByTheirBytes) {
+  BenchProgram plumbline;
+  const auto make = [&](const std::string& where, const std::string& content) {
+    fs::create_directories(plumbline.work() / where / "data");
+    plumbline.write(where + "/data/a.txt", content);
+    plumbline.write(where + "/tell", "#!/bin/sh\n# " + content + "\nexit 3\n");
+    fs::permissions(plumbline.work() / where / "tell", fs::perms::owner_all);
+  };
+  plumbline.bench_file("seeds: 1-2\n");
+  for (const std::string from : {"story.length, with: {folder: ", "story.teller, with: {program: "}) {
+    const std::string what = from.find("folder") != std::string::npos ? "data" : "tell";
+    make("here", "a"), make("there", "a"), make("other", "b");
+    plumbline.write("trial.yaml", "plumbline: 1\nvars: {seed: 1, place: none}\nnodes:\n  site: {use: " + from +
+                                      "\"${place}\"}}\n  solver: {use: trial.plain, in: {site: site.number}}\n");
+    const auto at = [&](const std::string& where) { return "place=" + (plumbline.work() / where / what).string(); };
+    plumbline.run({at("here"), "--archive", "supplement"});
+    fs::remove_all(plumbline.work() / "here");
+    const Answer same = plumbline({"bench", "verify", "supplement", at("there")}),
+                 other = plumbline({"bench", "verify", "supplement", at("other")});
+    EXPECT_EQ(same.code, 0) << same.out << same.err;
+    EXPECT_THAT(same.out, AllOf(HasSubstr("2 of 2 archived cells made again, 2 agree"), Not(HasSubstr("differs"))));
+    EXPECT_EQ(other.code, 1) << other.out << other.err;
+    EXPECT_THAT(other.out, HasSubstr("here/" + what +
+                                     " is not there, and nothing that the cells are made from now has its bytes"));
+  }
+}
+
+/// The last digit of what a reason rounds may fall to either side; what it counts may not.
+TEST(Bench, VerifyTakesRoundedNumbersInReasonsForWhatTheyAre) {
+  const auto failed = [](const std::string& reason) {
+    return Json{{"status", "failed"}, {"failed_node", "solver"}, {"error", reason}, {"metrics", Json::object()}}.dump();
+  };
+  const auto differ = [&](const std::string& a, const std::string& b) {
+    return !runtime::difference_of(failed(a), failed(b), 1e-9).empty();
+  };
+  EXPECT_FALSE(
+      differ("may move by 0.012345 m (1 sigma), 2.34e+03 of 7", "may move by 0.012346 m (1 sigma), 2.35e+03 of 7"));
+  EXPECT_FALSE(differ("w = -12.3", "w = -12.4"));
+  EXPECT_TRUE(differ("w = -12.3", "w = 12.3"));
+  EXPECT_TRUE(differ("may move by 0.012345 m", "may move by 0.012347 m"));
+  EXPECT_TRUE(differ("2.34e+03 of 7", "2.34e+04 of 7"));
+  EXPECT_TRUE(differ("3 of 16 points", "4 of 16 points"));
+  EXPECT_TRUE(differ("point 3.1 of F1", "point 3.1 of F2"));
 }
 
 /// Once `--archive .` removed the folder "files" that stood there.

@@ -92,6 +92,25 @@ TEST(Breakdown, SitesThatHoldSoFarAreNotLeftAway) {
   EXPECT_THAT(breakdown_sentences(found)[0], HasSubstr("; of up to 8 sites the next value has not run yet."));
 }
 
+/// What the bench excludes will never run: the sites end before it. Once "at least up to 0.3", and "of up to 7 sites
+/// the next value has not run yet".
+TEST(Breakdown, WhatIsExcludedIsNotOpen) {
+  Bench bench = bench_of({6, 6, 6, 6, 6, 6, 6});
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.values.at("outliers") >= "0.4"; });
+  Bench middle = bench_of({6, 6, 6, 6, 6, 6, 6});
+  std::erase_if(middle.cells, [](const Cell& cell) { return cell.values.at("outliers") == "0.2"; });
+  const auto found = breakdowns(bench, 0.95);
+  EXPECT_EQ(found[0].open, 0u);
+  EXPECT_EQ(found[0].sites, 7u);
+  EXPECT_EQ(breakdown_text(found[0]), "through 0.3");
+  EXPECT_THAT(breakdown_sentences(found)[0],
+              HasSubstr("through 0.3 with robust; with robust the bench leaves out 0.4 and "
+                        "0.5."));
+  EXPECT_EQ(breakdown_text(breakdowns(middle, 0.95)[0]), "through 0.5");
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.values.at("outliers") >= "0.2"; });
+  EXPECT_TRUE(breakdowns(bench, 0.95).empty()) << "two values are no curve";
+}
+
 /// Once judged by its RMSE, which is within.
 TEST(Breakdown, ATrialOfWhichTheLargestErrorIsNotKnownDoesNotHold) {
   Bench bench = bench_of({6, 6, 6, 6, 6, 6, 6});
