@@ -132,6 +132,7 @@ class Builder {
       panel.refused = findings.refused;
       panel.held_below = held_below_.of(facts_of(*element, properties_), panel.refused);
       held_by_.push_back(rules_that_select(held_below_.rules, facts_of(*element, properties_)));
+      for (const std::size_t rule : held_by_.back()) held_rules_[rule].selects.insert(element->guid);
       said.emplace_back(element->anchor_guids.begin(), element->anchor_guids.end());
       panels.push_back(std::move(panel)), rules.push_back(std::move(findings));
     }
@@ -146,7 +147,7 @@ class Builder {
         continue;
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
-      for (const std::size_t rule : held_by_[p]) ++held_rules_[rule];
+      note_held(held_by_[p]);
       note(findings);
       inputs_.panels.push_back(std::move(panel));
     }
@@ -270,6 +271,29 @@ class Builder {
     return found;
   }
 
+  /// The last of the rules that select a panel decides it.
+  void note_held(const std::vector<std::size_t>& rules) {
+    for (const std::size_t rule : rules) ++held_rules_[rule].judged;
+    if (rules.empty()) return;
+    ++held_rules_[rules.back()].decides;
+    for (const std::size_t rule : rules)
+      if (rule != rules.back()) held_rules_[rule].replaced_by.insert(rules.back());
+  }
+
+  /// Why a rule of held_below is not judged: it selects nothing, or a later one that selects its panels and others
+  /// stands in its place everywhere. Empty: it is.
+  std::string unheld(std::size_t i) const {
+    const HeldRule& rule = held_rules_[i];
+    if (rule.judged == 0) return "it selects no panel";
+    if (rule.decides > 0) return {};
+    for (const std::size_t later : rule.replaced_by)
+      if (std::any_of(held_rules_[later].selects.begin(), held_rules_[later].selects.end(),
+                      [&](const std::string& guid) { return !rule.selects.contains(guid); }))
+        return "it holds nowhere: '" + held_below_.rules[later].text +
+               "' stands after it and selects its panels and others; put the narrower rule last, or take it out";
+    return {};
+  }
+
   static std::string name_of(const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; }
 
   void note(const judgement::ToleranceFindings& findings) {
@@ -300,8 +324,7 @@ class Builder {
       inputs_.requests.push_back({mounting_.rules[i].text, "mounting", mounting_rules_[i], 0,
                                   mounting_rules_[i] > 0 ? "" : "it selects no anchor of the plate table"});
     for (std::size_t i = 0; i < held_rules_.size(); ++i)
-      inputs_.requests.push_back({held_below_.rules[i].text, "held_below", 0, held_rules_[i],
-                                  held_rules_[i] > 0 ? "" : "it selects no panel"});
+      inputs_.requests.push_back({held_below_.rules[i].text, "held_below", 0, held_rules_[i].decides, unheld(i)});
     for (std::size_t i = 0; i < sill_rules_.size(); ++i)
       inputs_.requests.push_back(
           {held_below_.sills[i].text(), "sills", sill_rules_[i], 0, sill_rules_[i] > 0 ? "" : "it selects no anchor"});
@@ -381,7 +404,13 @@ class Builder {
   std::set<std::size_t> in_force_;              // rules that hold somewhere
   std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
   std::vector<int> mounting_rules_;
-  std::vector<int> held_rules_, sill_rules_;       // panels that each selects, anchors
+  struct HeldRule {
+    std::set<std::string> selects;      // GlobalIds of panels
+    int judged = 0, decides = 0;        // of these, panels that are judged; that no later rule selects
+    std::set<std::size_t> replaced_by;  // later rules that stand in its place somewhere
+  };
+  std::vector<HeldRule> held_rules_;
+  std::vector<int> sill_rules_;                    // anchors that each selects
   std::vector<std::vector<std::size_t>> held_by_;  // by panel, rules that select it
   std::size_t from_table_ = 0;
   std::map<std::string, const DesignElementT*> elements_;

@@ -228,6 +228,31 @@ TEST(DesignInput, WhatHoldsPanelsBelowIsSaidByRules) {
   EXPECT_EQ(stacked.panels[1]->below->by, "assumed_sill");
 }
 
+/// As with tolerances. What a rule decides is counted, not what it selects.
+TEST(DesignInput, ANarrowRuleOfHeldBelowThatALaterWideOneReplacesIsNotJudged) {
+  const Site site({0, -1, 0});
+  const auto requests = [&](const std::vector<std::string>& rules) {
+    HeldBelow held;
+    for (const std::string& rule : rules) held.rules.push_back(parse_held_below(rule));
+    held.sills = {ifc::Selection("name~^S-1")};
+    const auto inputs = deviation_inputs(site.design, site.matches, site.plates, {}, 0.3, {}, held);
+    std::vector<std::string> found;
+    for (const Request& one : inputs.requests)
+      if (one.by == "held_below") found.push_back(std::to_string(one.panels) + one.not_judged);
+    return found;
+  };
+  const std::string narrow = "name=PS-0: sigma=2mm", wide = "*: sigma=0.5mm";
+  const auto replaced = requests({narrow, wide});
+  EXPECT_EQ(replaced[0], "0it holds nowhere: '" + wide +
+                             "' stands after it and selects its panels and others; put the narrower rule last, or "
+                             "take it out");
+  EXPECT_EQ(replaced[1], "2");
+  EXPECT_EQ(requests({wide, narrow}), (std::vector<std::string>{"1", "1"})) << "from the general to the special";
+  EXPECT_EQ(requests({wide, narrow, "name=PS-1: sigma=1mm"}), (std::vector<std::string>{"0", "1", "1"}))
+      << "nothing narrower is lost";
+  EXPECT_EQ(requests({narrow, "name=PS-1: sigma=1mm"}), (std::vector<std::string>{"1", "1"}));
+}
+
 /// The rule that is printed, by what a user would copy.
 std::string rule_in(const std::string& warning) {
   std::smatch found;
