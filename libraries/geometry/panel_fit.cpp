@@ -27,7 +27,7 @@ PanelMotion fit_panel(const std::vector<Eigen::Vector3d>& fixings, const Eigen::
   for (int i = 0; i < 3; ++i) {
     const double value = eigen.eigenvalues()(i);
     const Eigen::Vector3d axis = eigen.eigenvectors().col(i);
-    if (value < 1e-4) {  // arms below a centimetre: a turn about the line of the fixings
+    if (value < kTurnArm * kTurnArm) {  // a turn about the line of the fixings
       line = axis;
       continue;
     }

@@ -18,9 +18,13 @@ struct PanelMotion {
 };
 
 /// Least squares over small rotations, d = t + r × (p − centre), every fixing of equal weight. A rotation that the
-/// fixings cannot tell stays zero: all of it for one fixing, that about their line for fixings in a line (within a
-/// centimetre). `fixings` and `centre` in one frame [m], at least one fixing.
+/// fixings cannot tell stays zero: all of it for one fixing, that about their line for fixings in a line (kTurnArm).
+/// `fixings` and `centre` in one frame [m], at least one fixing.
 PanelMotion fit_panel(const std::vector<Eigen::Vector3d>& fixings, const Eigen::Vector3d& centre);
+
+/// So far the fixings of a panel must lie off a line (root of the sum of squares) to tell how it is turned about that
+/// [m]. The same for who judges panels and who plans them.
+inline constexpr double kTurnArm = 0.01;
 
 /// A point that lies so near to the line about which a panel's turn is open is told by what holds it there [m]: a turn
 /// of 10 mm on a metre moves it by half a millimetre. The same for who judges panels and who plans them.

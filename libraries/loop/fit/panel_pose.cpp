@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -25,6 +26,22 @@ bool PanelPose::tells(const Eigen::Matrix<double, 1, 6>& row) const {
   return moved < (turn > 0.5 ? kOpenArm * turn / arm : 0.05);
 }
 
+namespace {
+
+/// Whether hooks tell a twist (unit length) that moves them by so much together: a turn by their arms off its line, as
+/// the judgement has it (kTurnArm), anything else by a hundredth.
+bool is_told(double moved, const Eigen::Matrix<double, 6, 1>& twist, double arm) {
+  const double turn = twist.tail<3>().norm();
+  return moved > (turn > 0.5 ? kTurnArm * turn / arm : 0.01);
+}
+
+}  // namespace
+
+Eigen::Index PanelPose::own() const {
+  if (!stand) return static_cast<Eigen::Index>(held.size());
+  return std::count_if(held.begin(), held.end(), [](const Held& one) { return !one.is_below; });
+}
+
 PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
   PanelPose pose;
   pose.arm = std::max(0.1, 0.5 * (panel.corners[3] - panel.corners[0]).norm());
@@ -41,8 +58,8 @@ PanelPose pose_of(const Panel& panel, const std::vector<Bracket>& brackets) {
   }
   const linear_algebra::SingularValues svd(pose.hooks, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Index rank = 0;
-  // A direction that a hook holds at less than a hundredth of the panel's half diagonal is not held.
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 0.01) ++rank;
+  while (rank < svd.singularValues().size() && is_told(svd.singularValues()[rank], svd.matrixV().col(rank), pose.arm))
+    ++rank;
   pose.solve = svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal() *
                svd.matrixU().leftCols(rank).transpose();
   pose.open = svd.matrixV().rightCols(6 - rank);
@@ -94,6 +111,10 @@ class Stack {
     }
     pose.strain.conservativeResize(pose.solve.cols(), pose.strain.cols());
     pose.strain.bottomRows(pose.solve.cols() - own).setZero();
+    if (below.panel >= 0) {
+      const auto carrier = static_cast<std::size_t>(below.panel);
+      pose.stand = {carrier, poses_[carrier].movement(facade_.panels[carrier], below.place, panel.axes.col(2)), *lift};
+    }
     pose.open.resize(6, 0);
     for (const auto& [seat, factor] : seats) pose.seats.emplace_back(seat, factor * *lift);
   }
@@ -230,7 +251,7 @@ Eigen::MatrixXd ValueErrors::covariance() const {
 }
 
 Eigen::MatrixXd ValueErrors::covariance_when(int event) const {
-  Eigen::MatrixXd all = rows * (measured + setting + station) * rows.transpose() + made;
+  Eigen::MatrixXd all = measured + setting + station + made;
   if (event >= 0) {
     const Eigen::MatrixXd& shift = rare[event].shift;
     all += shift * shift.transpose();
@@ -241,12 +262,12 @@ Eigen::MatrixXd ValueErrors::covariance_when(int event) const {
 namespace {
 
 /// Brackets that are still to be set slip; plates and control were knocked before anybody measured, or not.
-void add_rare_events(const Facade& facade, ValueErrors& errors) {
+void add_rare_events(const Facade& facade, const Eigen::MatrixXd& gradient, ValueErrors& errors) {
   const ErrorModel& model = facade.errors;
   std::map<int, Eigen::MatrixXd> heights;  // by storey
   for (std::size_t i = 0; i < errors.brackets.size(); ++i) {
     const Bracket& bracket = facade.brackets[errors.brackets[i]];
-    const Eigen::MatrixXd rows = errors.rows.middleCols<3>(3 * static_cast<Eigen::Index>(i));
+    const Eigen::MatrixXd rows = gradient.middleCols<3>(3 * static_cast<Eigen::Index>(i));
     if (model.slip_share * model.slip > 0 && !bracket.stays())
       errors.rare.push_back({model.slip_share, model.slip * rows});
     if (model.knock_share * model.knock > 0) errors.rare.push_back({model.knock_share, model.knock * rows});
@@ -255,6 +276,34 @@ void add_rare_events(const Facade& facade, ValueErrors& errors) {
   }
   if (model.control_share * model.control_knock > 0)
     for (auto& [storey, shift] : heights) errors.rare.push_back({model.control_share, std::move(shift)});
+}
+
+/// What the brackets' errors do to the values, `rows` of d(value)/d(movement): bracket by bracket, because of a high
+/// column they are many and their covariances as matrices large.
+void add_brackets(const Facade& facade, const Eigen::MatrixXd& rows, ValueErrors& out) {
+  const ErrorModel& errors = facade.errors;
+  const Eigen::MatrixXd& own = facade.own.size() > 0 ? facade.own : facade.covariance;
+  const auto m = rows.rows(), n = static_cast<Eigen::Index>(out.brackets.size());
+  const auto at = [&](Eigen::Index i) { return 3 * static_cast<Eigen::Index>(out.brackets[i]); };
+  Eigen::MatrixXd with_measured = Eigen::MatrixXd::Zero(m, 3 * n), with_station = with_measured;
+  out.with_own.setZero(m, 3 * n), out.setting.setZero(m, m);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Bracket& bracket = facade.brackets[out.brackets[i]];
+    const auto row = rows.middleCols<3>(3 * i);
+    out.own_alone.emplace_back(own.block<3, 3>(at(i), at(i)));
+    if (!bracket.stays()) out.setting += errors.setting * errors.setting * row * row.transpose();
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const Bracket& other = facade.brackets[out.brackets[j]];
+      with_measured.middleCols<3>(3 * j) += row * facade.covariance.block<3, 3>(at(i), at(j));
+      out.with_own.middleCols<3>(3 * j) += row * own.block<3, 3>(at(i), at(j));
+      if (bracket.stays() || other.stays()) continue;
+      if (bracket.floor == other.floor) with_station.middleCols<3>(3 * j) += errors.station * errors.station * row;
+      if (facade.stations.size() > 0)
+        with_station.middleCols<3>(3 * j) += row * facade.stations.block<3, 3>(at(i), at(j));
+    }
+  }
+  out.measured = with_measured * rows.transpose(), out.own = out.with_own * rows.transpose();
+  out.station = with_station * rows.transpose();
 }
 
 }  // namespace
@@ -277,29 +326,13 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
   for (auto& [which, at] : edge) at = edges++;
   for (auto& [which, at] : seat) at = edges++;
   const ErrorModel& errors = facade.errors;
-  out.measured.resize(3 * n, 3 * n);
-  out.own.resize(3 * n, 3 * n);
-  out.setting.setZero(3 * n, 3 * n), out.station.setZero(3 * n, 3 * n);
-  const Eigen::MatrixXd& own = facade.own.size() > 0 ? facade.own : facade.covariance;
-  for (const auto& [i, at_i] : place)
-    for (const auto& [j, at_j] : place) {
-      out.measured.block<3, 3>(3 * at_i, 3 * at_j) =
-          facade.covariance.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
-      out.own.block<3, 3>(3 * at_i, 3 * at_j) =
-          own.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
-      if (facade.brackets[i].stays() || facade.brackets[j].stays()) continue;
-      if (i == j) out.setting.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.setting * errors.setting);
-      if (facade.brackets[i].floor == facade.brackets[j].floor)
-        out.station.block<3, 3>(3 * at_i, 3 * at_j).diagonal().setConstant(errors.station * errors.station);
-      if (facade.stations.size() > 0)
-        out.station.block<3, 3>(3 * at_i, 3 * at_j) +=
-            facade.stations.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j));
-    }
-  out.rows.setZero(m, 3 * n);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(m, 3 * n);
+  for (Eigen::Index v = 0; v < m; ++v)
+    for (const auto& [bracket, row] : gradients[v]) rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
+  add_brackets(facade, rows, out);
   Eigen::MatrixXd made = Eigen::MatrixXd::Zero(m, edges);
   for (Eigen::Index v = 0; v < m; ++v) {
     const JudgedValue& value = *values[v];
-    for (const auto& [bracket, row] : gradients[v]) out.rows.block<1, 3>(v, 3 * place.at(bracket)) = row;
     for (const auto& [which, factor] : value.edges)
       made(v, edge.at(which)) = factor * (which % 5 == 4 ? errors.face : errors.edge);
     for (const auto& [panel, row] : value.rows)
@@ -307,7 +340,7 @@ ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facad
         made(v, seat.at(at)) += row.dot(lift) * facade.panels[at].below->sigma;
   }
   out.made = made * made.transpose();
-  add_rare_events(facade, out);
+  add_rare_events(facade, rows, out);
   return out;
 }
 

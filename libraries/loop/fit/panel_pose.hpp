@@ -23,6 +23,14 @@ struct PanelPose {
     bool is_below = false;      ///< no hook of this panel, but one of what it stands on
   };
   std::vector<Held> held;  ///< the h directions: its hooks in their order, then those of what it stands on
+  /// Of a panel that stands on another: its twist is solve of its own hooks, plus lift times how far out that one's
+  /// twist brings the edge. The same as `solve` over all that is held, in terms that do not grow with the column.
+  struct Stand {
+    std::size_t carrier;
+    Eigen::Matrix<double, 1, 6> edge;  ///< of the carrier's twist
+    Eigen::Matrix<double, 6, 1> lift;
+  };
+  std::optional<Stand> stand;
   /// What a metre that a bottom edge is off its support (Support::sigma of that panel) does to the twist.
   std::vector<std::pair<std::size_t, Eigen::Matrix<double, 6, 1>>> seats;
 
@@ -33,6 +41,8 @@ struct PanelPose {
   /// it lies within kOpenArm of that line, as the judgement has it; else it moves less than 0.05 for a unit of any open
   /// twist.
   bool tells(const Eigen::Matrix<double, 1, 6>& row) const;
+  /// How many of `held` are given by what they hold alone: all, or without those of the panels below.
+  Eigen::Index own() const;
 };
 
 /// Hooks on brackets that were not measured are left out: what they hold is then open.
@@ -70,11 +80,12 @@ std::map<std::size_t, Eigen::RowVector3d> bracket_gradient(const JudgedValue& va
 /// How errors reach some judged values: of the brackets they rest on as measured and as set, of manufacture. Settings
 /// and stations are of brackets that are still to be set.
 struct ValueErrors {
-  std::vector<std::size_t> brackets;       ///< that the values rest on
-  Eigen::MatrixXd rows;                    ///< values x 3 brackets: d(value)/d(movement), in the frame
-  Eigen::MatrixXd measured;                ///< 3n x 3n joint covariance of the deviations [m²]
-  Eigen::MatrixXd own;                     ///< likewise, without what all campaigns share
-  Eigen::MatrixXd setting, station, made;  ///< setting, station: 3n x 3n [m²]; made: values x values [m²]
+  std::vector<std::size_t> brackets;  ///< that the values rest on
+  /// Covariance of the values [m²] by the measured deviations, jointly; of these by what campaigns do not share; by
+  /// settings; by where robots stand; by manufacture.
+  Eigen::MatrixXd measured, own, setting, station, made;
+  Eigen::MatrixXd with_own;                ///< values x 3 brackets: covariance with what `own` has of each [m²]
+  std::vector<Eigen::Matrix3d> own_alone;  ///< of each bracket by itself [m²]
   /// Something rare and large that no standard deviation says: a bracket that slips on tightening, a plate that was
   /// knocked before it was measured, control likewise.
   struct RareEvent {
@@ -82,9 +93,9 @@ struct ValueErrors {
     Eigen::MatrixXd shift;  ///< values x k: what k independent standard normal numbers do to the values [m]
   };
   std::vector<RareEvent> rare;
-  /// Of the values [m²], rare events with their share: their second moment, though not their tails.
+  /// Of all together, rare events with their share: their second moment, though not their tails.
   Eigen::MatrixXd covariance() const;
-  /// Of the values if nothing rare happens but that at this place of `rare` (-1: nothing) [m²].
+  /// If nothing rare happens but that at this place of `rare` (-1: nothing).
   Eigen::MatrixXd covariance_when(int event) const;
 };
 ValueErrors errors_of(const std::vector<const JudgedValue*>& values, const Facade& facade,

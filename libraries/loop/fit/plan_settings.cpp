@@ -1,5 +1,7 @@
 #include "loop/fit/plan_settings.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -227,6 +229,19 @@ void note_what_is_too_uncertain(const Facade& facade, Fit& fit) {
                       " mm, and " + text::format_fixed(1e3 * needed, 2) + " mm or less would do");
 }
 
+/// Nobody sets a sill: what it holds.
+std::string sill_words(const Facade& facade, std::size_t sill) {
+  std::vector<std::string> held;
+  for (const Panel& panel : facade.panels)
+    if (panel.below)
+      for (const auto& [place, part] : panel.below->sills)
+        if (place == sill) held.push_back(panel.id);
+  return "sill " + facade.brackets[sill].id +
+         (held.empty() ? " holds no bottom edge that is planned by it"
+                       : " holds the bottom edge of " + text::join(held, 8)) +
+         ": nothing is to be set on it";
+}
+
 void note_what_is_missing(const Facade& facade, Fit& fit) {
   std::vector<bool> used(facade.brackets.size(), false);
   for (std::size_t j = 0; j < facade.panels.size(); ++j) {
@@ -243,7 +258,9 @@ void note_what_is_missing(const Facade& facade, Fit& fit) {
     }
   }
   for (std::size_t b = 0; b < used.size(); ++b)
-    if (!used[b])
+    if (!used[b] && facade.brackets[b].is_sill)
+      fit.notes.push_back(sill_words(facade, b));
+    else if (!used[b])
       fit.notes.push_back("bracket " + facade.brackets[b].id +
                           (facade.brackets[b].holds_unplanned
                                ? " holds a panel that is not planned: it has no setting before that is"
@@ -254,19 +271,22 @@ void note_what_is_missing(const Facade& facade, Fit& fit) {
 /// Values of one panel's corners or of one joint rest on the same brackets: their covariance is made together.
 void add_uncertainties(const Facade& facade, Fit& fit) {
   fit.values.resize(fit.judged.size());
-  for (std::size_t begin = 0, end = 0; begin < fit.judged.size(); begin = end) {
+  std::vector<std::size_t> begins;
+  for (std::size_t v = 0; v < fit.judged.size(); ++v)
+    if (v == 0 || fit.judged[v].panel != fit.judged[v - 1].panel || fit.judged[v].joint != fit.judged[v - 1].joint)
+      begins.push_back(v);
+  begins.push_back(fit.judged.size());
+  tbb::parallel_for(std::size_t{0}, begins.size() - 1, [&](std::size_t g) {
     std::vector<const JudgedValue*> group;
-    while (end < fit.judged.size() && fit.judged[end].panel == fit.judged[begin].panel &&
-           fit.judged[end].joint == fit.judged[begin].joint)
-      group.push_back(&fit.judged[end++]);
+    for (std::size_t v = begins[g]; v < begins[g + 1]; ++v) group.push_back(&fit.judged[v]);
     const Eigen::MatrixXd covariance = errors_of(group, facade, fit.poses).covariance();
-    for (std::size_t v = begin; v < end; ++v) {
-      const auto i = static_cast<Eigen::Index>(v - begin);
+    for (std::size_t v = begins[g]; v < begins[g + 1]; ++v) {
+      const auto i = static_cast<Eigen::Index>(v - begins[g]);
       fit.values[v].u = std::sqrt(std::max(0.0, covariance(i, i)));
       fit.values[v].guarded = facade.errors.guard_factor * fit.values[v].u <=
                               kLargestGuard * 0.5 * (fit.judged[v].high - fit.judged[v].low);
     }
-  }
+  });
 }
 
 Eigen::VectorXd movements(const Facade& facade, const PanelPose& pose, const std::vector<Eigen::Vector3d>& settings) {

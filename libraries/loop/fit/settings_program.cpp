@@ -40,7 +40,9 @@ SettingsProgram::SettingsProgram(const Facade& facade, const std::vector<PanelPo
     : facade_(facade), poses_(poses) {
   choose_settings();
   hooks_.resize(facade.panels.size());
+  edges_.resize(facade.panels.size());
   for (std::size_t j = 0; j < facade.panels.size(); ++j) add_hooks(j);
+  for (std::size_t j = 0; j < facade.panels.size(); ++j) add_edge(j);
   keep_independent_equations();
   linear_.assign(static_cast<std::size_t>(unknowns_), 0.0);
   for (const JudgedValue& value : judged) {
@@ -69,7 +71,8 @@ void SettingsProgram::choose_settings() {
 /// The hook's end of the panel moves by what its anchor is off and is set by. What hangs already stays as it is.
 void SettingsProgram::add_hooks(std::size_t panel) {
   const PanelPose& pose = poses_[panel];
-  for (const PanelPose::Held& held : pose.held) {
+  for (Eigen::Index own = 0; own < pose.own(); ++own) {
+    const PanelPose::Held& held = pose.held[static_cast<std::size_t>(own)];
     const Bracket& bracket = facade_.brackets[held.bracket];
     const auto hook = static_cast<Eigen::Index>(hooks_[panel].size());
     Term& moved = hooks_[panel].emplace_back();
@@ -86,9 +89,27 @@ void SettingsProgram::add_hooks(std::size_t panel) {
   }
   for (Eigen::Index g = 0; !facade_.panels[panel].installed && g < pose.strain.cols(); ++g) {
     Term strain;
-    for (Eigen::Index i = 0; i < pose.strain.rows(); ++i) strain.add(pose.strain(i, g), hooks_[panel][i]);
+    for (std::size_t i = 0; i < hooks_[panel].size(); ++i)
+      strain.add(pose.strain(static_cast<Eigen::Index>(i), g), hooks_[panel][i]);
     add_equation(strain);
   }
+}
+
+/// The panel below is asked first, however the panels are ordered.
+void SettingsProgram::add_edge(std::size_t panel) {
+  const auto& stand = poses_[panel].stand;
+  if (!stand || edges_[panel]) return;
+  add_edge(stand->carrier);
+  Term below = term_of(stand->carrier, stand->edge);
+  if (below.row.empty()) {
+    edges_[panel] = std::move(below);
+    return;
+  }
+  Term edge;
+  edge.row.emplace_back(unknowns_++, 1.0);
+  below.add(-1, edge);
+  add_equation(below);
+  edges_[panel] = std::move(edge);
 }
 
 /// term = 0.
@@ -134,8 +155,10 @@ void SettingsProgram::keep_independent_equations() {
 SettingsProgram::Term SettingsProgram::term_of(std::size_t panel, const Eigen::Matrix<double, 1, 6>& row) const {
   const Eigen::RowVectorXd of_hooks = row * poses_[panel].solve;
   Term term;
-  for (Eigen::Index i = 0; i < of_hooks.size(); ++i)
-    if (std::abs(of_hooks[i]) > 1e-3 * kNothing) term.add(of_hooks[i], hooks_[panel][i]);
+  for (std::size_t i = 0; i < hooks_[panel].size(); ++i)
+    if (const double a = of_hooks[static_cast<Eigen::Index>(i)]; std::abs(a) > 1e-3 * kNothing)
+      term.add(a, hooks_[panel][i]);
+  if (edges_[panel]) term.add(row * poses_[panel].stand->lift, *edges_[panel]);
   return term;
 }
 

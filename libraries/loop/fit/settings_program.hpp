@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "loop/fit/plan_settings.hpp"
 
@@ -17,7 +18,9 @@ struct Limit {
 
 /// Unknowns are the settings that some hook holds; the panels' twists follow from them. Beside them only what a rigid
 /// panel does not follow is an equation, one for a panel on four hooks: of 1000 panels 4300 unknowns and 1000
-/// equations, where twists as unknowns need 6000 and 2700.
+/// equations, where twists as unknowns need 6000 and 2700. How far out a panel holds the edge of the one above it is an
+/// unknown, too, with the equation that says so: without it the terms of a panel would be those of all panels below it,
+/// and the squares of a column grow with the square of its height.
 class SettingsProgram {
  public:
   /// A length as a sum over unknowns and a constant [mm].
@@ -45,6 +48,7 @@ class SettingsProgram {
  private:
   void choose_settings();
   void add_hooks(std::size_t panel);
+  void add_edge(std::size_t panel);
   void add_equation(const Term& term);
   void keep_independent_equations();
   void add_square(const Term& term, double weight);
@@ -55,8 +59,9 @@ class SettingsProgram {
   const std::vector<PanelPose>& poses_;
   std::vector<bool> is_set_;  ///< by bracket: still to be set
   std::vector<std::array<Term, 3>> settings_;
-  std::vector<std::vector<Term>> hooks_;  ///< by panel: movement of each held direction
-  std::vector<Term> values_;              ///< of what is judged
+  std::vector<std::vector<Term>> hooks_;    ///< by panel: movement of each direction that it holds itself
+  std::vector<std::optional<Term>> edges_;  ///< by panel that stands on another: how far out that one holds its edge
+  std::vector<Term> values_;                ///< of what is judged
   std::vector<Eigen::Triplet<double>> squares_, equations_;
   std::vector<double> right_sides_, linear_;
   Eigen::Index unknowns_ = 0;

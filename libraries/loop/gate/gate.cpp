@@ -20,6 +20,10 @@ namespace {
 
 /// Of what is told for the reader, and not decided by.
 constexpr double kAdvicePrecision = 0.01;
+/// Of more brackets than that, only so many are asked what their measurement would give, and none that would take less
+/// of every variance.
+constexpr std::size_t kMostAsked = 16;
+constexpr double kLeastShare = 5e-4;
 
 /// The judged region of one panel.
 struct Region {
@@ -72,30 +76,45 @@ double slip_factor(const Region& region, double inside) {
   return factor;
 }
 
-/// Covariance of the values after one more measurement of a bracket on the same control (conditioning; nothing else
-/// changes).
-Eigen::MatrixXd after_measuring(const Region& region, std::size_t bracket, double sigma) {
-  ValueErrors errors = region.errors;
-  const auto at = 3 * static_cast<Eigen::Index>(bracket);
-  const Eigen::MatrixXd column = errors.own.middleCols<3>(at);
-  const Eigen::Matrix3d innovation = errors.own.block<3, 3>(at, at) + sigma * sigma * Eigen::Matrix3d::Identity();
-  errors.measured -= column * innovation.ldlt().solve(column.transpose());
-  return errors.covariance_when(-1);
+/// What one more measurement of a bracket on the same control takes off the covariance of the values (conditioning;
+/// nothing else changes).
+Eigen::MatrixXd taken_by_measuring(const Region& region, std::size_t bracket, double sigma) {
+  const ValueErrors& errors = region.errors;
+  const Eigen::MatrixXd column = errors.with_own.middleCols<3>(3 * static_cast<Eigen::Index>(bracket));
+  const Eigen::Matrix3d innovation = errors.own_alone[bracket] + sigma * sigma * Eigen::Matrix3d::Identity();
+  const Eigen::MatrixXd taken = column * innovation.ldlt().solve(column.transpose());
+  return 0.5 * (taken + taken.transpose());
 }
 
 /// p_in when no campaign adds an error of its own any more.
 double after_many_campaigns(const Region& region, double slips) {
-  ValueErrors errors = region.errors;
-  errors.measured -= errors.own;
-  return slips * region.inside(errors.covariance_when(-1), kAdvicePrecision);
+  const Eigen::MatrixXd after = region.errors.covariance_when(-1) - region.errors.own;
+  return slips * region.inside(0.5 * (after + after.transpose()), kAdvicePrecision);
+}
+
+/// Brackets, as places among those that the values rest on, whose measurement takes most off their variances: of a high
+/// column many have next to no part in its uppermost panel.
+std::vector<std::size_t> worth_measuring(const Region& region, const Eigen::MatrixXd& covariance, double sigma) {
+  std::vector<std::pair<double, std::size_t>> by_share;
+  for (std::size_t b = 0; b < region.errors.brackets.size(); ++b) {
+    const Eigen::VectorXd taken = taken_by_measuring(region, b, sigma).diagonal();
+    const double share = (taken.array() / covariance.diagonal().array().max(1e-18)).maxCoeff();
+    if (share > kLeastShare || region.errors.brackets.size() <= kMostAsked) by_share.emplace_back(-share, b);
+  }
+  std::sort(by_share.begin(), by_share.end());
+  if (by_share.size() > kMostAsked) by_share.resize(kMostAsked);
+  std::vector<std::size_t> brackets;
+  for (const auto& [share, b] : by_share) brackets.push_back(b);
+  std::sort(brackets.begin(), brackets.end());
+  return brackets;
 }
 
 Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance, Eigen::Index worst,
                         const PanelGate& gate, double sigma) {
   Advice best;
   best.p_in = gate.p_in, best.u_now = best.u = std::sqrt(covariance(worst, worst));
-  for (std::size_t b = 0; b < region.errors.brackets.size(); ++b) {
-    const Eigen::MatrixXd after = after_measuring(region, b, sigma);
+  for (const std::size_t b : worth_measuring(region, covariance, sigma)) {
+    const Eigen::MatrixXd after = covariance - taken_by_measuring(region, b, sigma);
     const double p = gate.slips * region.inside(after, kAdvicePrecision);
     // Towards a decision: away from even odds.
     if (std::abs(p - 0.5) <= std::abs(best.p_in - 0.5) + 1e-4) continue;
@@ -108,9 +127,10 @@ Advice best_measurement(const Region& region, const Eigen::MatrixXd& covariance,
 /// The largest standard deviation of a setting that gives GO; nan if it is not the robot's precision that lacks.
 double robot_that_would_do(const Region& region, double sigma, double slips, const GateOptions& options) {
   const auto inside_with = [&](double factor) {
-    ValueErrors errors = region.errors;
-    errors.setting *= factor * factor, errors.station *= factor * factor;
-    return slips * region.inside(errors.covariance_when(-1), kAdvicePrecision);
+    const ValueErrors& errors = region.errors;
+    const Eigen::MatrixXd covariance =
+        errors.measured + errors.made + factor * factor * (errors.setting + errors.station);
+    return slips * region.inside(0.5 * (covariance + covariance.transpose()), kAdvicePrecision);
   };
   if (!(sigma > 0) || inside_with(0) < options.go) return 0;
   double low = 0, high = 1;

@@ -6,6 +6,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "geometry/panel_fit.hpp"
+#include "loop/fit/settings_program.hpp"
 #include "loop/gate/gate.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
@@ -174,6 +176,23 @@ TEST(Stack, TheOptimumKnowsWhatASettingDoesToThePanelsAbove) {
         }
 }
 
+/// With brackets at mid-height all panels below have their part in a panel; the program says so in as many numbers a
+/// panel as in a low column.
+TEST(Stack, TheProgramGrowsWithThePanelsAndNotWithTheSquareOfAColumn) {
+  const auto numbers = [](int floors) {
+    const TowerOptions options{floors, 1};
+    Facade facade = stacked(options, 5, 0.004, 0.0001, 0, false);
+    for (Bracket& bracket : facade.brackets) bracket.design.z() -= 0.25 * options.height;
+    const Fit fit =
+        fit_of_settings(facade, std::vector<Eigen::Vector3d>(facade.brackets.size(), Eigen::Vector3d::Zero()));
+    EXPECT_GT(fit.poses.back().held.size(), static_cast<std::size_t>(2 * floors)) << "of all below";
+    const ConvexProgram program = SettingsProgram(facade, fit.poses, fit.judged, {}).with({});
+    return program.quadratic.nonZeros() + program.rows.nonZeros();
+  };
+  const auto low = numbers(5), high = numbers(20);
+  EXPECT_LE(high, 5 * low) << low;
+}
+
 TEST(Stack, APanelOnTwoBracketsIsGoWhereWhatHoldsItBelowIsKnownAndIn) {
   const TowerOptions options{3, 1};
   Facade facade = stacked(options, 3, 0.001, 0.0002);
@@ -210,6 +229,27 @@ TEST(Stack, WhatStandsOnAPanelThatIsNotToldIsHeld) {
     EXPECT_NE(gates[j].reason.find("its bottom edge is held by panel F0" + std::to_string(j) + "-P01"),
               std::string::npos)
         << gates[j].reason;
+  }
+}
+
+/// A third bracket above the line of two tells how the panel is turned about it from a centimetre on, to who judges it
+/// and to who plans it; what so short an arm tells is uncertain, and the gate says so.
+TEST(Stack, BracketsOffALineTellAPlanWhatTheyTellTheJudgement) {
+  for (const double off : {0.002, 0.008, 0.0121, 0.0129, 0.015, 0.02, 0.026, 0.04}) {
+    Facade facade = random_facade({1, 1}, 4, 0.001, 0.0002);
+    Panel& panel = facade.panels[0];
+    facade.brackets[panel.hooks[2].bracket].design =
+        0.5 * (facade.brackets[panel.hooks[0].bracket].design + facade.brackets[panel.hooks[1].bracket].design) +
+        off * panel.axes.col(1);
+    panel.hooks.resize(3);
+    std::vector<Eigen::Vector3d> fixings;
+    for (const Hook& hook : panel.hooks) fixings.push_back(facade.brackets[hook.bracket].design);
+    const bool judged = fit_panel(fixings, panel.centre).rotations == 3;
+    EXPECT_EQ(judged, std::sqrt(2.0 / 3.0) * off > kTurnArm) << off;
+    EXPECT_EQ(pose_of(panel, facade.brackets).open.cols() == 0, judged) << off;
+    const PanelGate gate = judge_plan(facade, plan_settings(facade))[0];
+    EXPECT_EQ(gate.obstacle, judged ? Obstacle::none : Obstacle::not_told) << off;
+    EXPECT_NE(gate.verdict, GateVerdict::go) << off << ": " << gate.reason;
   }
 }
 
