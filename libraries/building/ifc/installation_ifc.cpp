@@ -83,11 +83,12 @@ class InstallationWriter {
     return panels_.count(item.id) ? panels_.at(item.id)->guid : std::string();
   }
 
-  /// A bracket on which no panel hangs, and that nobody was asked to set: it has a place, and no work.
+  /// A bracket on which no panel hangs, or a place of a sill, and that nobody was asked to set: it has a place, and no
+  /// work.
   bool is_idle(const LoopItemT& item) const {
     const auto bracket = brackets_.find(item.id);
     return item.kind == "bracket" && item.status == ItemStatus::planned && bracket != brackets_.end() &&
-           bracket->second->use == BracketUse::nothing;
+           (bracket->second->use == BracketUse::nothing || bracket->second->use == BracketUse::sill);
   }
 
   void write_state(const LoopItemT& item, InstanceId element) {

@@ -109,6 +109,7 @@ void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, doubl
 void Round::give_to_a_person(LoopItemT& item, const std::string& why) {
   const Because because{why, {}, {}, rests_on_};
   reject_item(state_, item, because);
+  reject_what_stands_on(state_, item, because);
   for (const auto& panel : plan_.panels)
     if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
       if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)

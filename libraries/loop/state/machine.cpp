@@ -16,6 +16,7 @@
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/place_doubts.hpp"
+#include "loop/state/report_order.hpp"
 #include "loop/state/transitions.hpp"
 
 namespace plumbline::loop {
@@ -79,6 +80,20 @@ void reject_item(LoopStateT& state, LoopItemT& item, const Because& because) {
   if (item.status == S::relocalised || item.status == S::verified) move(state, item, S::rework, because);
   if (item.status == S::planned || item.status == S::rework) move(state, item, S::rejected, because);
   item.pending.setZero();
+}
+
+void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Because& because) {
+  for (auto& item : state.items)
+    if (item->kind == "panel" && item->status != ItemStatus::planned && item->status != ItemStatus::rejected &&
+        std::count(sill.holds.begin(), sill.holds.end(), item->id) > 0)
+      reject_item(state, *item, {"its sill " + sill.id + " " + because.why, because.by, {}, because.rests_on});
+}
+
+const LoopItemT* sill_for_a_person(const LoopStateT& state, const std::string& panel) {
+  for (const auto& item : state.items)
+    if (item->status == ItemStatus::rejected && std::count(item->holds.begin(), item->holds.end(), panel) > 0)
+      return item.get();
+  return nullptr;
 }
 
 namespace {
@@ -221,11 +236,28 @@ std::string unknown_words(const LoopStateT& state, const std::string& name) {
          (alike.size() == 1 ? "; but for case, separators or leading zeros it is " + alike[0] : "");
 }
 
+/// Nobody needs a job to say that a place of a sill was knocked.
+bool says_sill_was_knocked(const LoopItemT& item, const ActualT& actual, const std::string& now) {
+  return !item.holds.empty() && actual.outcome == "failed" && item.status == ItemStatus::planned &&
+         doubt_of_itself(actual, now).empty() && date_doubt(item, actual).empty();
+}
+
+void take_knock(LoopStateT& state, LoopItemT& sill, const ActualT& actual) {
+  const Because because{"reported failed" + (actual.note.empty() ? "" : ": " + actual.note), actual.by, actual.at, {}};
+  reject_item(state, sill, because);
+  sill.expected.setConstant(kUnknown);
+  reject_what_stands_on(state, sill, {"was " + because.why, actual.by, actual.at, {}});
+}
+
 /// Why a report is not taken; empty if it is.
 std::string objection(const LoopItemT* item, const ActualT& actual, const std::string& now) {
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
     return "outcome '" + actual.outcome + "', expected done, failed or skipped";
   if (const std::string doubt = doubt_of_itself(actual, now); !doubt.empty()) return doubt;
+  if (!item->holds.empty() && item->revision == 0)
+    return "is a place of a sill: nobody is asked to set it, and it was not reported as 'failed', which says that it "
+           "was "
+           "knocked";
   if (is_over(*item) && actual.revision == item->revision)
     return actual.outcome == "done" ? "was reported before; nothing changes"
                                     : "says " + actual.outcome + ", a report before it said done: look at it";
@@ -246,20 +278,39 @@ std::string objection(const LoopItemT* item, const ActualT& actual, const std::s
   return {};
 }
 
+/// `named`: how many items have this name.
+LoopItemT* item_of(const LoopStateT& state, const std::string& name, int& named) {
+  LoopItemT* item = nullptr;
+  for (const auto& candidate : state.items)
+    if (candidate->id == name) item = candidate.get(), ++named;
+  return item;
+}
+
 }  // namespace
 
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals, std::vector<std::string>* doubted,
                                        const std::string& now) {
   std::vector<std::string> refused;
-  for (const auto& actual : actuals.items) {
+  const auto may_count = [&](const ActualT& actual) {
+    int named = 0;
+    const LoopItemT* item = item_of(state, actual.item, named);
+    return named == 1 && objection(item, actual, now).empty();
+  };
+  for (const auto& [actual, replaced] : in_order_of_time(actuals, may_count)) {
     const std::string report =
         "report on " + actual->item +
         (actual->by.empty() || actual->source.starts_with(actual->by + ":") ? "" : " by " + actual->by) +
         (actual->source.empty() ? "" : " (" + actual->source + ")") + ": ";
-    LoopItemT* item = nullptr;
+    if (!replaced.empty()) {
+      refused.push_back(report + replaced);
+      continue;
+    }
     int named = 0;
-    for (auto& candidate : state.items)
-      if (candidate->id == actual->item) item = candidate.get(), ++named;
+    LoopItemT* item = item_of(state, actual->item, named);
+    if (named == 1 && says_sill_was_knocked(*item, *actual, now)) {
+      take_knock(state, *item, *actual);
+      continue;
+    }
     if (named == 1 && shows_what_was_reported(*item, *actual, now)) {
       item->seen = true, item->place = place_with_sigma(*actual);
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});

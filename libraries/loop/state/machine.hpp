@@ -40,14 +40,14 @@ struct MachineOptions {
   std::string measured_at;
 };
 
-/// Applies reports. Each that is not taken comes back with its reason: unknown item, another revision than the item was
-/// released with, another job, an item that is not released, a report not later than its release or the report before,
-/// or with a date that is none, a panel's without revision, job and date, one that came before (told, and harmless), a
-/// setting far from what was asked for, a place metres away from where the item is (with what would explain it: feet,
-/// millimetres, exchanged axes, another frame), a name of a bracket and a panel, standard deviations that are in
-/// another unit or none, a date later than `now` (ISO 8601 with zone; empty: not said, and nothing is too late). A
-/// panel that was reported done and then failed goes to a person. `doubted`: panels' reports that are taken, though
-/// their place does not show that it hangs, with why.
+/// Applies reports, those of one item in the order of their dates (report_order.hpp). Each that is not taken comes back
+/// with its reason: unknown item, another revision than the item was released with, another job, an item that is not
+/// released, a report not later than its release or the report before, or with a date that is none, a panel's without
+/// revision, job and date, one that came before (told, and harmless), a setting far from what was asked for, a place
+/// metres away from where the item is (with what would explain it: feet, millimetres, exchanged axes, another frame), a
+/// name of a bracket and a panel, standard deviations that are in another unit or none, a date later than `now` (ISO
+/// 8601 with zone; empty: not said, and nothing is too late). A panel that was reported done and then failed goes to a
+/// person. `doubted`: panels' reports that are taken, though their place does not show that it hangs, with why.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
                                        std::vector<std::string>* doubted = nullptr, const std::string& now = {});
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 #include <vector>
 
 #include "base/text/words.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 /// Lists of ids and, where each has a reason of its own, lines.
 struct Floor {
-  std::vector<std::string> set, hang, measure, idle, left_out;
+  std::vector<std::string> set, hang, measure, idle, left_out, sills;
+  std::set<std::string> held;  ///< by sills
   std::vector<std::string> lines;
 };
 
@@ -47,6 +49,8 @@ void add(const LoopItemT& item, Floor& floor, Counts& counts) {
       if (is_panel)
         floor.lines.push_back(item.id + (item.why.rfind("waits", 0) == 0 ? " " : " waits: ") + item.why),
             ++counts.waiting;
+      else if (!item.holds.empty())
+        floor.sills.push_back(item.id), floor.held.insert(item.holds.begin(), item.holds.end());
       else if (item.why == kHoldsNothing)
         floor.idle.push_back(item.id);
       else if (item.why == kHoldsUnplanned)
@@ -128,6 +132,9 @@ std::string next_words(const LoopStateT& state) {
     for (const std::string& line : floor.lines) text += begin + line + "\n";
     if (!floor.left_out.empty())
       text += begin + "the panels on " + text::join(floor.left_out) + " are not planned: installation.txt says why\n";
+    if (!floor.sills.empty())
+      text += begin + text::join(floor.sills) + " hold the bottom edges of " +
+              text::join({floor.held.begin(), floor.held.end()}) + ": nothing is to be set there\n";
     if (!floor.idle.empty())
       text += begin + "no panel hangs on " + text::join(floor.idle) + ": nothing is to be set there\n";
   }

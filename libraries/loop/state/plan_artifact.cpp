@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "building/ifc/edge_words.hpp"
 #include "building/ifc/temperature_words.hpp"
 #include "loop/state/bracket_places.hpp"
 #include "loop/state/hash.hpp"
@@ -40,7 +41,10 @@ std::unique_ptr<BracketSettingT> bracket_artifact(const Facade& facade, const st
   out->low = bracket.type.low, out->high = bracket.type.high, out->type = bracket.type.name;
   out->fixed = bracket.fixed, out->basis = own_basis(facade, index);
   out->difference_sigma = bracket.difference_sigma, out->campaigns = bracket.campaigns;
-  out->use = is_used ? BracketUse::panel : bracket.holds_unplanned ? BracketUse::not_planned : BracketUse::nothing;
+  out->use = is_used                   ? BracketUse::panel
+             : bracket.is_sill         ? BracketUse::sill
+             : bracket.holds_unplanned ? BracketUse::not_planned
+                                       : BracketUse::nothing;
   return out;
 }
 
@@ -69,6 +73,8 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
     out->brackets.push_back(facade.brackets[hook.bracket].id);
     out->holds.push_back(holds_words(hook.holds));
   }
+  if (panel.below)
+    for (const auto& [sill, part] : panel.below->sills) out->sills.push_back(facade.brackets[sill].id);
   out->depends_on = panel.depends_on, out->centre = panel.centre;
   out->corners.assign(panel.corners.begin(), panel.corners.end());
   out->shift = fit.twists[index].head<3>(), out->rotation = fit.twists[index].tail<3>() / fit.poses[index].arm;
@@ -167,7 +173,7 @@ std::string settings_csv(const InstallationPlanT& plan) {
       "bracket;floor;right_mm;up_mm;out_mm;left_mm_at_most;right_mm_at_most;down_mm_at_most;up_mm_at_most;"
       "in_mm_at_most;out_mm_at_most;type\n";
   for (const auto& bracket : plan.brackets) {
-    if (bracket->fixed || !bracket->asked.allFinite()) continue;
+    if (bracket->fixed || bracket->use == BracketUse::sill || !bracket->asked.allFinite()) continue;
     text += bracket->id + ";" + std::to_string(bracket->floor);
     const auto add = [&](double metres) { text += fmt::format(";{:.1f}", 1e3 * metres + 0.0); };
     for (int k = 0; k < 3; ++k) add(bracket->setting[k]);
@@ -242,7 +248,10 @@ std::string installation_words(const InstallationPlanT& plan) {
   part("Taken of who sets brackets",
        {fmt::format("{:.2f} mm each bracket and direction (setting_sigma), {:.2f} mm common to a floor (station_sigma)",
                     1e3 * plan.setting_sigma, 1e3 * plan.station_sigma)});
-  if (const std::string words = ifc::temperature_words(plan); !words.empty()) part("What the plan leaves out", {words});
+  std::vector<std::string> left_out;
+  for (const std::string& words : {ifc::edge_words(plan), ifc::temperature_words(plan)})
+    if (!words.empty()) left_out.push_back(words);
+  part("What the plan leaves out", left_out);
   return text;
 }
 

@@ -58,9 +58,12 @@ void Round::find_stale() {
 std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) const {
   if (panel.gate != GateDecision::go) return "it is no longer GO: " + panel.reason;
   if (touches_moved_floor(panel)) return "the control of its floor or of one beside it moved";
-  for (const std::string& id : panel.depends_on)
-    if (const LoopItemT* before = this->item("panel", id); before && !hangs(*before))
-      return id + ", which is to hang before it, does not hang";
+  if (const LoopItemT* sill = sill_for_a_person(state_, panel.id)) return "its sill " + sill->id + " is for a person";
+  for (const std::string& id : panel.depends_on) {
+    const LoopItemT* before = this->item("panel", id);
+    if (before && sill_for_a_person(state_, id)) return id + ", which is to hang before it, is for a person";
+    if (before && !hangs(*before)) return id + ", which is to hang before it, does not hang";
+  }
   for (const std::string& id : panel.brackets)
     if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
       return "its bracket " + id + " is no longer verified";
@@ -73,6 +76,7 @@ void Round::unset_what_does_not_do() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& hung = *item("panel", panel->id);
     if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
+    if (sill_for_a_person(state_, panel->id)) continue;  // by a sill that may be moved back nothing is set anew
     if (another_campaign_may_do(*panel)) {
       // The same campaign once more is none that it waited for.
       if (has_its_turn(*panel) && plan_.basis != state_.basis && ++hung.waited > kMostWaits) {
@@ -119,6 +123,8 @@ std::string Round::neighbour_that_waits(const PlannedPanelT& panel) const {
 }
 
 std::string Round::why_not_yet(const PlannedPanelT& panel) const {
+  if (const LoopItemT* sill = sill_for_a_person(state_, panel.id))
+    return "waits for its sill: " + sill->id + " is for a person";
   if (measured_again_.count(panel.id) > 0) return "waits for another campaign: " + panel.reason;
   if (panel.gate != GateDecision::go) return panel.reason.empty() ? "is not GO" : panel.reason;
   if (touches_moved_floor(panel)) return "waits for control: that of its floor or of one beside it moved";

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/text/words.hpp"
 #include "loop/fit/facade.hpp"
 #include "loop/state/control_change.hpp"
 #include "loop/state/date.hpp"
@@ -28,6 +29,7 @@ Round::Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOpti
 }
 
 void Round::run() {
+  note_sills();
   moved_floors_ = floors_in_doubt();
   state_.to_plan = state_.to_measure = false, state_.doubts = plan_.doubts;
   if (const std::string why = doubt_of_everything(); !why.empty()) {
@@ -54,12 +56,25 @@ void Round::run() {
   state_.basis = plan_.basis;
 }
 
+void Round::note_sills() {
+  for (const auto& bracket : plan_.brackets) {
+    LoopItemT& sill = *item("bracket", bracket->id);
+    std::set<std::string> holds;
+    if (sill.status == ItemStatus::rejected || !bracket->measured.allFinite())
+      holds.insert(sill.holds.begin(), sill.holds.end());
+    for (const auto& panel : plan_.panels)
+      if (std::count(panel->sills.begin(), panel->sills.end(), bracket->id) > 0) holds.insert(panel->id);
+    sill.holds.assign(holds.begin(), holds.end());
+  }
+}
+
 void Round::tell_unused() {
   for (const auto& bracket : plan_.brackets) {
     LoopItemT& item = *this->item("bracket", bracket->id);
     if (item.status != ItemStatus::planned) continue;
-    if (item.why == kHoldsNothing || item.why == kHoldsUnplanned) item.why.clear();
-    if (bracket->use == BracketUse::nothing) item.why = kHoldsNothing;
+    if (item.why == kHoldsNothing || item.why == kHoldsUnplanned || item.why.starts_with(kHoldsEdge)) item.why.clear();
+    if (!item.holds.empty()) item.why = kHoldsEdge + text::join(item.holds, 8) + ": nothing is to be set";
+    if (bracket->use == BracketUse::nothing && item.holds.empty()) item.why = kHoldsNothing;
     if (bracket->use == BracketUse::not_planned) item.why = kHoldsUnplanned;
   }
 }

@@ -29,6 +29,8 @@ class Round {
   void recall_item(LoopItemT& item, const std::string& why);
   /// The measurements that an item rests on: of its anchor, or of the anchors of its panel.
   void note_basis(LoopItemT& item) const;
+  /// What places of a sill hold. One that was not measured, or that somebody is to look at, holds what it held before.
+  void note_sills();
   /// Of brackets that no panel of the plan hangs on, why nothing is set on them.
   void tell_unused();
   /// Without a new measurement a floor that moved stays in doubt.

@@ -23,6 +23,13 @@ void note(LoopStateT& state, LoopItemT& item, const Because& because);
 /// To a person, from wherever it stands; the journal has each step on the way.
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because);
 
+/// To a person what rests on a place of a sill that moved, or may have: the panels whose bottom edge it holds, but for
+/// those that are only planned, which wait (sill_for_a_person()).
+void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Because& because);
+
+/// The place of a sill that somebody is to look at and that holds this panel's bottom edge; null: none.
+const LoopItemT* sill_for_a_person(const LoopStateT& state, const std::string& panel);
+
 /// Name of a floor's control in LoopState::moved_control: "control of floor 3".
 std::string control_of_floor(int floor);
 

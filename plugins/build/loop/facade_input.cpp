@@ -47,6 +47,10 @@ class Builder {
     in_.facade.errors = rules.errors;
     for (const auto& panel : deviation.panels)
       if (panel->below) sills_.insert(panel->below->sills.begin(), panel->below->sills.end());
+    // Also one that this campaign did not measure.
+    if (state)
+      for (const auto& item : state->items)
+        if (!item->holds.empty()) sills_.insert(item->id);
     name_panels();
   }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "building/ifc/edge_words.hpp"
 #include "building/ifc/temperature_words.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
@@ -129,7 +130,7 @@ void write_waiting(Markup& html, const LoopStateT& state) {
 std::set<std::string> idle_brackets(const InstallationPlanT& plan, const LoopStateT& state) {
   std::set<std::string> bare, idle;
   for (const auto& bracket : plan.brackets)
-    if (bracket->use == BracketUse::nothing) bare.insert(bracket->id);
+    if (bracket->use == BracketUse::nothing || bracket->use == BracketUse::sill) bare.insert(bracket->id);
   for (const auto& item : state.items)
     if (item->kind == "bracket" && item->status == ItemStatus::planned && bare.count(item->id) > 0)
       idle.insert(item->id);
@@ -243,8 +244,8 @@ void write_rounds(Markup& html, const InstallationPlanT& plan, const LoopStateT&
   }
   write_reworks(html, changes);
   write_heights(html, plan, state);
-  if (const std::string words = ifc::temperature_words(plan); !words.empty())
-    html.element("p", {{"class", "note"}}, words);
+  for (const std::string& words : {ifc::edge_words(plan), ifc::temperature_words(plan)})
+    if (!words.empty()) html.element("p", {{"class", "note"}}, words);
 }
 
 void write_refused(Markup& html, const LoopStateT& state) {
