@@ -4,6 +4,7 @@
 #include <map>
 
 #include "artifacts/as_built_changes.hpp"
+#include "building/ifc/former_guids.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -103,14 +104,16 @@ BcfComment comment_on(const Said& said, const BcfOptions& options) {
 
 /// Of a topic that was open and of which this file has no issue of its own: closed by what was measured again, else as
 /// it was.
-BcfIssue earlier_issue(const Said& said, BcfIssue issue, const BcfComment& comment) {
-  const auto keeps_open = [](const AsBuiltChangeT& change) {
-    return is_open(change) || (was_open(change) && !is_closed_by(change));
+BcfIssue earlier_issue(const Said& said, BcfIssue issue, const BcfComment& comment,
+                       const std::set<const AsBuiltChangeT*>& former) {
+  const auto keeps_open = [&](const AsBuiltChangeT& change) {
+    return is_open(change) || (was_open(change) && !is_closed_by(change) && !former.contains(&change));
   };
   const AsBuiltChangeT* speaks = nullptr;  // what keeps it open, else the first that was open
   for (const AsBuiltChangeT* change : said)
     if (keeps_open(*change) ? !speaks || !keeps_open(*speaks) : was_open(*change) && !speaks) speaks = change;
-  issue.guid = speaks->guid, issue.about = speaks->topic, issue.title = title_of(*speaks);
+  issue.guid = speaks->guid, issue.about = speaks->topic;
+  issue.title = former.contains(speaks) ? capital(*speaks) + ": goes on under another GlobalId" : title_of(*speaks);
   issue.description = comment.text, issue.closed = !keeps_open(*speaks);
   if (!issue.closed) issue.verdict = is_open(*speaks) ? speaks->after : speaks->before;
   issue.comments.push_back(comment);
@@ -134,6 +137,7 @@ void add_changes(const DeviationT& deviation, const BcfOptions& options, std::ve
   const std::map<std::string, BcfIssue> places = places_of(deviation);
   std::vector<std::string> keys;  // in the order of the changes
   std::map<std::string, Said> topics;
+  const auto former = former_guids(*options.changes);
   for (const auto& change : options.changes->changes) {
     if (change->guid.size() != 22) continue;  // it never had a topic
     Said& said = topics[key_of(*change)];
@@ -148,7 +152,7 @@ void add_changes(const DeviationT& deviation, const BcfOptions& options, std::ve
       issues[known->second].comments.push_back(comment);
     } else if (std::any_of(said.begin(), said.end(), [](const AsBuiltChangeT* c) { return was_open(*c); })) {
       const auto place = places.find(said.front()->guid);
-      issues.push_back(earlier_issue(said, place != places.end() ? place->second : BcfIssue(), comment));
+      issues.push_back(earlier_issue(said, place != places.end() ? place->second : BcfIssue(), comment, former));
     }
   }
 }

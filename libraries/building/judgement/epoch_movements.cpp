@@ -52,12 +52,16 @@ void test_movements(const std::vector<MeasuredTwice>& pairs, AsBuiltChangesT& ou
   out.critical = chi_squared_quantile(1 - kAlpha / n, 3);
   const Eigen::Vector3d median = median_of(pairs);
   const auto alone = moving(pairs, Eigen::Vector3d::Zero(), out.critical);
+  const auto alike = std::count_if(pairs.begin(), pairs.end(), [&](const MeasuredTwice& pair) {
+    return statistic_of(pair.d, pair.covariance) > out.critical &&
+           !(statistic_of(pair.d - median, pair.covariance) > out.critical);
+  });
   // A shift common to nearly all says something of the frame and nothing of the anchors.
   if (pairs.size() >= 4 && 2 * static_cast<double>(alone) > n &&
       10 * static_cast<double>(moving(pairs, median, out.critical)) <= n) {
     out.together = median;
     out.warnings.push_back(
-        std::to_string(alone) + " of " + std::to_string(pairs.size()) + " anchors seem to have moved by the same, " +
+        std::to_string(alike) + " of " + std::to_string(pairs.size()) + " anchors seem to have moved by the same, " +
         shift_in_words(median) +
         ": rather the control or the frame differs between the campaigns than the building; movements "
         "are given without it");

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "base/text/text.hpp"
+#include "building/ifc/former_guids.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epoch_movements.hpp"
 #include "building/judgement/figures.hpp"
@@ -204,6 +205,40 @@ std::unique_ptr<AsBuiltChangeT> change_between(const EpochItem* before, const Ep
   return out;
 }
 
+/// All of them moved alike: whether one that passes now was mended, or the frame moved under it, nobody can tell.
+void keep_open_for_the_frame(AsBuiltChangesT& out) {
+  if (out.together.isZero()) return;
+  for (auto& change : out.changes) {
+    if (!is_open(change->before) || change->after != ToleranceVerdict::pass) continue;
+    change->change = ChangeKind::still_open;
+    change->note += std::string(change->note.empty() ? "" : "; ") +
+                    "it passes now, and nothing counts as mended while all anchors seem to have moved by the same";
+  }
+}
+
+/// The topic of BCF that stood under another GlobalId is at an end, the element is not.
+void tell_former(const EpochItem& before, const EpochItem& now, AsBuiltChangesT& out) {
+  if (!before.open() || before.guid_before.empty()) return;
+  EpochItem former = before;
+  former.guid = before.guid_before, former.verdict = ToleranceVerdict::not_measured;
+  former.value = std::numeric_limits<double>::quiet_NaN();
+  out.changes.push_back(change_between(&before, former, ChangeKind::left_out));
+  out.changes.back()->note = "it has another GlobalId in this design, under which it goes on: " + now.guid;
+}
+
+void tell_found_again(const std::set<const EpochItem*>& met, AsBuiltChangesT& out) {
+  std::vector<std::string> names;
+  for (const EpochItem* item : met)
+    if (!item->guid_before.empty() && (item->kind == "anchor" || item->kind == "panel"))
+      names.push_back(item->kind + " " + item->id);
+  std::sort(names.begin(), names.end());
+  if (!names.empty())
+    out.warnings.push_back(
+        "found again by name and place, because the design has other GlobalIds for them than in the "
+        "campaign before: " +
+        list_of(names, 8));
+}
+
 /// "3 anchors", "1 panel"; of surfaces and joints the limits are counted.
 std::string counted(const std::string& kind, std::size_t n) {
   static const std::map<std::string, std::string> one = {{"surface", "limit of surfaces"},
@@ -245,7 +280,7 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
 }  // namespace
 
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before,
-                      const DesignElements* design) {
+                      const DesignElements* design, bool moved_together) {
   EpochRecord record{epoch, deviation.design_file, deviation.tau, deviation.risk, items_of(deviation)};
   static const std::vector<EpochItem> none;
   static const EpochItem nowhere{};
@@ -260,6 +295,8 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
       if (item.verdict == ToleranceVerdict::pass) item.verdict = std::max(item.verdict, worst_of(left));
     }
     item.was_open = item.open() || (earlier && earlier->was_open);
+    if (moved_together && earlier && earlier->open() && item.verdict == ToleranceVerdict::pass)
+      item.verdict = earlier->verdict;  // compare_epochs says why
     const bool is_measured = item.verdict != ToleranceVerdict::not_measured;
     if (is_measured && deviation.doubts.empty()) continue;
     item.position = earlier ? earlier->position : nowhere.position;
@@ -287,9 +324,13 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
         "this campaign was fitted to its own anchors: what all of them moved by together is not seen, and a single one "
         "has moved only beyond what the place of the whole is uncertain by");
   std::size_t other_design = 0;
-  std::map<std::string, std::size_t> other_limits;  // by kind
-  for (const EpochItem& now : items_of(after)) {
+  std::map<std::string, std::size_t> other_limits;            // by kind
+  std::vector<std::pair<EpochItem, const EpochItem*>> items;  // now, and before
+  for (EpochItem& now : items_of(after)) {
     const EpochItem* earlier = known.find(now);
+    items.emplace_back(std::move(now), earlier);
+  }
+  for (const auto& [now, earlier] : items) {
     if (earlier) met.insert(earlier);
     const ChangeKind change = earlier ? change_of(*earlier, now.verdict) : ChangeKind::added;
     out.changes.push_back(change_between(earlier, now, change));
@@ -308,6 +349,9 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   if (met.empty())
     throw BadInput("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) + " of " +
                    before.design_file + ") is in this one; 'before' is as_built.json of another building");
+  for (std::size_t i = 0, n = out.changes.size(); i < n; ++i)
+    if (items[i].second) tell_former(*items[i].second, items[i].first, out);
+  tell_found_again(met, out);
   std::vector<std::string> open_elsewhere;
   for (const EpochItem& item : before.items) {
     if (met.contains(&item)) continue;
@@ -324,6 +368,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
                            list_of(open_elsewhere, 20) +
                            "; they stay open in as_built.json and in BCF until a design that has them is judged");
   test_movements(pairs, out);
+  keep_open_for_the_frame(out);
   compare_judgements(before, after, other_design, other_limits, out);
   return out;
 }
@@ -337,7 +382,9 @@ const char* words_of(ChangeKind change) {
 std::string words_of_changes(const AsBuiltChangesT& changes) {
   std::map<ChangeKind, int> counts;
   int moved = 0;
-  for (const auto& change : changes.changes) ++counts[change->change], moved += change->moved;
+  const auto former = ifc::former_guids(changes);
+  for (const auto& change : changes.changes)
+    if (!former.contains(change.get())) ++counts[change->change], moved += change->moved;
   std::string text;
   const auto add = [&](int n, const std::string& what) {
     if (n > 0) text += (text.empty() ? "" : ", ") + std::to_string(n) + " " + what;

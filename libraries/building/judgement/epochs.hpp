@@ -28,6 +28,7 @@ struct EpochItem {
   double value = design.x();              ///< of a surface or joint; nan: not judged
   /// Of a panel: its joints that failed or were undecided, by the neighbour's GlobalId.
   std::map<std::string, ToleranceVerdict> open_joints = {};
+  std::string guid_before = {};  ///< of one that was found again under another GlobalId: what it was (find_again)
   bool open() const { return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided; }
 };
 
@@ -43,19 +44,26 @@ struct DesignElements {
   std::set<std::string> guids, names;
 };
 
+/// A design that was exported again may give its elements new GlobalIds. What has one that this campaign does not know,
+/// and whose name (or tag, by which its anchor is called) occurs once in both, takes over the new one where the place
+/// is the same too: of an anchor the designed one, of a panel its floor and facade.
+void find_again(const DeviationT& after, EpochRecord& before, const DesignElements* design = nullptr);
+
 /// What the campaign leaves behind. A panel that passes is left open by a joint that was open and was not judged again,
 /// because its neighbour was not measured. What the campaign did not measure keeps the verdict that `before` knew
 /// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
 /// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
 /// What the design no longer has is forgotten unless it was open, and a joint to it is no joint.
+/// `moved_together`: compare_epochs told a movement of all, so that what was open is left so though it passes.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr,
-                      const DesignElements* design = nullptr);
+                      const DesignElements* design = nullptr, bool moved_together = false);
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
 /// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
-/// of all by the same, that is taken away and told: it is the control or the frame. Throws BadInput if no
-/// anchor is in both: it is a record of another building. A panel that passes is not mended by it while a joint that
-/// was open is not judged again, unless the design has the neighbour no more.
+/// of all by the same, that is taken away and told: it is the control or the frame; nothing counts as mended then, as
+/// an anchor may pass for the shift alone. Throws BadInput if no anchor is in both: it is a record of another building.
+/// A panel that passes is not mended by it while a joint that was open is not judged again, unless the design has the
+/// neighbour no more.
 AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch,
                                const DesignElements* design = nullptr);
 

@@ -3,7 +3,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "base/text/words.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -32,10 +38,65 @@ void take_misfit(MeasurementDoubtT misfit, double variance_factor, Trust& trust)
   trust.misfits.push_back(std::move(misfit));
 }
 
+std::string words_of(const NetworkKnownPoint& k) {
+  std::string text = text_of(k.id());
+  const char* separator = "";
+  const Vec3 &difference = *k.difference(), &sigma = *k.sigma();
+  const std::array<std::tuple<char, double, double>, 3> axes = {
+      {{'E', difference.x(), sigma.x()}, {'N', difference.y(), sigma.y()}, {'H', difference.z(), sigma.z()}}};
+  for (const auto& [axis, d, s] : axes)
+    if (!std::isnan(s)) text += fmt::format("{} {} {:+.1f}", std::exchange(separator, ","), axis, 1e3 * d);
+  return text + " mm";
+}
+
+/// "control G2: left out before, ": what the run left out of the control, which one more command must not bring back.
+std::string left_out_before(const SurveyNetwork& network) {
+  if (!network.findings() || !network.points()) return "";
+  std::set<std::string> points;
+  for (const auto* point : *network.points()) points.insert(text_of(point->id()));
+  std::string items;
+  for (const auto* finding : *network.findings())
+    if (text_of(finding->subject()) == "exclusion" && finding->points() && finding->points()->size() == 1)
+      if (const std::string id = text_of(finding->points()->Get(0)); points.contains(id))
+        items += "control " + id + ": left out before, ";
+  return items;
+}
+
+/// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
+/// no standard deviation, and which of two points is the wrong one is often not to be told. So nothing is decided until
+/// it is mended, left out, or the standard deviations of the control say that it may differ by so much.
+std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) {
+  if (!network.known_points()) return std::nullopt;
+  std::vector<const NetworkKnownPoint*> wrong;
+  for (const auto* k : *network.known_points())
+    if (k->rank() > 0 && k->statistic() > k->critical()) wrong.push_back(k);
+  if (wrong.empty()) return std::nullopt;
+  std::stable_sort(wrong.begin(), wrong.end(),
+                   [](const auto* a, const auto* b) { return a->statistic() > b->statistic(); });
+  constexpr double kNoWorse = 6.6;  // of the statistic, 99 %: the test does not tell which of the two it is
+  std::vector<std::string> others, less;
+  for (std::size_t i = 1; i < wrong.size(); ++i)
+    (wrong.front()->statistic() - wrong[i]->statistic() < kNoWorse ? others : less).push_back(text_of(wrong[i]->id()));
+  const std::string worst = text_of(wrong.front()->id());
+  MeasurementDoubtT doubt = finding(
+      MeasurementPart::survey, DoubtGrade::doubt,
+      "known points contradict it and each other, as measured minus as known: " + words_of(*wrong.front()) +
+          (others.empty() ? ""
+                          : "; as much, and the test does not tell which of them is wrong: " + text::join(others, 4)) +
+          (less.empty() ? "" : "; less so, and perhaps because of it: " + text::join(less, 4)));
+  doubt.mend = "network.with.exclude=[" + left_out_before(network) + "control " + worst + ": contradicts the survey]";
+  doubt.mend_note =
+      "if it has moved or its coordinates are wrong; else mend these or their standard deviations in the "
+      "control file";
+  return doubt;
+}
+
 }  // namespace
 
 Trust trust_of(const Block* block, const SurveyNetwork* network) {
   Trust trust;
+  if (network)
+    if (auto doubt = doubt_of_control(*network)) trust.doubts.push_back(*std::move(doubt));
   if (network && text_of(network->validity()) != "" && text_of(network->validity()) != "sound") {
     const auto* statistics = network->statistics();
     const bool tested =
@@ -49,7 +110,7 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
         trust.doubts.back().mend = "network.with.coordinates=tested";
         trust.doubts.back().mend_note = "if another program adjusted and tested them";
       }
-    } else
+    } else if (factor > 1 || trust.doubts.empty())  // known points that contradict it are doubted already
       take_misfit(finding(MeasurementPart::survey, DoubtGrade::misfit, reason), factor, trust);
   }
   if (!block || !block->tests()) return trust;

@@ -21,7 +21,8 @@ struct Trust {
 };
 
 /// What fails a test that says so proves nothing (a doubt); what fits less well than it should is less certain, by what
-/// its residuals say (a misfit). Null: there is none to ask.
+/// its residuals say (a misfit). A known point that the survey contradicts is a doubt, whether another node checks
+/// control or not: the network's own test of it counts. Null: there is none to ask.
 Trust trust_of(const Block* block, const SurveyNetwork* network);
 
 /// Of what brought the measurement to the design: fitted to the anchors themselves it shows where they stand to each

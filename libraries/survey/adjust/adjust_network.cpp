@@ -236,9 +236,10 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 }  // namespace
 
 static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const AdjustOptions& options,
-                                     const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
+                                     const ControlPoints& all_control, std::unique_ptr<KeptNetwork>* kept) {
   std::vector<Finding> said;
-  SurveyObservations rest = without_excluded(survey, options.exclude, said);
+  const ControlPoints control = without_excluded(all_control, options.exclude);
+  SurveyObservations rest = without_excluded(survey, options.exclude, all_control, said);
   const size_t all = points_of(rest);
   std::vector<std::string> left_out;
   bool simple_start = true;

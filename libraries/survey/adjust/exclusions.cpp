@@ -93,16 +93,53 @@ size_t readings_of(const SurveyObservations& s) {
   return n;
 }
 
+/// Known by the files of the survey themselves.
+bool is_known(const SurveyObservations& survey, const std::string& id) {
+  const bool keyed_in = std::any_of(survey.points.begin(), survey.points.end(), [&](const Point& p) {
+    return p.id == id && (std::find(p.known.begin(), p.known.end(), true) != p.known.end() ||
+                          std::find(p.roles.begin(), p.roles.end(), CoordinateRole::fixed) != p.roles.end());
+  });
+  return keyed_in || std::any_of(survey.coordinates.begin(), survey.coordinates.end(), [&](const CoordinateGroup& g) {
+           return g.is_control && std::any_of(g.components.begin(), g.components.end(),
+                                              [&](const auto& component) { return component.point == id; });
+         });
+}
+
+/// What was known of a point is an approximate value now.
+SurveyObservations without_known(SurveyObservations survey, const std::string& id) {
+  for (Point& p : survey.points) {
+    if (p.id != id) continue;
+    std::fill(p.known.begin(), p.known.end(), false);
+    for (CoordinateRole& role : p.roles)
+      if (role == CoordinateRole::fixed || role == CoordinateRole::constrained) role = CoordinateRole::free;
+  }
+  for (CoordinateGroup& g : survey.coordinates)
+    if (g.is_control) g = part_of(g, std::set<std::string>{id});
+  std::erase_if(survey.coordinates, [](const CoordinateGroup& g) { return g.components.empty(); });
+  return survey;
+}
+
 const char* kind_words(ExcludedItem::Kind kind) {
-  return kind == ExcludedItem::Kind::point ? "point" : kind == ExcludedItem::Kind::set_up ? "set-up" : "line";
+  switch (kind) {
+    case ExcludedItem::Kind::point:
+      return "point";
+    case ExcludedItem::Kind::set_up:
+      return "set-up";
+    case ExcludedItem::Kind::control:
+      return "control";
+    default:
+      return "line";
+  }
 }
 
 }  // namespace
 
 ExcludedItem parse_exclusion(const std::string& text) {
   const auto wrong = [&](const std::string& what) {
-    return std::invalid_argument("exclude: found '" + text + "', " + what +
-                                 "; expected 'point A7: reason', 'set-up S3: reason' or 'line job.gsi:57: reason'");
+    return std::invalid_argument(
+        "exclude: found '" + text + "', " + what +
+        "; expected 'point A7: reason', 'set-up S3: reason', 'line job.gsi:57: reason' or 'control G1: "
+        "reason'");
   };
   ExcludedItem e;
   const size_t blank = text.find(' ');
@@ -113,8 +150,10 @@ ExcludedItem parse_exclusion(const std::string& text) {
     e.kind = ExcludedItem::Kind::set_up;
   else if (kind == "line")
     e.kind = ExcludedItem::Kind::line;
+  else if (kind == "control")
+    e.kind = ExcludedItem::Kind::control;
   else
-    throw wrong("which does not begin with point, set-up or line");
+    throw wrong("which does not begin with point, set-up, line or control");
   const size_t colon = text.find(": ");
   if (blank == std::string::npos || colon == std::string::npos || colon <= blank + 1)
     throw wrong("which has no reason after ': '");
@@ -140,8 +179,25 @@ SurveyObservations without_points(const SurveyObservations& survey, const std::v
   return rest;
 }
 
+ControlPoints without_excluded(const ControlPoints& control, const std::vector<ExcludedItem>& exclude) {
+  std::vector<Eigen::Index> kept;
+  ControlPoints rest;
+  for (size_t i = 0; i < control.ids.size(); ++i) {
+    if (std::any_of(exclude.begin(), exclude.end(), [&](const ExcludedItem& e) {
+          return e.kind == ExcludedItem::Kind::control && e.what == control.ids[i];
+        }))
+      continue;
+    rest.ids.push_back(control.ids[i]);
+    for (Eigen::Index k = 0; k < 3; ++k) kept.push_back(static_cast<Eigen::Index>(3 * i) + k);
+  }
+  if (kept.size() == 3 * control.ids.size()) return control;
+  rest.coordinates = control.coordinates(kept);
+  if (control.covariance.size() > 0) rest.covariance = control.covariance(kept, kept);
+  return rest;
+}
+
 SurveyObservations without_excluded(const SurveyObservations& survey, const std::vector<ExcludedItem>& exclude,
-                                    std::vector<Finding>& findings) {
+                                    const ControlPoints& control, std::vector<Finding>& findings) {
   SurveyObservations rest = survey;
   for (const ExcludedItem& e : exclude) {
     const size_t before = readings_of(rest), points = rest.points.size();
@@ -154,6 +210,16 @@ SurveyObservations without_excluded(const SurveyObservations& survey, const std:
     } else {
       rest = without(rest, [&](const Observation& o) { return is_at(o.source, e.what); });
       std::erase_if(rest.local_coordinates, [&](const LocalCoordinate& c) { return is_at(c.source, e.what); });
+    }
+    if (e.kind == ExcludedItem::Kind::control) {
+      if (!is_known(rest, e.what) && std::find(control.ids.begin(), control.ids.end(), e.what) == control.ids.end())
+        throw NetworkError("exclude: control " + e.what + " is no known point of the survey");
+      rest = without_known(rest, e.what);
+      findings.push_back({Finding::Severity::note,
+                          "excluded: control " + e.what + ", whose known coordinates hold nothing: " + e.reason,
+                          {e.what},
+                          Finding::Subject::exclusion});
+      continue;
     }
     const size_t count = before - readings_of(rest);
     const std::string what = std::string(kind_words(e.kind)) + " " + e.what;

@@ -9,9 +9,11 @@
 namespace plumbline::survey {
 
 /// The survey without what is excluded; each exclusion becomes a finding with its reason and the number of readings it
-/// cost. Throws NetworkError if one names something that is not there.
+/// cost. Throws NetworkError if one names something that is not there, neither in the survey nor in its control.
 SurveyObservations without_excluded(const SurveyObservations& survey, const std::vector<ExcludedItem>& exclude,
-                                    std::vector<Finding>& findings);
+                                    const ControlPoints& control, std::vector<Finding>& findings);
+/// The control without what is excluded of it.
+ControlPoints without_excluded(const ControlPoints& control, const std::vector<ExcludedItem>& exclude);
 
 /// The survey without these points and everything observed to, from or of them.
 SurveyObservations without_points(const SurveyObservations& survey, const std::vector<std::string>& points);

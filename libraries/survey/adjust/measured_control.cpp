@@ -91,6 +91,7 @@ MeasuredControl Adjuster::measured_control(Pass& pass) const {
   const int degrees = marginal->degrees_of_freedom;
   result.covariance(rows, rows) = marginal->cofactors * (scale && degrees > 0 ? marginal->sum_of_squares / degrees : 1);
   result.defect = static_cast<int>(marginal->null_space.cols());
+  result.sum_of_squares = marginal->sum_of_squares, result.degrees_of_freedom = degrees;
   for (const auto& p : points) result.ids.push_back(p.name);
   return result;
 }

@@ -153,7 +153,7 @@ NetworkResult Adjuster::report(Pass& pass) {
   const std::vector<CommonError> common = common_errors(pass);
   report_common_error(pass, common, result);
   if (m_.datum == DatumMode::weighted || m_.datum == DatumMode::file)
-    result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors, options_.alpha0);
+    result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors.multiply(result.variance_factor);
   report_points(pass, result);

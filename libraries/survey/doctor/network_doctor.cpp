@@ -178,14 +178,8 @@ class HingePoints {
 /// One wrong control point pulls at the others, so the worst is named first.
 void examine_control(const NetworkModel& m, const NetworkResult& r, std::vector<Finding>& findings) {
   if (m.datum != DatumMode::weighted) return;
-  std::map<std::string, double> largest;
-  for (const ResultRow& row : r.rows)
-    if (row.kind == "coordinate" && row.flagged)
-      largest[row.to] = std::max(largest[row.to], std::abs(row.statistics.w));
-  if (largest.empty()) return;
-  std::vector<std::string> ids;
-  for (const auto& [id, w] : largest) ids.push_back(id);
-  std::stable_sort(ids.begin(), ids.end(), [&](const auto& a, const auto& b) { return largest[a] > largest[b]; });
+  const std::vector<std::string> ids = contradicting(r.known_points);
+  if (ids.empty()) return;
   const std::vector<std::string> others(ids.begin() + 1, ids.end());
   findings.push_back({Finding::Severity::warning,
                       "control point " + ids[0] +

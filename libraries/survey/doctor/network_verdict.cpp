@@ -131,6 +131,28 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
     r.verdict = "sound: the readings agree as well as their accuracies say (" + sigma0 +
                 (high ? ", a little high" : "") + ")" + mended(r);
   }
+  doubt_known_points(r);
+}
+
+std::vector<std::string> contradicting(const std::vector<KnownPoint>& known) {
+  std::vector<const KnownPoint*> wrong;
+  for (const KnownPoint& k : known)
+    if (!k.stands()) wrong.push_back(&k);
+  std::stable_sort(wrong.begin(), wrong.end(),
+                   [](const KnownPoint* a, const KnownPoint* b) { return a->statistic > b->statistic; });
+  std::vector<std::string> ids;
+  for (const KnownPoint* k : wrong) ids.push_back(k->id);
+  return ids;
+}
+
+/// A network has its readings by the hundred and its known points by the handful: in its global test one of these that
+/// is wrong by ten standard deviations may drown.
+void doubt_known_points(NetworkResult& r) {
+  const std::vector<std::string> wrong = contradicting(r.known_points);
+  if (r.validity != Validity::sound || wrong.empty()) return;
+  r.validity = Validity::doubtful;
+  r.verdict = "doubtful: known points contradict the readings and each other, most of all " + wrong.front() +
+              "; of the readings: " + r.verdict;
 }
 
 void doubt_known_names(const std::vector<std::string>& points, NetworkResult& r) {

@@ -7,6 +7,9 @@
 #include <set>
 #include <utility>
 
+#include "geometry/statistics.hpp"
+#include "survey/network/network_model.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -199,6 +202,30 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
     check.problem = std::string("the control points cannot be checked: ") + error.what();
   }
   return check;
+}
+
+std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, const ControlPoints& control,
+                                          const NetworkResult& adjusted) {
+  constexpr double kClearly = 0.001;  // readings worse than stated by more than chance: measured by their own agreement
+  MeasuredControl measured = adjusted.measured_control;
+  if (measured.ids.empty()) return {};
+  const int degrees = measured.degrees_of_freedom;
+  if (adjusted.variance_factor == 1 && degrees > 0 &&
+      measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
+    measured.covariance *= measured.sum_of_squares / degrees;
+  const ControlCheck check = check_control(survey, control, {}, {}, measured);
+  std::vector<KnownPoint> known;
+  for (const Movement& m : check.comparison.movements) {
+    KnownPoint& point = known.emplace_back();
+    point.id = m.id, point.statistic = m.statistic, point.rank = m.rank;
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::isfinite(m.movement[axis])) point.difference[axis] = m.movement[axis], point.sigma[axis] = 0;
+  }
+  set_limits(known, [](const KnownPoint& k, double alpha) { return chi_squared_quantile(1 - alpha, k.rank); });
+  std::stable_sort(known.begin(), known.end(), [](const KnownPoint& a, const KnownPoint& b) {
+    return a.difference.norm() > b.difference.norm() + 1e-7;
+  });
+  return known;
 }
 
 }  // namespace plumbline::survey

@@ -24,6 +24,11 @@ Epoch epoch_of(const NetworkResult& network, const std::vector<std::string>& onl
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
                            ComparisonOptions options, const MeasuredControl& measured = {});
 
+/// The same of points that an adjustment holds without error, so that it has no differences of theirs to show (see
+/// compare_with_known): what its readings alone say of them, largest difference first. None where nothing can be said.
+std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, const ControlPoints& control,
+                                          const NetworkResult& adjusted);
+
 /// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions; `epoch` says whether
 /// they have plan positions and heights.
 int merged_motions(int first_defect, int second_defect, const Epoch& epoch);

@@ -27,12 +27,12 @@ enum class Switch { automatic, off, on };
 
 /// What the user wants left out, and why; printed with the result.
 struct ExcludedItem {
-  enum class Kind { point, set_up, line } kind = Kind::point;
-  std::string what;  ///< name of the point or set-up; "file:line" or "line" of a reading
+  enum class Kind { point, set_up, line, control } kind = Kind::point;
+  std::string what;  ///< name of the point, set-up or control point; "file:line" or "line" of a reading
   std::string reason;
 };
-/// "point A7: knocked over", "set-up S3: on a moving slab", "line job.gsi:57: read twice". Throws std::invalid_argument
-/// that says what was expected.
+/// "point A7: knocked over", "set-up S3: on a moving slab", "line job.gsi:57: read twice", "control G1: it was hit"
+/// (the point stays, and what was known of it holds nothing). Throws std::invalid_argument that says what was expected.
 ExcludedItem parse_exclusion(const std::string& text);
 
 inline constexpr const char* kPlane = "plane";

@@ -91,6 +91,8 @@ struct MeasuredControl {
   Eigen::VectorXd coordinates;   ///< 3n [m]; NaN where a point has none
   Eigen::MatrixXd covariance;    ///< 3n x 3n [m^2]
   int defect = 0;                ///< of the free network
+  double sum_of_squares = 0;     ///< of the readings alone
+  int degrees_of_freedom = 0;
 };
 
 /// Whether the coordinates may be used.

@@ -16,6 +16,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Chance that any known point of a network in which nothing is wrong is said not to stand; of each it is that share of
+/// it (Bonferroni), because they are many questions to one network.
+constexpr double kAlphaOfAll = 0.01;
+/// Readings that agree less well than this test allows are worse than stated, and their share in a difference with
+/// them.
+constexpr double kClearly = 0.001;
+
 /// One group of known coordinates after the adjustment: v, its weights, and M = P Qvv P.
 struct Known {
   const CoordinateGroup* group;
@@ -47,7 +54,7 @@ Known known_of(const CoordinateGroup& group, const NetworkModel& model, const Ne
 
 /// d = M^-1 u over what can be tested: directions in which nothing but the point itself says where it is have no
 /// weight in M (Baarda 1968, several rows as one hypothesis).
-KnownPoint difference_of(const Known& known, const std::string& id, double alpha) {
+KnownPoint difference_of(const Known& known, const std::string& id) {
   // Of a weight: rounding of P - P Q P is some 1e-12 of it, a reading that shares a point with ten others 1e-4.
   constexpr double kTestable = 1e-8;
   KnownPoint result;
@@ -70,8 +77,17 @@ KnownPoint difference_of(const Known& known, const std::string& id, double alpha
   }
   for (size_t k = 0; k < rows.size(); ++k)
     result.difference[known.group->components[rows[k]].axis] = d[static_cast<Index>(k)];
-  if (result.rank > 0) result.critical = chi_squared_quantile(1 - alpha, result.rank);
   return result;
+}
+
+/// What the difference of a point is held against: its stated accuracies, or what all the rest shows of them where that
+/// is clearly more. Without the rest a survey that is noisier than stated would have every known point wrong.
+double critical_of(const KnownPoint& k, const least_squares::Solution& solution, double alpha) {
+  const int degrees = solution.degrees_of_freedom() - k.rank;
+  const double rest = solution.sum_of_squares() - k.statistic;
+  if (degrees <= 0 || rest <= chi_squared_quantile(1 - kClearly, degrees))
+    return chi_squared_quantile(1 - alpha, k.rank);
+  return k.rank * fisher_f_quantile(1 - alpha, k.rank, degrees) * rest / degrees;
 }
 
 std::string difference_in_words(const KnownPoint& k) {
@@ -87,9 +103,15 @@ std::string difference_in_words(const KnownPoint& k) {
 
 }  // namespace
 
+void set_limits(std::vector<KnownPoint>& known, const std::function<double(const KnownPoint&, double)>& critical) {
+  const auto tested = std::count_if(known.begin(), known.end(), [](const KnownPoint& k) { return k.rank > 0; });
+  for (KnownPoint& k : known)
+    if (k.rank > 0) k.critical = critical(k, kAlphaOfAll / static_cast<double>(tested));
+}
+
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
                                            const least_squares::Solution& solution,
-                                           const least_squares::Cofactors& cofactors, double alpha) {
+                                           const least_squares::Cofactors& cofactors) {
   std::vector<KnownPoint> result;
   for (const CoordinateGroup& group : model.survey.coordinates) {
     if (!group.is_control) continue;
@@ -97,8 +119,9 @@ std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const Netw
     std::vector<std::string> ids;
     for (const auto& c : group.components)
       if (std::find(ids.begin(), ids.end(), c.point) == ids.end()) ids.push_back(c.point);
-    for (const std::string& id : ids) result.push_back(difference_of(known, id, alpha));
+    for (const std::string& id : ids) result.push_back(difference_of(known, id));
   }
+  set_limits(result, [&](const KnownPoint& k, double alpha) { return critical_of(k, solution, alpha); });
   std::stable_sort(result.begin(), result.end(), [](const KnownPoint& a, const KnownPoint& b) {
     return a.difference.norm() > b.difference.norm() + 1e-7;
   });
@@ -122,7 +145,7 @@ Finding in_words(const std::vector<KnownPoint>& known) {
   if (!stand)
     finding.text +=
         ". They do not fit each other and the readings: one of them is wrong or has moved, or a reading "
-        "between them; if they are only less good than that, give known_sigma";
+        "between them; if they are only less good than that, give their standard deviations (keyed in: known_sigma)";
   return finding;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -104,10 +105,13 @@ std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProble
 std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
                                         const Eigen::MatrixXd& null_space);
 
-/// What the readings say of the points that were known, largest difference first; `cofactors` a priori.
+/// What the readings say of the points that were known, largest difference first; `cofactors` a priori. A network in
+/// which nothing is wrong has one that does not stand with a probability of 1 % at most, however many there are.
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
                                            const least_squares::Solution& solution,
-                                           const least_squares::Cofactors& cofactors, double alpha);
+                                           const least_squares::Cofactors& cofactors);
+/// The critical value of each, of a point and the error of the first kind that is its share.
+void set_limits(std::vector<KnownPoint>& known, const std::function<double(const KnownPoint&, double)>& critical);
 
 /// They as one finding: a warning where one of them does not stand.
 Finding in_words(const std::vector<KnownPoint>& known);

@@ -9,10 +9,23 @@
 #include "build/evaluate/metrics.hpp"
 #include "build/evaluate/point_input.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "building/judgement/designed_control.hpp"
 #include "building/judgement/surfaces.hpp"
 #include "building/judgement/trust.hpp"
 
 namespace plumbline::judgement {
+
+/// Whether control that was taken from the design holds the survey; then a doubt, unless somebody said how well the
+/// place of the whole is known by other means.
+bool EvaluateDeviation::hangs_on_the_design(DeviationInputs& inputs) const {
+  if (!network || (frames && frames->fitted_to_design())) return false;
+  FrameLink link;
+  if (frames) link = frame_link(frames.unpack(), "building", "survey");
+  const DesignedControl control = designed_control(*network, link, inputs.anchors, inputs.model);
+  if (!control.holds_the_datum()) return false;
+  if (!frames || std::isnan(frames->datum_sigma())) inputs.doubts.push_back(doubt_of(control));
+  return true;
+}
 
 void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
@@ -31,6 +44,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
   if (frames)
     if (auto doubt = judgement::doubt_of_datum(*frames)) inputs.doubts.push_back(*std::move(doubt));
+  const bool designed = hangs_on_the_design(inputs);
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
     inputs.model.covariance = {};
@@ -40,9 +54,12 @@ void EvaluateDeviation::run(Context& context) {
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
   if (frames) result.datum = judgement::about_best_fit(*frames);
+  if (designed && frames && std::isfinite(frames->datum_sigma()))
+    result.datum = judgement::about_designed_control(frames->datum_sigma());
   if (!result.datum.empty()) context.warn(result.datum);
   if (surface_judgement)
     judgement::take_surfaces(surface_judgement.unpack(), result, judgement::panel_storeys(design.unpack()));
+  for (const auto& doubt : result.doubts) context.warn("Nothing is decided: " + ifc::in_words(*doubt));
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));
   for (const auto& request : result.requests)
     if (!request->not_judged.empty()) context.warn("Not judged: " + request->asked + ": " + request->not_judged + ".");

@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 10,
+      "evaluate.deviation", "", 11,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
@@ -76,6 +76,9 @@ struct EvaluateDeviation : Node {
                       "stake_out.csv: PtID;E;N;H and corrections in the survey's frame, as site instruments import it"};
 
   void run(Context& context) override;
+
+ private:
+  bool hangs_on_the_design(DeviationInputs& inputs) const;
 };
 
 }  // namespace plumbline::judgement

@@ -26,6 +26,7 @@ void EvaluateEpochs::run(Context& context) {
   const DesignElements* built = elements ? &*elements : nullptr;
   AsBuiltChangesT result;
   result.together = Eigen::Vector3d::Zero();
+  if (earlier) find_again(judged, *earlier, built);
   if (earlier) result = compare_epochs(*earlier, judged, *epoch, built);
   for (const std::string& warning : result.warnings) context.warn(warning);
   if (earlier)
@@ -34,7 +35,8 @@ void EvaluateEpochs::run(Context& context) {
   changes.commit(result);
   FileT file;
   file.name = "as_built.json", file.media_type = "application/json";
-  const std::string text = epoch_json(record_of(judged, *epoch, earlier ? &*earlier : nullptr, built), result);
+  const std::string text =
+      epoch_json(record_of(judged, *epoch, earlier ? &*earlier : nullptr, built, !result.together.isZero()), result);
   file.content.assign(text.begin(), text.end());
   record.commit(file);
 }

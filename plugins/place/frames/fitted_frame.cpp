@@ -66,32 +66,37 @@ std::vector<int> following(const CommonPoints& common, const RigidTransform& way
   return used;
 }
 
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
 /// Of (rotation vector in the building, translation): an anchor at p moves by w x (p - middle) + s, the shift s and the
-/// turn w being independent of each other.
-Eigen::Matrix<double, 6, 6> covariance_of(const CommonPoints& points, const RigidTransform& building_from_survey,
-                                          Freedom freedom, double datum_sigma) {
+/// turn w being independent of each other, each of this variance at the anchors [m²].
+Matrix6 covariance_at(const CommonPoints& points, const RigidTransform& building_from_survey, Freedom freedom,
+                      double variance) {
   const auto n = static_cast<double>(points.ids.size());
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points.design) middle += p / n;
-  double squares = 0;
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < points.ids.size(); ++i) {
-    squares += (building_from_survey * points.survey[i] - points.design[i]).squaredNorm();
-    const Eigen::Matrix3d arm = skew(points.design[i] - middle);
+  for (const Eigen::Vector3d& p : points.design) {
+    const Eigen::Matrix3d arm = skew(p - middle);
     turns += arm.transpose() * arm;
   }
-  const int unknowns = freedom == Freedom::space ? 6 : 4;
-  const double of_fit = squares / (3 * n - unknowns) / n,
-               variance = of_fit + (std::isfinite(datum_sigma) ? datum_sigma * datum_sigma : 0);
-  Eigen::Matrix<double, 6, 6> own = Eigen::Matrix<double, 6, 6>::Zero(), to_origin = own;
+  Matrix6 own = Matrix6::Zero(), to_origin = Matrix6::Identity();
   if (freedom == Freedom::space)
     own.topLeftCorner<3, 3>() = variance * n * turns.inverse();
-  else
+  else if (turns(2, 2) > 0)
     own(2, 2) = variance * n / turns(2, 2);
   own.bottomRightCorner<3, 3>() = variance * Eigen::Matrix3d::Identity();
-  to_origin.setIdentity();
   to_origin.bottomLeftCorner<3, 3>() = -skew(building_from_survey.translation - middle);
   return to_origin * own * to_origin.transpose();
+}
+
+/// Of one axis of the mean, from what the fit leaves of the anchors.
+double variance_of_fit(const CommonPoints& points, const RigidTransform& building_from_survey, Freedom freedom) {
+  const auto n = static_cast<double>(points.ids.size());
+  double squares = 0;
+  for (std::size_t i = 0; i < points.ids.size(); ++i)
+    squares += (building_from_survey * points.survey[i] - points.design[i]).squaredNorm();
+  return squares / (3 * n - (freedom == Freedom::space ? 6 : 4)) / n;
 }
 
 std::string origin_words(const CommonPoints& common, const CommonPoints& used) {
@@ -133,8 +138,15 @@ FrameLink fit_frame(const CommonPoints& common, Freedom freedom, double datum_si
   }
   link.origin = origin_words(common, used);
   link.plan_only = freedom == Freedom::level;
-  link.covariance.topLeftCorner<6, 6>() = covariance_of(used, link.to_from_from, freedom, datum_sigma);
+  link.covariance.topLeftCorner<6, 6>() =
+      covariance_at(used, link.to_from_from, freedom, variance_of_fit(used, link.to_from_from, freedom));
+  add_datum(used, freedom, datum_sigma, link);
   return link;
+}
+
+void add_datum(const CommonPoints& common, Freedom freedom, double datum_sigma, FrameLink& link) {
+  if (!std::isfinite(datum_sigma) || common.ids.empty()) return;
+  link.covariance.topLeftCorner<6, 6>() += covariance_at(common, link.to_from_from, freedom, datum_sigma * datum_sigma);
 }
 
 }  // namespace plumbline::frames

@@ -220,10 +220,8 @@ void ToBuilding::run(Context& context) {
   const PointsT survey = points.unpack();
   const DesignT read = design.unpack();
   const CommonPoints common = common_points(survey, designed.unpack());
-  if (std::isfinite(*datum_sigma) && !is_fitted(*use))
-    throw std::runtime_error("parameter 'datum_sigma' is for use=fitted and use=fitted_in_space; with use=" + *use +
-                             " what is known of the frame is in its own numbers");
-  const FrameLink link = is_fitted(*use) ? fitted(common, context) : told(common, read, context);
+  FrameLink link = is_fitted(*use) ? fitted(common, context) : told(common, read, context);
+  if (!is_fitted(*use)) add_datum(common, Freedom::level, *datum_sigma, link);
   if (common.ids.empty())
     context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
   else

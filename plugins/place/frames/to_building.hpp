@@ -15,7 +15,7 @@ namespace plumbline::frames {
 
 struct ToBuilding : Node {
   static constexpr Info info{
-      "frames.to_building", "", 2,
+      "frames.to_building", "", 3,
       "Brings surveyed points into the frame of the design, and refuses a survey that is not there"};
   In<Points> points{"points", frame("frame=?S"), "surveyed points with their covariance"};
   In<Points> designed{"designed", frame("frame=building"), "where the same points are by the design (match.elements)"};
@@ -30,9 +30,9 @@ struct ToBuilding : Node {
       "such as a block of photographs alone; given: shift and turn below"};
   Param<double> datum_sigma{
       "datum_sigma", std::numeric_limits<double>::quiet_NaN(), "m", between(0, 10),
-      "for 'fitted' and 'fitted_in_space': how well other measurements show that the whole stands "
-      "where it is designed, a standard deviation; 0: agreed to be judged about the best fit; nan: "
-      "nobody says, and nothing is decided"};
+      "of a survey that hangs on the design, fitted to it or on control with its coordinates: how well other "
+      "measurements show that the whole stands where it is designed, a standard deviation; 0: agreed to be judged "
+      "about the best fit; nan: nobody says, and nothing is decided. Of any other it is added to what is known"};
   Param<std::vector<double>> translation{"translation", std::vector<double>{}, "m", between(-1e8, 1e8),
                                          "for 'given': the design's origin in the survey's coordinates, E N H"};
   Param<double> rotation{"rotation", 0, "rad", between(-7, 7),

@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct AdjustNode : MappedNode {
-  static constexpr Info info{"survey.adjust", "survey_adjuster", 3,
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 4,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};
@@ -34,7 +34,7 @@ struct AdjustNode : MappedNode {
   Param<std::vector<std::string>> exclude{
       "exclude", std::vector<std::string>{},
       "what is left out, each with the reason that the page prints: 'point A7: knocked over', 'set-up S3: ...', "
-      "'line job.gsi:57: ...'"};
+      "'line job.gsi:57: ...', 'control G1: ...' (the point stays, what was known of it does not hold)"};
   Param<double> largest_removed_share{"largest_removed_share", 0.10, "1", between(0, 0.5),
                                       "data snooping stops when this share of the observations is removed"};
   Param<bool> robust_start{

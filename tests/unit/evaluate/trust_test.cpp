@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "building/ifc/doubt_words.hpp"
+#include "building/judgement/designed_control.hpp"
 
 namespace plumbline::judgement {
 namespace trust_test {
@@ -70,6 +71,142 @@ TEST(Trust, AListOfCoordinatesIsADoubtThatSaysHowItEnds) {
   const Trust contradicted = of("doubtful", true, 4);
   EXPECT_TRUE(contradicted.doubts.empty());
   EXPECT_EQ(contradicted.factor, 9);
+}
+
+/// A network that is sound but for its known points; statistics of G1 to G4 against 14.3.
+Trust with_control(const std::vector<double>& statistics, const std::vector<std::string>& left_out = {}) {
+  SurveyNetworkT network;
+  network.statistics = std::make_unique<StatisticsT>();
+  network.statistics->degrees_of_freedom = 120, network.statistics->sigma0 = 1.02;
+  network.tests = std::make_unique<NetworkTestsT>();
+  network.validity = "sound", network.verdict = "sound";
+  for (std::size_t i = 0; i < statistics.size(); ++i) {
+    auto known = std::make_unique<NetworkKnownPointT>();
+    known->id = "G" + std::to_string(i + 1), known->rank = 3, known->critical = 14.3, known->statistic = statistics[i];
+    known->difference = Eigen::Vector3d(-0.0002, -0.0001, 0.0118), known->sigma.setConstant(0.0005);
+    if (known->statistic > 14.3) network.validity = "doubtful";
+    network.known_points.push_back(std::move(known));
+  }
+  for (const std::string& id : left_out) {
+    auto point = std::make_unique<PointT>();
+    point->id = id, point->position.setZero(), point->sigma.setZero();
+    network.points.push_back(std::move(point));
+    auto finding = std::make_unique<NetworkFindingT>();
+    finding->severity = "note", finding->text = "excluded", finding->subject = "exclusion", finding->points = {id};
+    network.findings.push_back(std::move(finding));
+  }
+  flatbuffers::FlatBufferBuilder made;
+  made.Finish(SurveyNetwork::Pack(made, &network));
+  return trust_of(nullptr, flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()));
+}
+
+/// Once a control point that was wrong by twelve millimetres made everything 1.96 times less certain, and an anchor
+/// that was 6.6 mm out passed.
+TEST(Trust, AControlPointThatTheSurveyContradictsIsADoubtWithTheCommandThatMendsIt) {
+  EXPECT_TRUE(with_control({2, 3, 14, 1}).doubts.empty());
+  const Trust trust = with_control({371, 40, 2, 1});
+  ASSERT_EQ(trust.doubts.size(), 1u);
+  EXPECT_EQ(trust.doubts[0].part, MeasurementPart::survey);
+  EXPECT_EQ(trust.doubts[0].grade, DoubtGrade::doubt);
+  EXPECT_EQ(trust.doubts[0].reason,
+            "known points contradict it and each other, as measured minus as known: G1 E -0.2, N -0.1, H +11.8 mm; "
+            "less so, and perhaps because of it: G2");
+  EXPECT_EQ(trust.doubts[0].mend, "network.with.exclude=[control G1: contradicts the survey]");
+  EXPECT_NE(with_control({17, 16.9, 2, 1}).doubts[0].reason.find("does not tell which of them is wrong: G2"),
+            std::string::npos);
+  EXPECT_EQ(with_control({371, 40, 2, 1}, {"G7"}).doubts[0].mend,
+            "network.with.exclude=[control G7: left out before, control G1: contradicts the survey]")
+      << "one more command must not bring back what was left out before";
+}
+
+/// Four anchors in a row, two metres apart, that were measured to 0.3 mm beside control of 0.5 mm.
+struct OnDesign {
+  SurveyNetworkT network;
+  std::vector<AnchorCase> anchors;
+  PointSet model;
+
+  explicit OnDesign(const std::string& datum) {
+    network.statistics = std::make_unique<StatisticsT>(), network.tests = std::make_unique<NetworkTestsT>();
+    network.datum = datum;
+    for (int i = 0; i < 4; ++i) {
+      AnchorCase& anchor = anchors.emplace_back();
+      anchor.id = "A" + std::to_string(i + 1), anchor.design = {2.0 * i, 0, 3};
+      model.ids.push_back(anchor.id), model.positions.push_back(anchor.design + Eigen::Vector3d(0.003, 0, 0));
+    }
+  }
+  void know(const std::string& id, const Eigen::Vector3d& at, double sigma = 0.0005) {
+    auto known = std::make_unique<NetworkKnownPointT>();
+    known->id = id, known->difference.setZero(), known->sigma.setConstant(sigma);
+    network.known_points.push_back(std::move(known));
+    for (int axis = 0; axis < 3; ++axis) {
+      auto row = std::make_unique<NetworkObservationT>();
+      row->kind = "coordinate", row->to = id, row->detail = std::string(1, "ENH"[axis]);
+      row->value = at[axis], row->sigma = sigma;
+      network.observations.push_back(std::move(row));
+    }
+  }
+  DesignedControl found() {
+    // Rigid readings: all anchors move with the mean of the known points, each of 0.5 mm.
+    const auto n = static_cast<double>(network.known_points.size());
+    Eigen::MatrixXd common(12, 12);
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) common.block<3, 3>(3 * i, 3 * j) = Eigen::Matrix3d::Identity() * 0.25e-6 / n;
+    model.covariance = common;
+    flatbuffers::FlatBufferBuilder made;
+    made.Finish(SurveyNetwork::Pack(made, &network));
+    return designed_control(*flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()), FrameLink(), anchors, model);
+  }
+};
+
+/// Once a building 30 mm out and 30 mm low was ready to install, because control.csv had four anchors as designed.
+TEST(Trust, ControlWithTheCoordinatesOfTheDesignIsAFitToIt) {
+  OnDesign made("weighted");
+  for (int i : {0, 3}) made.know(made.anchors[i].id, made.anchors[i].design + Eigen::Vector3d(0.0004, 0, -0.0004));
+  const DesignedControl control = made.found();
+  EXPECT_EQ(control.ids, (std::vector<std::string>{"A1", "A4"}));
+  EXPECT_NEAR(control.hidden, 1, 1e-9);
+  EXPECT_TRUE(control.holds_the_datum());
+  const MeasurementDoubtT doubt = doubt_of(control);
+  EXPECT_EQ(doubt.part, MeasurementPart::datum);
+  EXPECT_EQ(doubt.reason,
+            "the survey hangs on anchors that are to be judged, at the coordinates of their design: A1, A4; of a shift "
+            "or turn of all anchors together 100 % cannot be seen");
+  EXPECT_EQ(doubt.mend, "frames.with.datum_sigma=SIGMA");
+
+  OnDesign measured("weighted");
+  for (int i : {0, 3}) measured.know(measured.anchors[i].id, measured.model.positions[i]);
+  EXPECT_TRUE(measured.found().ids.empty()) << "3 mm from the design at 0.5 mm: somebody measured it";
+  OnDesign elsewhere("weighted");
+  for (int i = 0; i < 4; ++i) elsewhere.know("G" + std::to_string(i), {0, -8.0 - i, 0});
+  EXPECT_TRUE(elsewhere.found().ids.empty());
+  OnDesign free("inner");
+  free.know("A1", free.anchors[0].design);
+  EXPECT_TRUE(free.found().ids.empty()) << "nothing that was known holds a free network";
+}
+
+TEST(Trust, WhereOtherControlHoldsTheDatumOneAnchorOfTheDesignIsNoDoubt) {
+  const auto hidden = [](int others) {
+    OnDesign made("weighted");
+    made.know("A1", made.anchors[0].design);
+    for (int i = 0; i < others; ++i) made.know("G" + std::to_string(i), {0, -8.0 - i, 0});
+    const DesignedControl control = made.found();
+    EXPECT_EQ(control.holds_the_datum(), control.hidden > 0.1);
+    return control.hidden;
+  };
+  EXPECT_GT(hidden(3), 0.24);
+  EXPECT_NEAR(hidden(3), 0.25, 0.1);
+  EXPECT_LT(hidden(39), 0.1);
+}
+
+TEST(Trust, HeldControlWithTheCoordinatesOfTheDesignCountsByNumber) {
+  OnDesign made("fixed");
+  for (const char* id : {"A1", "A2", "G1", "G2"}) made.network.datum_points.push_back(id);
+  for (int i = 0; i < 2; ++i) {
+    auto point = std::make_unique<PointT>();
+    point->id = made.anchors[i].id, point->position = made.anchors[i].design, point->sigma.setZero();
+    made.network.points.push_back(std::move(point));
+  }
+  EXPECT_EQ(made.found().hidden, 0.5);
 }
 
 /// Fitted to the anchors themselves: once every anchor of a building that stood 30 mm out passed, "ready to install".

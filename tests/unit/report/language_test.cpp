@@ -66,7 +66,8 @@ TEST(Catalogue, ListsOfKnownPointsHaveTheLanguagesDecimalSign) {
                                        "6 known points, as measured minus as known: A E +1.2, N -0.3, H +2.1 mm; B E "
                                        "-1.0, N +0.4, H +0.1 mm; 4 less. They do not "
                                        "fit each other and the readings: one of them is wrong or has moved, or a "
-                                       "reading between them; if they are only less good than that, give known_sigma")
+                                       "reading between them; if they are only less good than that, give their "
+                                       "standard deviations (keyed in: known_sigma)")
                                    .value_or("");
   EXPECT_TRUE(
       doubtful.starts_with("6 bekannte Punkte, gemessen minus bekannt: A E +1,2, N -0,3, H +2,1 mm; B E -1,0, N +0,4, "

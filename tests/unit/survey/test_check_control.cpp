@@ -169,6 +169,72 @@ TEST(CheckControl, FromTheNetworkOnControlItIsThatOfAFreeNetwork) {
   expect_same(fixed, {}, without_curvature(), "fixed");
 }
 
+NetworkResult on_control(const SurveyObservations& survey, const ControlPoints& control,
+                         const std::vector<ExcludedItem>& exclude = {}) {
+  AdjustOptions options = without_curvature();
+  options.measure_control = true, options.exclude = exclude;
+  return adjust_network(survey, options, control);
+}
+
+bool stand(const std::vector<KnownPoint>& known) {
+  return std::all_of(known.begin(), known.end(), [](const KnownPoint& k) { return k.stands(); });
+}
+
+/// Stated: one network in a hundred, over all its known points together.
+TEST(CheckControl, SoundControlIsDoubtedInOneNetworkInAHundredAtMost) {
+  int doubted = 0, of_held = 0, of_noisy = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    auto network = test::simulate({}, 1300 + seed);
+    ControlPoints control = corners(network, 2900 + seed), held = control;
+    doubted += !stand(on_control(network.survey, control).known_points);
+    for (int i = 0; i < 4; ++i)
+      held.coordinates.segment<3>(3 * i) = network.truth[std::array<size_t, 4>{0, 3, 8, 11}[i]];
+    held.covariance.resize(0, 0);
+    of_held += !stand(compare_with_held(network.survey, held, on_control(network.survey, held)));
+    if (seed >= 50) continue;
+    for (Observation& o : network.survey.observations) o.sigma /= 2;  // the readings are worse than stated
+    of_noisy += !stand(on_control(network.survey, control).known_points);
+  }
+  EXPECT_LE(doubted, 7) << "binomial, p = 0.01: 0.1 % above";
+  EXPECT_LE(of_held, 7);
+  EXPECT_LE(of_noisy, 4);
+}
+
+/// Once one was named with w = 19 beside a global test of 120 readings that passed, and nothing followed.
+TEST(CheckControl, OneThatIsWrongMakesANetworkDoubtfulThoughItsReadingsAgree) {
+  const auto network = test::simulate({}, 17);
+  ControlPoints control = corners(network, 18);
+  EXPECT_EQ(on_control(network.survey, control).validity, Validity::sound);
+  ControlPoints wrong = control;
+  wrong.coordinates[3 * 2 + 2] += 0.004;
+  const NetworkResult r = on_control(network.survey, wrong);
+  EXPECT_EQ(r.validity, Validity::doubtful);
+  EXPECT_EQ(r.verdict.find("doubtful: "), 0U) << r.verdict;
+  EXPECT_FALSE(stand(r.known_points));
+  const NetworkResult mended =
+      on_control(network.survey, wrong, {parse_exclusion("control " + control.ids[2] + ": hit")});
+  EXPECT_EQ(mended.validity, Validity::sound) << mended.verdict;
+  EXPECT_EQ(mended.known_points.size(), 3u);
+  EXPECT_NO_THROW(mended.point(control.ids[2])) << "its readings stay";
+  EXPECT_NEAR(mended.point(control.ids[2]).position.z(), network.truth[8].z(), 0.002);
+  EXPECT_EQ(mended.measured_control.ids.size(), 3u);
+  EXPECT_THROW(on_control(network.survey, wrong, {parse_exclusion("control S99: hit")}), NetworkError);
+  wrong.covariance.resize(0, 0);
+  const auto held = compare_with_held(network.survey, wrong, on_control(network.survey, wrong));
+  ASSERT_EQ(held.size(), 4u);
+  EXPECT_EQ(held.front().id, control.ids[2]);
+  EXPECT_FALSE(held.front().stands());
+}
+
+/// What a file itself has as known is left out likewise.
+TEST(CheckControl, WhatTheFilesKnowIsLeftOutAsControlToo) {
+  auto network = test::simulate({}, 17);
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) network.survey.points[i].known.fill(true);
+  const NetworkResult r =
+      on_control(network.survey, {}, {parse_exclusion("control " + network.survey.points[3].id + ": keyed in twice")});
+  EXPECT_EQ(r.known_points.size(), 3u);
+}
+
 /// Two parts that share nothing but control are no free network: what the network with control has is not compared.
 TEST(CheckControl, PartsThatShareOnlyControlAreNotCompared) {
   const auto network = test::simulate({}, 17);

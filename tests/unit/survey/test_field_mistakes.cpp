@@ -288,7 +288,7 @@ TEST(Exclusions, CoordinatesVectorsAndLocalCoordinatesGoWithTheirPointAndSetUp) 
   }
   std::vector<Finding> said;
   const SurveyObservations rest =
-      without_excluded(s, {parse_exclusion("point M1: loose"), parse_exclusion("set-up S1: moved")}, said);
+      without_excluded(s, {parse_exclusion("point M1: loose"), parse_exclusion("set-up S1: moved")}, {}, said);
   ASSERT_EQ(rest.coordinates.size(), 1u);
   EXPECT_EQ(rest.coordinates[0].values, Eigen::Vector2d(2, 3));
   EXPECT_EQ(rest.coordinates[0].covariance(1, 1), 9);
@@ -305,7 +305,7 @@ TEST(Exclusions, TheRestOfACovarianceStaysWithItsReadings) {
   s.covariances.push_back({{0, 3, 7}, Eigen::Vector3d(1, 4, 9).asDiagonal()});
   s.covariances.push_back({{3}, Eigen::MatrixXd::Identity(1, 1)});
   std::vector<Finding> said;
-  const SurveyObservations rest = without_excluded(s, {parse_exclusion("line job.gsi:4: read twice")}, said);
+  const SurveyObservations rest = without_excluded(s, {parse_exclusion("line job.gsi:4: read twice")}, {}, said);
   ASSERT_EQ(rest.observations.size() + 1, s.observations.size());
   ASSERT_EQ(rest.covariances.size(), 1u) << "nothing is left of the second";
   EXPECT_EQ(rest.covariances[0].indices, (std::vector<int>{0, 6}));
