@@ -127,9 +127,11 @@ TEST_F(Bal, ComesBackAsItWasWritten) {
 
 TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
   const auto plain = read(make().text).block;
-  for (int kind = 0; kind < 3; ++kind) {
+  for (int kind = 0; kind < 4; ++kind) {
     PointBlock block = plain;
     for (auto& camera : block.cameras) {
+      if (kind == 3)  // of an aircraft: coordinates of a hundred millimetres have fewer digits
+        camera.values = {-300, 0.2, -0.3, -1e-8, 1e-13, 1e-18, 1e-7, -2e-7, 2e-5, -1e-5};
       if (kind == 0) camera.values = {-2.8, 0.02, -0.03, -4e-4, 1.5e-6}, camera.balance_radius = 1.1;
       if (kind == 1) camera.values = {-2.8, 0.02, -0.03, -4e-4, 1.5e-6, 1e-8, 6e-5, -9e-5, 2e-4, -1e-4};
       if (kind == 2) {
@@ -150,11 +152,11 @@ TEST_F(Bal, CamerasOfOtherProgramsArriveWithTheSameRays) {
         m.position += kind == 2 ? Eigen::Vector2d(rows.misclosure.x(), -rows.misclosure.y()) : rows.misclosure;
       }
     }
-    ASSERT_LT(misfit(block), 1e-18) << kind;
+    ASSERT_LT(misfit(block), kind == 3 ? 1e-16 : 1e-18) << kind;
     std::vector<std::string> notes;
     const auto back = read(block::bal_text(block, notes)).block;
     EXPECT_EQ(notes.size(), kind == 0 ? 0u : 1u);
-    EXPECT_LT(misfit(back), 1e-18) << kind;
+    EXPECT_LT(misfit(back), kind == 3 ? 1e-16 : 1e-18) << kind;
   }
 }
 

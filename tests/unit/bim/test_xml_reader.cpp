@@ -141,6 +141,11 @@ TEST(XmlReader, NamesLineAndElementOfAMistake) {
   expect(ifc2x3("<IfcCartesianPoint><Coordinates><IfcLengthMeasure>0</IfcLengthMeasure><IfcLengthMeasure>NAN"
                 "</IfcLengthMeasure></Coordinates></IfcCartesianPoint>"),
          "found 'NAN' in the list Coordinates, expected a value for each item");
+  expect(ifc4("<IfcPropertyEnumeratedValue><EnumerationValues><Nothing>5</Nothing></EnumerationValues>"
+              "</IfcPropertyEnumeratedValue>"),
+         "found this element in EnumerationValues, expected an entity or a value of IFC4");
+  expect(ifc4("<IfcRelAggregates><RelatedObjects><Nothing>5</Nothing></RelatedObjects></IfcRelAggregates>"),
+         "found this element in RelatedObjects, expected an entity or a value of IFC4");
   expect("<html><body/></html>", "html: found this element, expected ifcXML");
   expect("<ifcXML xmlns='http://example.org/IFC2x2'/>", "expected IFC2x3, IFC4 or IFC4x3");
   expect(ifc4("<IfcWall>"), "found XML that is damaged");

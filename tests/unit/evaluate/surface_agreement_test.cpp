@@ -106,6 +106,32 @@ TEST(SurfaceAgreement, OneThatFailsWithholdsItEverywhere) {
   EXPECT_EQ((*floor)->verdict, ToleranceVerdict::fail);
 }
 
+/// One thing is, several are: whatever kinds they are of.
+TEST(SurfaceAgreement, OneIsAndSeveralAreOutOfTolerance) {
+  const auto verb = [](int anchors, int panels, int surfaces) {
+    SurfaceCase facade;
+    for (int i = 0; i < surfaces; ++i) facade.add(ToleranceVerdict::fail);
+    facade.ask("");
+    judgement::take_surfaces(std::move(facade.surfaces), facade.deviation);
+    DeviationT& d = facade.deviation;
+    d.verdict = ToleranceVerdict::fail, d.failed = anchors;
+    for (auto& panel : d.panels) panel->verdict = ToleranceVerdict::pass;
+    for (int i = 0; i < panels; ++i) d.panels.at(static_cast<std::size_t>(i))->verdict = ToleranceVerdict::fail;
+    report::ReportInput input;
+    input.deviation = d;
+    const std::string page = report::render_report(input);
+    const std::size_t begin = page.find("Not ready: "), end = page.find(" out of tolerance.", begin);
+    return page.substr(page.rfind(' ', end - 1) + 1, end - page.rfind(' ', end - 1) - 1);
+  };
+  EXPECT_EQ(verb(1, 0, 0), "is");
+  EXPECT_EQ(verb(0, 1, 0), "is");
+  EXPECT_EQ(verb(0, 0, 1), "is");
+  EXPECT_EQ(verb(2, 0, 0), "are");
+  EXPECT_EQ(verb(2, 1, 0), "are");
+  EXPECT_EQ(verb(2, 0, 1), "are");
+  EXPECT_EQ(verb(0, 1, 1), "are");
+}
+
 /// A curtain wall's panel without anchors hangs in a storey all the same.
 TEST(SurfaceAgreement, APanelWithoutAnchorsCountsOnTheFloorOfItsStorey) {
   const auto floors = [](const std::string& storey) {

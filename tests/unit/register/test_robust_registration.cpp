@@ -135,6 +135,19 @@ TEST(Robust, TooFewThatAgreeAreRefused) {
   EXPECT_THROW(register_robust(c, with(Estimator::truncated)), DegenerateRegistration);
 }
 
+/// Three points are a triangle where its height is more than a twentieth of its longest side.
+TEST(Robust, ATriangleMayBeAsFlatAsOneInTwenty) {
+  for (const double height : {0.04, 0.06}) {
+    Correspondences c = facade(3, 0, 9);
+    c.source << 0, 1, 0, 0, 0, height, 0, 0, 0;
+    for (int i = 0; i < 3; ++i) c.target.col(i) = motion * c.source.col(i);
+    if (height < 0.05)
+      EXPECT_THROW(register_robust(c, with(Estimator::ransac)), DegenerateRegistration);
+    else
+      EXPECT_LT(largest_error(register_robust(c, with(Estimator::ransac)), c), 1e-6);
+  }
+}
+
 /// The covariance of a fit with weights below 1 is that of the given covariances, not of the weighted ones.
 TEST(Robust, CovarianceIsNotThatOfTheWeights) {
   double sum = 0;

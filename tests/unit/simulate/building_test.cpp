@@ -57,6 +57,21 @@ TEST(Building, ControlAndCheckAnchorsHangInVerticalColumns) {
   }
 }
 
+/// Check anchors hang in the middle of a cell; where the facade is two or three columns wide there are too few cells.
+TEST(Building, CheckAnchorsHangInCellsOfTheGrid) {
+  for (int columns = 4; columns <= 8; ++columns) {
+    const Building b = make_building({.floors = 1, .columns = columns}, 1);
+    std::set<double> cells;
+    double first = 1e9;
+    for (const Anchor& a : b.anchors)
+      if (a.role == AnchorRole::control) first = std::min(first, a.design.x());
+    for (const Anchor& a : b.anchors)
+      if (a.role == AnchorRole::check) cells.insert((a.design.x() - first) / 2.0);
+    const double middle = columns % 2 ? 0.5 * columns - 1 : 0.5 * columns - 0.5;
+    EXPECT_EQ(cells, (std::set<double>{0.5, middle, columns - 1.5})) << columns;
+  }
+}
+
 TEST(Building, PlatesDoNotTouch) {
   for (int columns = 2; columns <= 7; ++columns) {
     const Building b = make_building({.floors = 2, .columns = columns}, 3);

@@ -249,6 +249,23 @@ TEST(Perturbations, TransferCurveIsThatOfSrgb) {
   EXPECT_EQ(off, 0u);
 }
 
+/// A camera's own picture has more contrast in the middle than sRGB: darks darker, lights lighter, ends and half as
+/// they are.
+TEST(Perturbations, TransferCurveOfACameraRaisesTheContrastOfTheMiddle) {
+  Perturbations p;
+  p.transfer = "camera";
+  const GreyImage linear = tiny_view({}), curved = tiny_view(p);
+  std::size_t off = 0, asked = 0;
+  for (std::size_t i = 0; i < linear.pixels.size(); ++i) {
+    if (linear.pixels[i] < 10 || linear.pixels[i] > 254) continue;
+    const double v = 1.055 * std::pow(linear.pixels[i] / 255.0, 1 / 2.4) - 0.055;
+    off += std::abs(curved.pixels[i] - 255 * (v + 0.24 * v * (1 - v) * (2 * v - 1))) > 4;
+    ++asked;
+  }
+  EXPECT_GT(asked, 1000u);
+  EXPECT_EQ(off, 0u);
+}
+
 TEST(Perturbations, LackOfLightIsNoise) {
   const auto noise = [](double stops) {
     Perturbations p;
