@@ -252,6 +252,13 @@ void read_scale_bars(File file, const Index& points, AiconBlock& result) {
     bar.sigma = metres_per_millimetre * line.real(5);
     if (!(bar.length > 0) || !(bar.sigma > 0)) line.fail("length and sigma of a scale bar must be positive");
     if (bar.from == bar.to) line.fail("scale bar '" + bar.name + "' runs from a point to itself");
+    const auto is_same = [&](const ScaleBar& other) {
+      return std::minmax(bar.from, bar.to) == std::minmax(other.from, other.to) && bar.length == other.length &&
+             bar.sigma == other.sigma;
+    };
+    if (std::any_of(result.block.scale_bars.begin(), result.block.scale_bars.end(), is_same))
+      line.fail("scale bar '" + bar.name + "' stands here a second time, with the same points, length and sigma: it " +
+                "would count twice; take one of the lines out");
     result.block.scale_bars.push_back(bar);
   }
 }

@@ -94,6 +94,39 @@ std::string control_against_images(const PointBlockResult& result) {
           : "");
 }
 
+std::string scale_bars_against_images(const PointBlockResult& result) {
+  const least_squares::VarianceComponent *images = nullptr, *bars = nullptr;
+  for (const auto& group : result.groups) {
+    if (group.name == "image coordinates") images = &group;
+    if (group.name == "scale bars") bars = &group;
+  }
+  constexpr double controlled = 0.5;  // of two bars of one block each has half of the one redundancy
+  if (!images || !bars || !(bars->redundancy >= controlled) || images->redundancy < 1) return "";
+  // Bars are calibrated by themselves: images that are better than stated make them no worse.
+  const double unit = std::max(1.0, images->factor), ratio = bars->factor / unit;
+  const double limit = fisher_f_quantile(0.999, bars->redundancy, images->redundancy);
+  if (!(ratio > limit)) return "";
+  double squares = 0;
+  for (const auto& group : result.groups) squares += group.sum_of_squares;
+  const double own = squares / result.degrees_of_freedom;  // what w were divided by
+  std::vector<std::string> wrong;
+  double largest = 0;
+  for (size_t i = 0; i < result.block.scale_bars.size(); ++i)
+    largest = std::max(largest, std::abs(result.scale_bar_reliability[i].w));
+  for (size_t i = 0; i < result.block.scale_bars.size(); ++i) {
+    const ScaleBar& bar = result.block.scale_bars[i];
+    const auto& row = result.scale_bar_reliability[i];
+    if (std::abs(row.w) < 0.9 * largest) continue;  // those that could be the wrong one alike
+    wrong.push_back(fmt::format("{} of {:.6g} m (off by {:.3g} mm, w {:.1f})", bar.name, bar.length, 1e3 * row.residual,
+                                row.w * std::sqrt(own / unit)));
+  }
+  return fmt::format(
+      "scale bars contradict {}: their variance factor is {:.3g}, at most {:.3g} by chance; most {}. A length or a "
+      "standard deviation in the file is wrong, or an end is another point; no length is to be trusted until that "
+      "is mended",
+      result.block.scale_bars.size() > 1 ? "each other or the control" : "the control", ratio, limit, few_of(wrong));
+}
+
 std::string blunders_in_words(const PointBlockResult& result) {
   constexpr double beyond_chance = 12;
   double largest = 0;

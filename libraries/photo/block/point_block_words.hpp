@@ -13,6 +13,11 @@ namespace plumbline::block {
 /// where the joint covariance is known.
 std::string control_against_images(const PointBlockResult& result);
 
+/// Scale bars that contradict each other, or the control: by their own standard deviations, or those of images that are
+/// worse than stated (F test, 0.1 %); with those that could be the wrong one. Empty if it may be chance, or if nothing
+/// checks them, as the only bar of a free block.
+std::string scale_bars_against_images(const PointBlockResult& result);
+
 /// Measurements that no chance explains: |w| above 12. Matched features have long tails (up to 11.5 in public blocks
 /// that are sound otherwise), so not everything that a test at some per cent finds is worth a warning.
 std::string blunders_in_words(const PointBlockResult& result);

@@ -180,9 +180,11 @@ struct Adjuster : TagAdjusterNode {
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);
-    // What contradicts the block, known points that hold it or check it: exit code 3.
-    const bool holds = o.by_gradients || (tell_check_points(context, result) && control_against_images(result).empty());
-    if (!measured.control.points.empty()) context.metric("invalid", holds ? 0 : 1, "1");
+    // What contradicts the block, known points that hold it or check it, or scale bars: exit code 3.
+    const bool holds =
+        o.by_gradients || (tell_check_points(context, result) && control_against_images(result).empty() &&
+                           scale_bars_against_images(result).empty());
+    if (!measured.control.points.empty() || !measured.scale_bars.empty()) context.metric("invalid", holds ? 0 : 1, "1");
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

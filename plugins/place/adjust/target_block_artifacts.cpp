@@ -222,8 +222,8 @@ BlockT describe_targets(const PointBlock& given, const PointBlockResult& result,
         "solver=gradients: the normal equations were not factorised. There are no standard deviations, redundancy "
         "numbers or tests for blunders, and it was not looked whether the observations determine all unknowns together "
         "(only each image, camera and point by itself)");
-  for (const std::string& words :
-       {control_against_images(result), blunders_in_words(result), turned_images(given, result)})
+  for (const std::string& words : {control_against_images(result), scale_bars_against_images(result),
+                                   blunders_in_words(result), turned_images(given, result)})
     if (!words.empty()) artifact.warnings.push_back(words);
   return artifact;
 }

@@ -154,7 +154,7 @@ void write_groups(Markup& html, const Json& block) {
     html.element("th", text(group, "name"));
     cell(html, fixed(number(group, "observations"), 0));
     cell(html, fixed(number(group, "redundancy"), 1));
-    const double factor = number(group, "redundancy") > 1 ? number(group, "variance_factor") : std::nan("");
+    const double factor = number(group, "redundancy") > 0.5 ? number(group, "variance_factor") : std::nan("");
     cell(html, fixed(factor, 2));
     cell(html, fixed(std::sqrt(factor), 2));
   }

@@ -291,6 +291,25 @@ TEST(PointBlock, AMarkOfAnotherPointIsNamed) {
               testing::AllOf(HasSubstr("1 image point of 160 contradicts"), HasSubstr("point 8 in image 3")));
 }
 
+/// Two lengths of one bar, a millimetre apart and known to a hundredth, were averaged without a word.
+TEST(PointBlock, ScaleBarsThatContradictEachOtherAreNamed) {
+  PointBlock block = small_block();
+  test::Random random(7);
+  for (auto& m : block.measurements)
+    m.position += 1e-3 * Eigen::Vector2d(random.uniform() - 0.5, random.uniform() - 0.5);
+  const auto told = [&] { return block::scale_bars_against_images(block::adjust_point_block(block, options())); };
+  EXPECT_EQ(told(), "") << "nothing checks the only bar";
+  for (const int to : {7, 12, 19})
+    block.scale_bars.push_back({"to " + std::to_string(to), 0, to,
+                                (block.points[0].position - block.points[to].position).norm() + 0.5e-5, 1e-5});
+  EXPECT_EQ(told(), "") << "half a sigma is no contradiction";
+  block.scale_bars[2].length += 1e-3;
+  EXPECT_THAT(told(), testing::AllOf(HasSubstr("scale bars contradict each other"), HasSubstr("most to 12 of ")));
+  block.scale_bars = {block.scale_bars[0], block.scale_bars[0]};
+  block.scale_bars[1].name = "again", block.scale_bars[1].length += 1e-3;
+  EXPECT_THAT(told(), testing::AllOf(HasSubstr("most bar of"), HasSubstr("again of"))) << "of two either may be wrong";
+}
+
 TEST(PointBlock, ControlOfAnotherBlockIsNamedAsSuch) {
   std::vector<std::string> names;
   std::vector<Eigen::Vector3d> block, control;
@@ -483,6 +502,9 @@ TEST(AiconFiles, ErrorsNameFileAndLine) {
   write("b.phc", "1 7 0 0 0 0 0 0 1 1\n");
   write("b.scale", "0 \"my bar\" 7 8 100 0.1 1\n");
   EXPECT_THAT(read(), HasSubstr("b.scale:1: point 8 of scale bar 'my bar'"));
+  write("b.obc", "7 1.0 2.0 3 0 0 0 5 1\n8 2.0 2.0 3 0 0 0 5 1\n");
+  write("b.scale", "0 \"my bar\" 7 8 100 0.1 1\n1 \"my bar\" 8 7 100 0.1 1\n");
+  EXPECT_THAT(read(), HasSubstr("b.scale:2: scale bar 'my bar' stands here a second time"));
   write("c.phc", "");
   EXPECT_THAT(error_of([&] { block::read_image_block(folder.path(), "", "", {}); }),
               HasSubstr("holds 2 *.phc files (b.phc, c.phc), expected one"));
