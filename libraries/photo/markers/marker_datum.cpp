@@ -12,7 +12,6 @@
 #include "geometry/median.hpp"
 
 namespace plumbline::markers {
-namespace {}  // namespace
 
 void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance, MarkerResult& result) {
   const auto find = [&](int marker) {
@@ -131,7 +130,20 @@ double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>
   return images > 0 ? std::sqrt(squares / images) : 0;
 }
 
+double mean_size(const MarkerBlock& block, const MarkerResult& result) {
+  double size = 0;
+  for (const auto& marker : result.markers)
+    size += block.markers[marker.marker].size / static_cast<double>(result.markers.size());
+  return size;
+}
+
 }  // namespace
+
+double scale_sigma_by_size(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result) {
+  const double by_insets =
+      options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides_in_pixels(block, result), options.inset_sigma) : 0;
+  return std::hypot(options.print_sigma / mean_size(block, result), options.size_sigma, by_insets);
+}
 
 void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
   if (options.distance) {
@@ -144,10 +156,8 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
   const std::vector<double> sides = sides_in_pixels(block, result);
   warn_about_inset(sides, result);
   const double by_insets = options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides, options.inset_sigma) : 0;
-  double size = 0;
-  for (const auto& marker : result.markers)
-    size += block.markers[marker.marker].size / static_cast<double>(result.markers.size());
-  result.scale_sigma = std::hypot(options.print_sigma / size, options.size_sigma, by_insets);
+  const double size = mean_size(block, result);
+  result.scale_sigma = scale_sigma_by_size(block, options, result);
   result.datum +=
       "; lengths by the printed size of the tags, good to " + text::format_fixed(100 * result.scale_sigma, 2) + " % (" +
       text::format_fixed(1e3 * options.print_sigma, 2) + " mm of " + text::format_fixed(1e3 * size, 1) + " mm" +

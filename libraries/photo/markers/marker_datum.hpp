@@ -12,6 +12,9 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
 /// Into the frame of the tag with the lowest id; says so in `datum`.
 void to_first_tag(const MarkerBlock& block, bool in_one_line, MarkerResult& result);
 
+/// Relative standard deviation of all lengths where the printed size of the tags gives them.
+double scale_sigma_by_size(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result);
+
 /// What gives the lengths, and how well: `scale_sigma`, and words in `datum`.
 void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result);
 

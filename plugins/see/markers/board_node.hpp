@@ -4,9 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/median.hpp"
 #include "output.hpp"
+#include "photo/markers/marker_datum.hpp"
 #include "photo/markers/marker_halves.hpp"
 #include "photo/markers/marker_truth.hpp"
 #include "plumbline/node.hpp"
@@ -14,7 +16,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerBoard : Node {
-  static constexpr Info info{"adjust.marker_board", "", 4,
+  static constexpr Info info{"adjust.marker_board", "", 5,
                              "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};
@@ -80,7 +82,7 @@ struct AdjustMarkerBoard : Node {
     options.size_sigma = *size_sigma, options.inset_sigma = *corner_inset_sigma, options.reject_above = *reject_above;
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     MarkerResult result = adjust_lens_and_block(input.block, options);
-    if (options.distance && *tag_size > 0) check_distance(result);
+    if (options.distance) check_distance(input.block, options, result);
     const std::vector<MarkerHalves> halves =
         *compare ? halves_of(input.block, options, result) : std::vector<MarkerHalves>();
     for (const auto& text : result.left_out) context.warn("left out: " + text);
@@ -137,17 +139,34 @@ struct AdjustMarkerBoard : Node {
     result.warnings.push_back(words);
   }
 
-  /// Where both are given the distance counts; a slip of its unit would go unnoticed.
-  void check_distance(MarkerResult& result) const {
+  /// Where both are given the distance counts: what it says of the tags' size is held against that, by the standard
+  /// deviations of both. Where it is given alone a slip of its unit makes tags that nobody prints.
+  void check_distance(const MarkerBlock& given, const MarkerOptions& options, MarkerResult& result) const {
+    constexpr double beyond_chance = 4, smallest = 0.002, largest = 3;  // [m]
     if (result.markers.empty()) return;
     std::vector<double> scales;
     for (const AdjustedMarker& marker : result.markers) scales.push_back(marker.scale);
-    const double scale = median(scales);
-    if (scale > 0.95 && scale < 1.05) return;
-    result.warnings.push_back(
-        fmt::format("with distance={} the tags measure {:.6g} mm, tag_size says {:.6g} mm: the distance counts. Is it "
-                    "in metres, between the centres of these two tags?",
-                    distance->c_str(), 1e3 * scale * *tag_size, 1e3 * *tag_size));
+    const double scale = median(scales), measured = scale * given.markers.front().size;
+    if (*tag_size == 0) {
+      if (measured < smallest || measured > largest)
+        result.warnings.push_back(
+            fmt::format("with distance={} the tags measure {:.6g} mm, which no tag that is printed does: is it in "
+                        "metres, between the centres of these two tags?",
+                        distance->c_str(), 1e3 * measured));
+      return;
+    }
+    double places = 0;  // variance of the ends in the photographs
+    for (const AdjustedMarker& marker : result.markers)
+      if (marker.marker == options.distance->from || marker.marker == options.distance->to)
+        places += marker.centre_covariance.trace();
+    const double sigma = std::hypot(result.scale_sigma, scale_sigma_by_size(given, options, result),
+                                    std::sqrt(places) / options.distance->length);
+    if (!(std::abs(std::log(scale)) > beyond_chance * sigma)) return;
+    result.warnings.push_back(fmt::format(
+        "with distance={} the tags measure {:.6g} mm, tag_size says {:.6g} mm, {:.2f} % off where both together are "
+        "good to {:.2f} %: the distance counts, and all lengths are wrong if it is. Is it in metres, between the "
+        "centres of these two tags? Is tag_size the edge as it was printed?",
+        distance->c_str(), 1e3 * measured, 1e3 * *tag_size, 100 * std::abs(scale - 1), 100 * sigma));
   }
 };
 

@@ -67,6 +67,39 @@ std::string contradiction(const ImageTagsT& image, CameraT& camera) {
                  : "; calibrate the camera at the size of these photographs");
 }
 
+/// Tags of a photograph by family and id, in their order; empty: one of them is there twice.
+std::map<std::pair<std::string, int>, const TagT*> tags_by_name(const ImageTagsT& image) {
+  std::map<std::pair<std::string, int>, const TagT*> tags;
+  for (const auto& tag : image.tags)
+    if (!tags.emplace(std::pair(tag->family, tag->id), tag.get()).second) return {};
+  return tags;
+}
+
+/// Whether one is the other at another size: all corners where a reduction has them, which no second photograph does.
+bool is_reduced(const ImageTagsT& small, const ImageTagsT& large) {
+  constexpr double agrees = 0.5;  // [px] of the small one; of the sides of the image, rounding
+  if (small.tags.empty() || small.tags.size() != large.tags.size() || !(small.width < large.width)) return false;
+  const double by = static_cast<double>(small.width) / large.width;
+  if (std::abs(by * large.height - small.height) > 1) return false;
+  const auto tags = tags_by_name(small), others = tags_by_name(large);
+  if (tags.empty() || tags.size() != others.size()) return false;
+  for (auto a = tags.begin(), b = others.begin(); a != tags.end(); ++a, ++b) {
+    const auto &mine = a->second->corners, &theirs = b->second->corners;
+    if (a->first != b->first || mine.size() != theirs.size()) return false;
+    const Eigen::Vector2d half(0.5, 0.5);
+    for (size_t k = 0; k < mine.size(); ++k)
+      if (!((by * (theirs[k] + half) - half - mine[k]).norm() < agrees)) return false;
+  }
+  return true;
+}
+
+/// The photograph that this one is a smaller copy of; null: it is none.
+const ImageTagsT* original_of(const ImageTagsT& image, const TagObservationsT& observations) {
+  for (const auto& other : observations.images)
+    if (other->problem.empty() && is_reduced(image, *other)) return other.get();
+  return nullptr;
+}
+
 /// Which photographs can take part at all. Calibrations without a size get that of their first photograph.
 std::vector<bool> usable(const TagObservationsT& observations, std::vector<CameraT>& known, const std::string& by,
                          BlockInput& input) {
@@ -88,6 +121,10 @@ std::vector<bool> usable(const TagObservationsT& observations, std::vector<Camer
     }
     if (image.tags.empty()) {
       leave_out("no tag of the family was found in it");
+      continue;
+    }
+    if (const ImageTagsT* original = original_of(image, observations)) {
+      leave_out("is " + original->path + " at another size; one of them is enough");
       continue;
     }
     if (!known.empty()) {

@@ -9,6 +9,7 @@
 #include "base/text/words.hpp"
 #include "geometry/exchanged_places.hpp"
 #include "geometry/packed_symmetric.hpp"
+#include "photo/block/control_words.hpp"
 #include "photo/markers/survey_frame.hpp"
 
 namespace plumbline::markers {
@@ -124,6 +125,16 @@ SurveyFrame frame_of(const MarkerResult& network, const std::vector<SurveyedTag>
   }
 }
 
+/// A survey with east and north exchanged is the mirror image of the site: no motion brings photographs to it, and what
+/// tries to does not converge.
+void require_survey_is_no_mirror_image(const SurveyFrame& frame, const std::vector<SurveyedTag>& surveyed) {
+  std::vector<Eigen::Vector3d> found, given;
+  for (size_t k = 0; k < surveyed.size(); ++k)
+    if (std::isfinite(frame.distance[k]) && !surveyed[k].check)
+      found.push_back(frame.found[k]), given.push_back(surveyed[k].position);
+  block::require_same_hand(found, given);
+}
+
 /// After the tags without a row and without a size are gone.
 void require_views(const PlatesT& given, const BlockInput& input) {
   if (!input.block.views.empty()) return;
@@ -142,7 +153,7 @@ std::string metres(double value) {
 /// Another unit shows here, before it is a block that does not converge or a site a thousand times too large.
 void require_unit(const SurveyFrame& frame, double known_size, Context& context) {
   constexpr double largest = 3, smallest = 0.003;  // [m] edges of tags that somebody prints
-  constexpr double tolerance = 1.25;               // what is less is said by the adjustment's test of the tags' size
+  constexpr double tolerance = 1.25;
   const double scale = frame.motion.scale, by_survey = (known_size > 0 ? known_size : unknown_size) * scale;
   const auto near = [&](double unit) { return std::abs(std::log(scale / unit)) < std::log(1.1); };
   const std::string unit = near(1000) || near(0.001) ? "one of them is in millimetres where metres are said, or the "
@@ -153,6 +164,13 @@ void require_unit(const SurveyFrame& frame, double known_size, Context& context)
     throw std::runtime_error("by the distances between the surveyed points the edge of a tag measures " +
                              metres(by_survey) + ", by tag_size or the plate table " + metres(known_size) + ": " +
                              unit);
+  constexpr double print = 0.02;  // no printer is off by more that was looked at
+  if (known_size > 0 && std::abs(std::log(scale)) > print)
+    context.warn(fmt::format(
+        "by the distances between the surveyed points the edge of a tag measures {}, by tag_size or the plate table "
+        "{}, {:.1f} % off: the survey counts. Is the size the edge of the black square as it was printed, and are the "
+        "points the centres of these tags?",
+        metres(by_survey), metres(known_size), 100 * std::abs(scale - 1)));
   if (known_size > 0) return;
   if (by_survey > largest || by_survey < smallest)
     throw std::runtime_error("by the distances between the surveyed points the edge of a tag measures " +
@@ -266,6 +284,7 @@ void AdjustMarkerStart::run(Context& context) {
   for (const auto& text : network.left_out) context.warn("left out: " + text);
   for (const auto& text : network.warnings) context.warn(text);
   const SurveyFrame frame = frame_of(network, surveyed, input.block, surveyed_points);
+  require_survey_is_no_mirror_image(frame, surveyed);
   double known_size = 0;  // of any: all tags have one, or none
   for (const auto& plate : table.plates)
     if (plate->tag_size > 0) known_size = plate->tag_size;

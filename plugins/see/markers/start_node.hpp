@@ -10,7 +10,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerStart : Node {
-  static constexpr Info info{"adjust.marker_start", "", 2,
+  static constexpr Info info{"adjust.marker_start", "", 3,
                              "Places cameras and tags in the frame of a survey, without a layout or a calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their camera"};
   In<TagObservations> observations{"observations", "the tags in them"};

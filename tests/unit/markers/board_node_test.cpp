@@ -19,12 +19,14 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// The photographs of a block and the tags in them; `principal_distance`: of EXIF, 0: none.
-void give(const Scene& s, double principal_distance, test::NodeHarness& node) {
+/// `half`: the photograph that has half of the size.
+void give(const Scene& s, double principal_distance, test::NodeHarness& node, const std::string& half = "") {
   TagObservationsT seen;
   for (std::size_t i = 0; i < s.block.images.size(); ++i) {
     ImageT photograph;
     photograph.path = s.block.images[i].path;
     photograph.width = true_camera().width, photograph.height = true_camera().height;
+    if (photograph.path == half) photograph.width /= 2, photograph.height /= 2;
     if (principal_distance > 0) photograph.principal_distance = principal_distance;
     node.input<Image>("images", photograph);
     auto image = std::make_unique<ImageTagsT>();
@@ -56,17 +58,17 @@ std::string said_by(test::NodeHarness& node) {
 }
 
 /// What the node says of the block of scene.hpp, whose tags 0 and 1 are 0.3 m apart, with this distance.
-std::string said_of(const std::string& distance) {
+std::string said_of(const std::string& distance, const std::string& tag_size = "0.12") {
   test::NodeHarness node("adjust.marker_board");
   give(scene(0.05, 3), 0, node);
-  node.set("tag_size", "0.12");
+  node.set("tag_size", tag_size);
   node.set("distance", distance);
   node.set("compare_halves", "false");
   return said_by(node);
 }
 
 /// What the start of photo_campaign says of 24 photographs with all tags surveyed, the second half zoomed.
-std::string said_of_campaign(double zoom, double exif) {
+std::string said_of_campaign(double zoom, double exif, const std::string& tag_size = "0.12") {
   Scene s = scene(0.1, 3, 24);
   const Eigen::Vector2d middle(800, 600);
   for (MarkerView& view : s.block.views)
@@ -82,7 +84,7 @@ std::string said_of_campaign(double zoom, double exif) {
   }
   node.input<Points>("points", points);
   node.input<Plates>("plates", PlatesT());
-  node.set("tag_size", "0.12");
+  node.set("tag_size", tag_size);
   return said_by(node);
 }
 
@@ -150,6 +152,55 @@ TEST(MarkerBoardDistance, IsThreePlainNumbersOrFour) {
 
 TEST(MarkerBoardDistance, InAnotherUnitThanMetresIsTold) {
   EXPECT_THAT(said_of("0,1,300"), HasSubstr("with distance=0,1,300 the tags measure 1200"));
+}
+
+/// Up to five per cent of contradiction were silent, with a scale that was stated to 0.05 %.
+TEST(MarkerBoardDistance, IsHeldAgainstTheSizeOfTheTags) {
+  EXPECT_THAT(said_of("0,1,0.309"),
+              testing::AllOf(HasSubstr("the tags measure 123."), HasSubstr("all lengths are wrong")));
+  EXPECT_THAT(said_of("0,1,0.3006"), Not(HasSubstr("distance")));
+  EXPECT_THAT(said_of("0,1,300", "0"), HasSubstr("which no tag that is printed does: is it in metres"));
+  EXPECT_THAT(said_of("0,1,0.3", "0"), Not(HasSubstr("distance")));
+}
+
+TEST(MarkerStart, ASizeThatTheSurveyContradictsIsTold) {
+  EXPECT_THAT(said_of_campaign(1, 1480, "0.1164"),
+              testing::AllOf(HasSubstr("the edge of a tag measures 0.120 m"), HasSubstr("% off: the survey counts")));
+  EXPECT_THAT(said_of_campaign(1, 1480, "0.1212"), Not(HasSubstr("the survey counts"))) << "a print is off by that";
+}
+
+TEST(MarkerStart, ASurveyThatIsTheMirrorImageIsRefused) {
+  const Scene s = scene(0.1, 3, 24);
+  test::NodeHarness node("adjust.marker_start");
+  give(s, 1480, node);
+  PointsT points;
+  for (std::size_t m = 0; m < s.tags.size(); ++m) {
+    const Eigen::Vector3d& place = s.tags[m].translation;
+    points.points.push_back(std::make_unique<PointT>());
+    points.points.back()->id = std::to_string(m), points.points.back()->position = {place.y(), place.x(), place.z()};
+    points.points.back()->sigma = Eigen::Vector3d::Constant(1e-3);
+  }
+  node.input<Points>("points", points);
+  node.input<Plates>("plates", PlatesT());
+  EXPECT_THAT(said_by(node), testing::AllOf(HasSubstr("mirror image"), HasSubstr("exchanged (east and north)")));
+}
+
+/// Copies for the office beside the photographs: every one counted twice, and sigma was smaller for it.
+TEST(MarkerBoard, ACopyAtAnotherSizeIsLeftOut) {
+  Scene s = scene(0.05, 3);
+  const auto seen = s.block.views;
+  s.block.images.push_back({"small.jpg", 0});
+  for (MarkerView view : seen) {
+    if (view.image != 2) continue;
+    view.image = static_cast<int>(s.block.images.size()) - 1;
+    for (Eigen::Vector2d& corner : view.corners)
+      corner = 0.5 * (corner + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.4, 0.55);
+    s.block.views.push_back(view);
+  }
+  test::NodeHarness node("adjust.marker_board");
+  give(s, 1480, node, "small.jpg");
+  node.set("tag_size", "0.12"), node.set("compare_halves", "false");
+  EXPECT_THAT(said_by(node), HasSubstr("left out: small.jpg: is image2.jpg at another size"));
 }
 
 TEST(WritePly, RefusesWhatIsNoCoordinate) {
