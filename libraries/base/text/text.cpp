@@ -126,6 +126,27 @@ DecodedText printable(DecodedText decoded) {
 }
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0'; }
+
+// Blanks that nobody sees are in names that came from a web page or a PDF: no-break space, the narrow and the figure
+// space, those without width, a byte order mark in the middle of a file.
+constexpr std::array<std::string_view, 9> kWideBlanks = {"\xC2\xA0",     "\xE2\x80\xAF", "\xE2\x80\x87",
+                                                         "\xE2\x80\x89", "\xE2\x80\x8B", "\xE2\x80\x8E",
+                                                         "\xE2\x80\x8F", "\xE3\x80\x80", "\xEF\xBB\xBF"};
+
+std::size_t blank_before(std::string_view text) {
+  if (text.empty() || static_cast<unsigned char>(text.front()) < 0x80) return !text.empty() && is_blank(text.front());
+  for (const std::string_view blank : kWideBlanks)
+    if (text.starts_with(blank)) return blank.size();
+  return 0;
+}
+
+std::size_t blank_behind(std::string_view text) {
+  if (text.empty() || static_cast<unsigned char>(text.back()) < 0x80) return !text.empty() && is_blank(text.back());
+  for (const std::string_view blank : kWideBlanks)
+    if (text.ends_with(blank)) return blank.size();
+  return 0;
+}
+
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 DecodedText decode(std::string_view bytes) {
@@ -213,8 +234,8 @@ std::string_view CharacterLine::part(std::size_t index, std::size_t count) const
 }
 
 std::string_view trim(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  while (const std::size_t n = blank_before(text)) text.remove_prefix(n);
+  while (const std::size_t n = blank_behind(text)) text.remove_suffix(n);
   return text;
 }
 

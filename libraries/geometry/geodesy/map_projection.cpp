@@ -102,6 +102,11 @@ MapProjection::MapProjection(const std::string& system) : impl_(std::make_unique
 
 MapProjection::~MapProjection() = default;
 
+bool MapProjection::is_geocentric() const {
+  constexpr double kAxis = 6378137, kFlattening = 1 / 298.2572;
+  return std::abs(impl_->ellipsoid.a - kAxis) < 5 && std::abs(impl_->ellipsoid.f / kFlattening - 1) < 1e-4;
+}
+
 Place MapProjection::inverse(const Eigen::Vector2d& map) const {
   const PJ_COORD c = impl_->transform(PJ_INV, map.x() / impl_->metres, map.y() / impl_->metres);
   return {c.xy.y * kDegree, c.xy.x * kDegree};

@@ -31,6 +31,9 @@ class MapProjection {
   MapProjection& operator=(const MapProjection&) = delete;
 
   const std::string& name() const { return name_; }
+  /// Whether the map's ellipsoid is that of the earth as satellites see it (GRS80, WGS 84, WGS 72), about the earth's
+  /// centre. Bessel's, Clarke's or Airy's lie up to a kilometre beside it, turned and stretched by some ppm.
+  bool is_geocentric() const;
   /// East and north [m] to the ellipsoid and back. Throws std::runtime_error where the map does not reach.
   Place inverse(const Eigen::Vector2d& map) const;
   Eigen::Vector2d forward(const Place& place) const;

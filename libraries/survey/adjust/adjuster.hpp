@@ -26,7 +26,7 @@ struct Pass {
 
 /// An error that many observations have in common, as the hypothesis that explains most of the misfit.
 struct CommonError {
-  enum class Kind { constant, scale, index, height, target, circle } kind = Kind::constant;
+  enum class Kind { constant, scale, index, height, target, face_index, collimation, circle } kind = Kind::constant;
   int set_up = -1;           ///< -1: all set-ups
   int first = -1;            ///< circle: row of the first direction after it was turned
   double target_height = 0;  ///< target: of the sights with this height noted [m]
@@ -95,6 +95,11 @@ class Adjuster {
   std::vector<CommonError> common_errors(const Pass& pass) const;
   std::vector<Hypothesis> target_heights(const Pass& pass) const;
   std::vector<Hypothesis> circles(const Pass& pass) const;
+  /// Index and collimation where a set-up was read in both faces and (almost) no target in both.
+  std::vector<Hypothesis> face_errors(const Pass& pass) const;
+  /// By how much a reading in face 1 is larger than without such an error of 1; 0 where it has none.
+  double effect_of_face(const Pass& pass, int row, CommonError::Kind kind) const;
+  void tell_faces_apart(NetworkResult& result) const;
   std::vector<CommonError> test(const Pass& pass, const std::vector<Hypothesis>& hypotheses) const;
   std::string describe(const CommonError& error) const;
   /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.

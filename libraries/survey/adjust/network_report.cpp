@@ -162,9 +162,11 @@ NetworkResult Adjuster::report(Pass& pass) {
   if (m_.map) {
     std::vector<Eigen::Vector3d> places;
     for (const ResultPoint& p : result.points)
-      if (p.position.head<2>().allFinite()) places.push_back(p.position);
+      if (p.position.head<2>().allFinite())
+        places.emplace_back(p.position.x(), p.position.y(), or_else(p.position.z(), m_.mean_height));
     result.frame = m_.map->in_words(places);
   }
+  tell_faces_apart(result);
   report_set_ups(pass, result);
   report_common_estimates(pass, common, result);
   report_pointings(pass, result);

@@ -56,6 +56,8 @@ double largest_plausible(CommonError::Kind kind) {
     case CommonError::Kind::scale:
       return 1e-3;
     case CommonError::Kind::index:
+    case CommonError::Kind::face_index:
+    case CommonError::Kind::collimation:
       return 0.016;  // [rad], 1 gon
     case CommonError::Kind::height:
     case CommonError::Kind::target:
@@ -99,6 +101,16 @@ std::string Adjuster::describe(const CommonError& e) const {
              std::to_string(e.observations) + " readings" + owner + " looks too " + (e.size > 0 ? "large" : "small") +
              " by " + fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check the length of the pole";
       break;
+    case CommonError::Kind::face_index:
+    case CommonError::Kind::collimation: {
+      const bool index = e.kind == CommonError::Kind::face_index;
+      text = all + (index ? "zenith angles" : "directions") + owner + " look wrong by " +
+             fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
+             " mgon in face 1 and by as much the other way in face 2: the instrument's " +
+             (index ? "vertical index" : "collimation") +
+             ", which only targets read in both faces are free of; read them so, or determine it in the instrument";
+      break;
+    }
     case CommonError::Kind::circle: {
       const std::string at = place(m_.rows[e.first].source);
       text = "the circle" + owner + " looks turned by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
@@ -206,6 +218,7 @@ std::vector<CommonError> Adjuster::common_errors(const Pass& pass) const {
       hypotheses[{Kind::height, own}].emplace_back(r, effect_of_instrument_height(pass, row));
   }
   std::vector<Hypothesis> all = target_heights(pass);
+  for (Hypothesis& h : face_errors(pass)) all.push_back(std::move(h));
   for (auto& [hypothesis, rows] : hypotheses) {
     if (rows.size() < 3) continue;
     CommonError error;
@@ -280,7 +293,9 @@ CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonE
         refused_.contains({error.kind, error.set_up, error.first, error.target_height}))
       continue;
     // Sights of similar length cannot tell a constant from a scale: then the constant is the usual mistake.
-    const double preference = error.kind == CommonError::Kind::scale ? 0.95 : 1.0;
+    // Likewise an index of all from one with the sign of the face, where no target was read in both.
+    const bool of_face = error.kind == CommonError::Kind::face_index || error.kind == CommonError::Kind::collimation;
+    const double preference = error.kind == CommonError::Kind::scale ? 0.95 : of_face ? 1.01 : 1.0;
     if (preference * std::abs(error.w) > std::abs(worst.w)) worst = error;
   }
   // Where little is controlled one reading and many explain the same misfit equally well.
@@ -318,9 +333,10 @@ bool Adjuster::estimate(Pass& pass, const CommonError& error) {
   if (error.kind == Kind::circle) {
     split_set_up(error);
   } else {
-    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant, ExtraUnknown::Kind::scale,
-                                                   ExtraUnknown::Kind::index, ExtraUnknown::Kind::height,
-                                                   ExtraUnknown::Kind::target};
+    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant,   ExtraUnknown::Kind::scale,
+                                                   ExtraUnknown::Kind::index,      ExtraUnknown::Kind::height,
+                                                   ExtraUnknown::Kind::target,     ExtraUnknown::Kind::face_index,
+                                                   ExtraUnknown::Kind::collimation};
     state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height});
   }
   m_.findings.push_back(
@@ -364,14 +380,15 @@ void Adjuster::report_common_estimates(const Pass& pass, const std::vector<Commo
     if (kind == Kind::height) s.instrument_height_correction = estimate.value;
   };
   for (const CommonError& e : common)
-    if (e.set_up >= 0 && e.sigma > 0 && e.kind != Kind::height && e.kind != Kind::target)
+    if (e.set_up >= 0 && e.sigma > 0 && e.kind < Kind::height)
       put(result.set_ups[e.set_up], e.kind, {e.size, factor * e.sigma});
   for (size_t k = 0; k < state_.extra.size(); ++k) {
     const auto [kind, set_up, target_height] = state_.extra[k];
     const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
     const CommonEstimate estimate{pass.problem.problem.parameters[block].value[0],
                                   std::sqrt(result.cofactors(unknown, unknown))};
-    static constexpr Kind kinds[] = {Kind::constant, Kind::scale, Kind::index, Kind::height, Kind::target};
+    static constexpr Kind kinds[] = {Kind::constant, Kind::scale,      Kind::index,      Kind::height,
+                                     Kind::target,   Kind::face_index, Kind::collimation};
     for (size_t s = 0; s < result.set_ups.size(); ++s)
       if (set_up < 0 || set_up == static_cast<int>(s)) put(result.set_ups[s], kinds[static_cast<int>(kind)], estimate);
   }

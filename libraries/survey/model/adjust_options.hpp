@@ -71,7 +71,8 @@ struct AdjustOptions {
   /// Map of E and N ("EPSG:25832", "utm:32"); empty: a plane of its own in which lengths are true; kPlane: likewise,
   /// and coordinates that look like those of a map are none.
   std::string map;
-  GeoidChoice geoid;  ///< of the map
+  GeoidChoice geoid;               ///< of the map
+  double mean_height = kNotGiven;  ///< of a site none of whose points has a height, above the geoid [m]
   /// Cofactors are one matrix of up to so many unknowns, 8 bytes times their square; beyond, they are found on demand,
   /// and the external effects of readings are those on their own points.
   int largest_whole = least_squares::Cofactors::kLargestWhole;
@@ -92,7 +93,7 @@ struct Finding {
   enum class Severity { note, warning, error } severity = Severity::note;
   std::string text;
   std::vector<std::string> points;
-  enum class Subject { network, reading, exclusion, left_out } subject = Subject::network;
+  enum class Subject { network, reading, exclusion, left_out, unread } subject = Subject::network;
   std::string cause = {};  ///< of points that were left out: why they are not determined
 };
 

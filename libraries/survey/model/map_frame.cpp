@@ -13,8 +13,13 @@ namespace {
 
 Eigen::Vector3d middle_of(const std::vector<Eigen::Vector3d>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& p : points) sum += Eigen::Vector3d(p.x(), p.y(), or_zero(p.z()));
-  return sum / static_cast<double>(std::max<size_t>(1, points.size()));
+  int heights = 0;
+  for (const Eigen::Vector3d& p : points) {
+    sum += Eigen::Vector3d(p.x(), p.y(), or_zero(p.z()));
+    heights += !std::isnan(p.z());
+  }
+  const auto n = static_cast<double>(std::max<size_t>(1, points.size()));
+  return {sum.x() / n, sum.y() / n, sum.z() / std::max(1, heights)};
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ class MapFrame {
   MapFrame(const std::string& system, const GeoidChoice& geoid, const Eigen::Vector2d& middle);
 
   const std::string& name() const { return map_.name(); }
-  /// E, N, H of both ends [m]; a NaN height counts as 0.
+  bool is_geocentric() const { return map_.is_geocentric(); }
+  /// E, N, H of both ends [m]; a NaN height counts as that of the other end, two as 0.
   double scale(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
   double direction(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
     return map_.arc_to_chord(from.head<2>(), to.head<2>());

@@ -120,14 +120,19 @@ bool evaluate_equation(const Equation& eq, const double* const* values, double& 
     case ObservationKind::azimuth:
       if (!azimuth(s.d, value, gradient)) return false;
       if (eq.orientation >= 0) value -= values[eq.orientation][0];
+      if (eq.collimation >= 0) {  // small: what it changes in the gradient is nothing
+        const double steepness = eq.face * s.d.norm() / s.d.head<2>().norm();
+        value += steepness * values[eq.collimation][0];
+        out.add(eq.collimation, 1, 0, steepness);
+      }
       residual = wrap_angle(value - eq.value);
       out.add(eq.orientation, 1, 0, -1.0);
       break;
     case ObservationKind::zenith_angle:
       if (!zenith_angle(eq, s, values, value, gradient, extra)) return false;
-      if (eq.index >= 0) value += values[eq.index][0];
+      if (eq.index >= 0) value += eq.index_factor * values[eq.index][0];
       residual = wrap_angle(value - eq.value);
-      out.add(eq.index, 1, 0, 1.0);
+      out.add(eq.index, 1, 0, eq.index_factor);
       out.add(eq.refraction, 1, 0, extra);
       break;
     case ObservationKind::slope_distance:

@@ -1,7 +1,7 @@
 // Observation equations of a levelled total station, level, GNSS vector and coordinate sensor, as residual blocks.
 // Frame: E, N, H right-handed, H up, metres; directions and azimuths clockwise from +N, radians.
 // With d = X_to + TH e3 - X_from - IH e3, h = hypot(dE, dN), q = dH - (1 - k) h^2 / (2 R):
-//   direction           atan2(dE, dN) - orientation
+//   direction           atan2(dE, dN) - orientation + collimation |d| / h
 //   azimuth             atan2(dE, dN)
 //   zenith angle        atan2(h, q) + index
 //   slope distance      (1 + scale) |d| + constant
@@ -41,6 +41,9 @@ struct Equation {
   int scale = -1;                         ///< block of 1 [1]
   int additive_constant = -1;             ///< block of 1 [m]
   int index = -1;                         ///< vertical index, block of 1 [rad]
+  double index_factor = 1;                ///< -1: an index of the circle, read in face 2
+  int collimation = -1;                   ///< block of 1 [rad]; of directions
+  double face = 1;                        ///< of the collimation: -1 in face 2
   int refraction = -1;     ///< refraction coefficient k, block of 1; -1 with curvature = false: neither is applied
   bool curvature = false;  ///< apply earth curvature; refraction_coefficient is used where `refraction` is -1
   double refraction_coefficient = 0.13;

@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "survey/model/rounded_readings.hpp"
+
 namespace plumbline::survey {
 
 namespace {
@@ -119,6 +121,35 @@ bool same_groups(const SurveyObservations& a, const SurveyObservations& b) {
          std::equal(a.vectors.begin(), a.vectors.end(), b.vectors.begin(), b.vectors.end(), same);
 }
 
+using Repeats = std::map<std::pair<size_t, size_t>, std::vector<size_t>>;  // file, file that has the same -> parts
+
+/// Set-ups of two files that are the same but for the digits they are written in.
+void find_rounded(const std::vector<SurveyObservations>& surveys, const std::vector<Part>& parts,
+                  std::vector<std::set<int>>& out, Repeats& repeats) {
+  std::map<std::string, std::vector<size_t>> alike;  // what was read, without values -> parts
+  std::vector<std::vector<const Observation*>> readings(parts.size());
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].set_up < 0 || out[parts[i].file].contains(parts[i].set_up)) continue;
+    readings[i] = in_order(surveys[parts[i].file], parts[i].set_up);
+    std::string key;
+    for (const Observation* o : readings[i])
+      key += o->to + '\n' + static_cast<char>('a' + static_cast<int>(o->kind)) + static_cast<char>('0' + o->face);
+    alike[key].push_back(i);
+  }
+  for (const auto& [key, list] : alike)
+    for (size_t k = 1; k < list.size(); ++k)
+      for (size_t j = 0; j < k; ++j) {
+        size_t goes = list[k], stays = list[j];
+        if (parts[goes].file == parts[stays].file || out[parts[stays].file].contains(parts[stays].set_up)) continue;
+        const Rounded rounded = same_when_rounded(readings[goes], readings[stays]);
+        if (rounded == Rounded::no) continue;
+        if (rounded == Rounded::second_is_coarser) std::swap(goes, stays);
+        repeats[{parts[goes].file, parts[stays].file}].push_back(goes);
+        out[parts[goes].file].insert(parts[goes].set_up);
+        if (goes == list[k]) break;
+      }
+}
+
 }  // namespace
 
 std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservations>& surveys) {
@@ -127,7 +158,7 @@ std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservatio
   for (size_t i = 0; i < parts.size(); ++i)
     for (const std::string& key : parts[i].keys)
       if (auto& list = holders[key]; list.empty() || list.back() != i) list.push_back(i);
-  std::map<std::pair<size_t, size_t>, std::vector<size_t>> repeats;  // file, file that has the same -> parts
+  Repeats repeats;
   std::vector<std::set<int>> out(surveys.size());
   for (size_t i = 0; i < parts.size(); ++i) {
     // Whoever holds all of them holds the one that fewest have.
@@ -146,6 +177,7 @@ std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservatio
       break;
     }
   }
+  find_rounded(surveys, parts, out, repeats);
   std::vector<std::string> sentences;
   for (const auto& [files, list] : repeats) {
     int readings = 0;

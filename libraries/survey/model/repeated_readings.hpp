@@ -10,8 +10,9 @@
 namespace plumbline::survey {
 
 /// Takes every set-up out whose readings all stand in another one too (same kinds, targets, faces and values, at least
-/// three that are not zero), the readings without a set-up of a file likewise, and the points that nothing speaks of
-/// any more. A file of which nothing else is left goes out as a whole. Returns a sentence about each pair of files.
+/// three that are not zero), or in one of another file with more or fewer digits (the one with fewer goes), the
+/// readings without a set-up of a file likewise, and the points that nothing speaks of any more. A file of which
+/// nothing else is left goes out as a whole. Returns a sentence about each pair of files.
 std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservations>& surveys);
 
 }  // namespace plumbline::survey

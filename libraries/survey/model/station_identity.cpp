@@ -109,6 +109,24 @@ Agreement agreement(const SeenFigure& a, const SeenFigure& b) {
   return best;
 }
 
+/// Those that agree after the turn and shift that two of them decide, for the two that most others agree with.
+std::vector<std::pair<Vector2d, Vector2d>> one_figure(const std::vector<std::pair<Vector2d, Vector2d>>& pairs) {
+  constexpr double kLeastApart = 1.0;  // [m]: two targets closer than that decide no turn
+  std::vector<std::pair<Vector2d, Vector2d>> best;
+  for (size_t i = 0; i < pairs.size(); ++i)
+    for (size_t j = i + 1; j < pairs.size(); ++j) {
+      const Vector2d from = pairs[j].first - pairs[i].first, to = pairs[j].second - pairs[i].second;
+      if (from.norm() < kLeastApart || std::abs(from.norm() - to.norm()) > kSameFigure) continue;
+      const Eigen::Matrix2d turn =
+          Eigen::Rotation2Dd(std::atan2(to.y(), to.x()) - std::atan2(from.y(), from.x())).toRotationMatrix();
+      std::vector<std::pair<Vector2d, Vector2d>> agree;
+      for (const auto& [p, q] : pairs)
+        if ((turn * (p - pairs[i].first) - (q - pairs[i].second)).norm() < kSameFigure) agree.emplace_back(p, q);
+      if (agree.size() > best.size()) best = std::move(agree);
+    }
+  return best;
+}
+
 const Point* point_of(const SurveyObservations& s, const std::string& id) {
   for (const Point& p : s.points)
     if (p.id == id) return &p;
@@ -157,6 +175,19 @@ StationEvidence compare_marks(const SurveyObservations& a, const SurveyObservati
     if (d.norm() >= kSameCoordinates) return {false, "it has other coordinates"};
   }
   return {false, "they share fewer than two targets"};
+}
+
+Apart how_far_apart(const SurveyObservations& survey, int set_up, int other) {
+  constexpr size_t kMost = 40;  // targets are enough
+  const SeenFigure a = figure_of(survey, set_up), b = figure_of(survey, other);
+  std::vector<std::pair<Vector2d, Vector2d>> pairs;
+  for (const auto& [id, p] : a)
+    if (const auto at = b.find(id); at != b.end() && pairs.size() < kMost) pairs.emplace_back(p, at->second);
+  const auto agree = one_figure(pairs);
+  if (agree.size() < 3 || 2 * agree.size() <= pairs.size()) return {};
+  Agreement found;
+  add_distance_apart(agree, found);
+  return {found.apart, found.apart_sigma};
 }
 
 }  // namespace plumbline::survey

@@ -22,4 +22,11 @@ StationEvidence compare_figures(const SurveyObservations& a, const SurveyObserva
 /// 1 cm that are not round to the metre (1000, 1000 is where anybody's local job begins).
 StationEvidence compare_marks(const SurveyObservations& a, const SurveyObservations& b, const std::string& station);
 
+/// How far two set-ups of one file stand apart by what both see [m]: a turn and a shift brings most of their shared
+/// targets, and at least three, onto each other within 15 mm. NaN where they share too few, or these are no figure.
+struct Apart {
+  double distance = kNotGiven, sigma = 0;
+};
+Apart how_far_apart(const SurveyObservations& survey, int set_up, int other);
+
 }  // namespace plumbline::survey

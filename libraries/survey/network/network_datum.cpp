@@ -91,6 +91,30 @@ void add_keyed_in(NetworkModel& m, double sigma) {
                         m.datum_points});
 }
 
+/// A table of known points that is handed over as a survey file, too, states the same once more: an error of it would
+/// weigh twice, and the network look better than it is.
+void drop_repeated_control(NetworkModel& m, const ControlPoints& control) {
+  constexpr double kSame = 1e-6;  // [m]
+  std::vector<std::string> repeated;
+  std::erase_if(m.survey.coordinates, [&](const CoordinateGroup& g) {
+    const auto is_same = [&](size_t k) {
+      const auto at = std::find(control.ids.begin(), control.ids.end(), g.components[k].point);
+      const auto position = 3 * (at - control.ids.begin()) + g.components[k].axis;
+      return at != control.ids.end() &&
+             std::abs(control.coordinates[position] - g.values[static_cast<Eigen::Index>(k)]) < kSame;
+    };
+    bool same = g.is_control;
+    for (size_t k = 0; same && k < g.components.size(); ++k) same = is_same(k);
+    if (same) repeated.push_back(g.components.front().point);
+    return same;
+  });
+  if (!repeated.empty())
+    m.findings.push_back({Finding::Severity::note,
+                          "known points of the survey files have the values of the control (" + join(repeated) +
+                              "): they count once, as the control",
+                          repeated});
+}
+
 /// Control points that take part, with their part of the covariance, as observed coordinates.
 void add_weighted_control(NetworkModel& m, const ControlPoints& control) {
   if (control.covariance.size() == 0)
@@ -114,6 +138,7 @@ void add_weighted_control(NetworkModel& m, const ControlPoints& control) {
   group.covariance = control.covariance(kept, kept);
   // A free network's covariance is singular in its datum; a micrometre makes it usable and changes nothing else.
   group.covariance.diagonal().array() += 1e-12;
+  drop_repeated_control(m, control);
   m.survey.coordinates.push_back(std::move(group));
 }
 

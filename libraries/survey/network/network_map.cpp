@@ -68,6 +68,54 @@ void add_deflection(const NetworkModel& m, const Observation& o, MapCorrection& 
 
 }  // namespace
 
+namespace {
+
+/// Vectors and geoid grids are of the earth: laid on another datum's ellipsoid as they are, vectors of some kilometres
+/// are turned and stretched by centimetres, and the geoid lies 50 m beside it.
+void refuse_other_datum(const NetworkModel& m, bool has_vectors, bool has_grid) {
+  if (m.map->is_geocentric()) return;
+  const std::string expected =
+      " is one of another datum: take a map of ETRS89, WGS 84, NAD83 or another datum of the earth";
+  if (has_vectors)
+    throw NetworkError("the network has vectors in X, Y, Z of the earth, and the ellipsoid of the map " +
+                       m.map->name() + expected + ", with control in it");
+  if (has_grid)
+    throw NetworkError("a geoid grid has heights above the ellipsoid of the earth, and that of the map " +
+                       m.map->name() + expected + ", or give geoid_height above the map's own ellipsoid");
+}
+
+/// Of points whose height nothing observes, too: a known one is where it is. NaN without any.
+double mean_of_given_heights(const NetworkModel& m) {
+  double sum = 0;
+  int heights = 0;
+  for (const Eigen::Vector3d& p : m.initial)
+    if (!std::isnan(p.z())) sum += p.z(), ++heights;
+  return heights > 0 ? sum / heights : kNotGiven;
+}
+
+/// A length is the shorter on the map the higher it was measured, 16 mm in a kilometre for each 100 m: taken at 0 m it
+/// would be wrong, and nothing in the readings shows it.
+double height_of_lengths(const NetworkModel& m) {
+  if (!std::isnan(m.mean_height)) return m.mean_height;
+  double sum = 0;
+  int heights = 0;
+  for (size_t i = 0; i < m.initial.size(); ++i)
+    if (m.roles[i][2] != CoordinateRole::unused && !std::isnan(m.initial[i].z())) sum += m.initial[i].z(), ++heights;
+  if (heights > 0) return sum / heights;
+  if (m.survey.info.coordinate_system.starts_with("+proj=")) return 0;  // the file's own, true at its own height
+  for (size_t i = 0; i < m.observations.size(); ++i) {
+    const ObservationKind kind = m.observations[i].observation.kind;
+    if (!m.dropped[i] && (kind == ObservationKind::slope_distance || kind == ObservationKind::horizontal_distance))
+      throw NetworkError("map " + m.map->name() +
+                         ": lengths are reduced to the map from the height that they were measured at (16 mm in a "
+                         "kilometre for each 100 m), and no point has one: say how high the site lies, "
+                         "network.with.mean_height=METRES above the sea, and geoid_height");
+  }
+  return 0;
+}
+
+}  // namespace
+
 void take_map(NetworkModel& m, const AdjustOptions& options) {
   const auto& vectors = m.survey.vectors;
   const auto geocentric = [](const VectorGroup& g) { return g.is_geocentric; };
@@ -92,6 +140,7 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
         "a geoid grid or a deflection of the vertical is given and no map: say which one E and N are on, "
         "such as map=EPSG:25832");
   if (plane) return;
+  m.mean_height = or_else(options.mean_height, mean_of_given_heights(m));
   if (!options.geoid.grid.empty() && (options.geoid.height != 0 || !options.geoid.deflection.isZero(0)))
     throw NetworkError("a geoid grid is given and constants of the geoid beside it: give one of the two");
   if (!std::all_of(vectors.begin(), vectors.end(), geocentric))
@@ -102,6 +151,7 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
   } catch (const std::runtime_error& error) {
     throw NetworkError(std::string("map: ") + error.what());
   }
+  refuse_other_datum(m, some, !options.geoid.grid.empty());
 }
 
 void find_map_corrections(NetworkModel& m) {
@@ -111,7 +161,16 @@ void find_map_corrections(NetworkModel& m) {
     throw NetworkError(
         "map: no point has coordinates, so that nothing says where on the map the network lies; give "
         "control points");
+  m.mean_height = height_of_lengths(m);
   const auto place = [&](const std::string& id) -> const Eigen::Vector3d& { return m.initial[m.index.at(id)]; };
+  const auto has_height = [&](const std::string& id) {
+    const int point = m.index.at(id);
+    return m.roles[point][2] != CoordinateRole::unused && !std::isnan(m.initial[point].z());
+  };
+  const auto at_height = [&](const std::string& id, const std::string& other) -> Eigen::Vector3d {
+    const double height = has_height(id) ? place(id).z() : has_height(other) ? place(other).z() : m.mean_height;
+    return {place(id).x(), place(id).y(), height};
+  };
   for (size_t i = 0; i < m.observations.size(); ++i) {
     const Observation& o = m.observations[i].observation;
     MapCorrection& c = m.corrections.emplace_back();
@@ -119,7 +178,7 @@ void find_map_corrections(NetworkModel& m) {
     if (m.dropped[i] || o.kind == ObservationKind::height_difference || o.kind == ObservationKind::azimuth) continue;
     const Eigen::Vector3d &from = place(o.from), &to = place(o.to);
     try {
-      c.scale = m.map->scale(from, to);
+      c.scale = m.map->scale(at_height(o.from, o.to), at_height(o.to, o.from));
       if (o.kind == ObservationKind::direction) c.direction = m.map->direction(from, to);
       if (o.kind == ObservationKind::angle)
         c.direction = m.map->direction(from, place(o.second_to)) - m.map->direction(from, to);

@@ -35,8 +35,10 @@ struct NetworkModel {
   bool unrelated = false;                    ///< `initial` is good enough to find rank defects only
   DatumMode datum = DatumMode::automatic;
   std::vector<std::string> datum_points;
-  std::set<std::string> keyed_in;          ///< points that hold because their file says they are known
-  std::shared_ptr<const MapFrame> map;     ///< null: a plane
+  std::set<std::string> keyed_in;       ///< points that hold because their file says they are known
+  std::shared_ptr<const MapFrame> map;  ///< null: a plane
+  /// At which lengths are reduced to the map where neither end has a height [m]; NaN before it is needed.
+  double mean_height = kNotGiven;
   std::vector<MapCorrection> corrections;  ///< of the map, one per observation; empty without
   bool curvature = false;
   double refraction_coefficient = 0.13;
@@ -72,9 +74,10 @@ struct NetworkProblem {
 
 /// An error that readings of a set-up (-1: of all) have in common, estimated with the network. `scale` [1] and
 /// `constant` [m] of distances, `index` [rad] of zenith angles, `height` [m] of the instrument, `target` [m] of the
-/// targets of a set-up that were noted with one height.
+/// targets of a set-up that were noted with one height; `face_index` of zenith angles and `collimation` of directions
+/// [rad] have the other sign in face 2, and the second grows with the steepness of the sight.
 struct ExtraUnknown {
-  enum class Kind { constant, scale, index, height, target } kind = Kind::constant;
+  enum class Kind { constant, scale, index, height, target, face_index, collimation } kind = Kind::constant;
   int set_up = -1;
   double target_height = 0;  ///< as noted, of `target` [m]
 };

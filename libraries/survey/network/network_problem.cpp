@@ -88,6 +88,12 @@ class Assembler {
       if (kind == Kind::constant && distance) eq.additive_constant = slot(block, parameter);
       if (kind == Kind::scale && distance) eq.scale = slot(block, parameter);
       if (kind == Kind::index && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
+      // What is a mean of both faces is free of it.
+      const double face = o.face == 1 ? 1 : o.face == 2 ? -1 : 0;
+      if (kind == Kind::face_index && o.kind == ObservationKind::zenith_angle && face != 0 && eq.index < 0)
+        eq.index = slot(block, parameter), eq.index_factor = face;
+      if (kind == Kind::collimation && o.kind == ObservationKind::direction && face != 0)
+        eq.collimation = slot(block, parameter), eq.face = face;
       if (kind == Kind::height && o.set_up >= 0) eq.instrument_height_correction = slot(block, parameter);
       // A target noted too high is an axis noted too high.
       if (kind == Kind::target && eq.instrument_height_correction < 0 && or_zero(o.target_height) == target_height)
@@ -177,8 +183,13 @@ class Assembler {
     add_common("additive constant", 0, options_.additive_constant_sigma);
     add_common("refraction coefficient", m_.refraction_coefficient, m_.curvature ? options_.refraction_sigma : 0);
     add_common("vertical index", 0, options_.vertical_index_sigma);
-    static const char* const names[] = {"additive constant", "scale", "vertical index", "instrument height correction",
-                                        "target height correction"};
+    static const char* const names[] = {"additive constant",
+                                        "scale",
+                                        "vertical index",
+                                        "instrument height correction",
+                                        "target height correction",
+                                        "vertical index by face",
+                                        "collimation"};
     for (const auto& [kind, set_up, target_height] : state_.extra)
       out_.extra_blocks.push_back(add_block(
           std::string(names[static_cast<int>(kind)]) + (set_up >= 0 ? " of " + m_.survey.set_ups[set_up].id : ""),

@@ -55,8 +55,11 @@ std::set<std::string> measured_names(const SurveyObservations& survey) {
 }
 
 std::string folded_name(const std::string& name) {
-  static const std::map<std::string, std::string> umlauts = {{"Ä", "AE"}, {"ä", "AE"}, {"Ö", "OE"}, {"ö", "OE"},
-                                                             {"Ü", "UE"}, {"ü", "UE"}, {"ß", "SS"}};
+  static const std::map<std::string, std::string> umlauts = {
+      {"Ä", "AE"}, {"ä", "AE"}, {"Ö", "OE"}, {"ö", "OE"}, {"Ü", "UE"}, {"ü", "UE"}, {"ß", "SS"}, {"А", "A"},
+      {"В", "B"},  {"Е", "E"},  {"К", "K"},  {"М", "M"},  {"Н", "H"},  {"О", "O"},  {"Р", "P"},  {"С", "C"},
+      {"Т", "T"},  {"Х", "X"},  {"Α", "A"},  {"Β", "B"},  {"Ε", "E"},  {"Ζ", "Z"},  {"Η", "H"},  {"Ι", "I"},
+      {"Κ", "K"},  {"Μ", "M"},  {"Ν", "N"},  {"Ο", "O"},  {"Ρ", "P"},  {"Τ", "T"},  {"Υ", "Y"},  {"Χ", "X"}};
   const std::string composed = text::composed(name);
   std::string out;
   for (std::size_t i = 0; i < composed.size(); ++i) {
@@ -99,9 +102,36 @@ std::vector<Finding> examine_known_names(const SurveyObservations& survey, const
                             text::join(alike, kMostNamed) + "; where it is one mark, write its name the same way",
                         points});
   if (!unread.empty())
-    findings.push_back(
-        {Finding::Severity::note, "known points that no reading touches: " + text::join(unread, kMostNamed), {}});
+    findings.push_back({Finding::Severity::note,
+                        "known points that no reading touches: " + text::join(unread, kMostNamed),
+                        {},
+                        Finding::Subject::unread});
   return findings;
+}
+
+std::vector<Finding> examine_unread_places(const NetworkResult& result, const ControlPoints& known) {
+  constexpr double kOneMark = 0.02;  // [m]
+  const std::set<std::string> given(known.ids.begin(), known.ids.end());
+  std::set<std::string> measured;
+  for (const ResultPoint& p : result.points) measured.insert(p.id);
+  std::vector<std::string> alike, points;
+  for (size_t c = 0; c < known.ids.size(); ++c) {
+    if (measured.contains(known.ids[c])) continue;
+    ResultPoint mark;
+    mark.position = known.coordinates.segment<3>(static_cast<Eigen::Index>(3 * c));
+    if (!mark.position.head<2>().allFinite()) continue;
+    for (const ResultPoint& p : result.points) {
+      const double apart = p.position.head<2>().allFinite() ? distance(mark, p) : kNotGiven;
+      if (given.contains(p.id) || !(apart < kOneMark)) continue;
+      alike.push_back(known.ids[c] + " (" + text::millimetres(apart) + " from " + p.id + ")");
+      points.push_back(p.id);
+    }
+  }
+  if (alike.empty()) return {};
+  return {{Finding::Severity::warning,
+           "known points that no reading touches lie where a point of another name was read: " +
+               text::join(alike, kMostNamed) + "; where it is one mark, write its name the same way",
+           points}};
 }
 
 std::vector<Finding> examine_alike_points(const NetworkResult& result) {

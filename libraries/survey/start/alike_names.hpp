@@ -20,6 +20,10 @@ std::string folded_name(const std::string& name);
 /// umlauts or letters that look like digits only; a note of the others in `known`.
 std::vector<Finding> examine_known_names(const SurveyObservations& survey, const std::vector<std::string>& known);
 
+/// Known points that no reading touches and that lie within 20 mm of a point that was read and that nobody knows: a
+/// mistyped name, whose mark holds nothing. A warning of all.
+std::vector<Finding> examine_unread_places(const NetworkResult& result, const ControlPoints& known);
+
 /// Points of one adjusted network whose names are alike and that come out within 100 mm of each other [m, result's
 /// frame]: a warning for each pair.
 std::vector<Finding> examine_alike_points(const NetworkResult& result);

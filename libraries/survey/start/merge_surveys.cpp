@@ -11,8 +11,10 @@
 #include "survey/model/common_info.hpp"
 #include "survey/model/reduced_readings.hpp"
 #include "survey/model/repeated_readings.hpp"
+#include "survey/model/repeated_rows.hpp"
 #include "survey/start/alike_names.hpp"
 #include "survey/start/merged_names.hpp"
+#include "survey/start/stations_apart.hpp"
 
 namespace plumbline::survey {
 
@@ -250,12 +252,21 @@ MergedSurvey merge_surveys(const std::vector<SurveyObservations>& all, const Mer
   if (all.empty()) return {};
   std::vector<SurveyObservations> surveys = all;
   const std::vector<std::string> repeated = take_out_repeated_readings(surveys);
+  std::vector<Finding> parted;
+  for (SurveyObservations& survey : surveys) {
+    std::vector<std::string> known = options.known;
+    append(options.same_stations, known);
+    const bool all_same = std::find(known.begin(), known.end(), "*") != known.end();
+    if (!all_same) append(part_stations(survey, known), parted);
+  }
   MergedSurvey merged;
   if (surveys.size() == 1 && options.same_stations.empty())
     merged.survey = std::move(surveys.front());
   else
     merged = Merger(surveys, options).run();
   for (const std::string& text : repeated) merged.findings.push_back({Finding::Severity::warning, text, {}});
+  append(take_out_repeated_rows(merged.survey), merged.findings);
+  append(parted, merged.findings);
   // A folder's files were joined before, with the same known points, and what was found stands in `warnings`.
   const std::vector<std::string>& said = merged.survey.warnings;
   for (Finding& finding : examine_known_names(merged.survey, options.known)) {

@@ -25,6 +25,7 @@ struct MergedSurvey {
 };
 
 /// Readings that stand in two files, or in one twice, are taken once (take_out_repeated_readings), with a warning.
+/// Set-ups of one station in one file whose shared targets put them elsewhere get a station of their own.
 /// Set-ups and pointings renumbered, set-ups with unique ids. A point that only one file occupies is united by its name
 /// with the target or listed coordinates of that name elsewhere. A station occupied in several files is one point only
 /// if its mark is shown to be the same: it is in `options`, both files hold it as datum, both sight it as a target,

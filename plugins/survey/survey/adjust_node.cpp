@@ -120,6 +120,7 @@ AdjustOptions AdjustNode::options() const {
   o.known_sigma = *known_sigma;
   o.map = *map;
   o.geoid = geoid();
+  o.mean_height = *mean_height;
   o.centring_per_set_up = *centring == "set_up";
   if (*covariance == "full") o.largest_whole = std::numeric_limits<int>::max();
   return o;
@@ -173,7 +174,14 @@ void AdjustNode::run(Context& context) {
   for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());
-  doubt_known_names(merged.known_by_other_names, result);
+  std::vector<std::string> otherwise_written = merged.known_by_other_names;
+  for (Finding& finding : examine_unread_places(result, known)) {
+    for (const std::string& id : finding.points)
+      if (std::find(otherwise_written.begin(), otherwise_written.end(), id) == otherwise_written.end())
+        otherwise_written.push_back(id);
+    result.findings.push_back(std::move(finding));
+  }
+  doubt_known_names(otherwise_written, result);
   if (result.validity != Validity::sound) context.warn(result.verdict);
   if (o.coordinates_are_tested && !result.without_readings)
     context.warn("coordinates=tested does nothing here: the survey has readings, and these are tested");

@@ -218,6 +218,7 @@ void CheckControlNode::run(Context& context) {
   adjustment.instruments = further_instruments(survey.instruments);
   adjustment.map = *map;
   adjustment.geoid = geoid();
+  adjustment.mean_height = *mean_height;
   adjustment.remove_blunders = *remove_blunders;
   const ComparisonOptions options = options_of(*alpha, *alpha0, *power);
   MeasuredControl from_network;

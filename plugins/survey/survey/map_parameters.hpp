@@ -1,6 +1,7 @@
 // What the nodes that adjust on a map have in common.
 #pragma once
 
+#include <limits>
 #include <numbers>
 
 #include "profiled_node.hpp"
@@ -14,6 +15,8 @@ struct MappedNode : ProfiledNode {
                          "are true; plane: likewise, and coordinates that look like a map's are none"};
   Param<double> geoid_height{"geoid_height", 0.0, "m", between(-200, 200),
                              "of the geoid above the map's ellipsoid, for the reduction of lengths from the heights"};
+  Param<double> mean_height{"mean_height", std::numeric_limits<double>::quiet_NaN(), "m", between(-500, 9000),
+                            "of the site above the geoid, where no point has a height: lengths are reduced from it"};
   Param<std::vector<double>> deflection{"deflection", std::vector<double>{}, "arcsec", between(-100, 100),
                                         "of the vertical, xi (north) and eta (east) of the astronomic zenith from the "
                                         "ellipsoid's normal; empty: none, or "

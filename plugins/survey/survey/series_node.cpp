@@ -163,7 +163,7 @@ NetworkResult EpochSeriesNode::adjusted(Context& context, const SurveyObservatio
   options.profile = chosen_profile(survey.info.instrument, remark);
   options.instruments = further_instruments(survey.instruments);
   options.datum = *datum == "free" ? DatumMode::inner : DatumMode::automatic;
-  options.map = *map, options.geoid = geoid();
+  options.map = *map, options.geoid = geoid(), options.mean_height = *mean_height;
   options.largest_whole = std::numeric_limits<int>::max();  // epochs are compared with their joint covariance
   if (!remark.empty()) context.warn(name + ": " + remark);
   NetworkResult r = adjust_network(survey, options);

@@ -73,10 +73,16 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
   std::map<std::string, bool> controlled;  // by target
   std::set<std::string> stations;
   for (const auto& s : n.set_ups) stations.insert(s->station);
-  for (const auto& o : n.observations)
-    if (!o->removed && !o->to.empty()) controlled[o->to] |= o->control != "uncontrolled";
+  std::set<std::string> sighted;
+  for (const auto& o : n.observations) {
+    if (o->removed || o->to.empty()) continue;
+    controlled[o->to] |= o->control != "uncontrolled";
+    if (o->kind != "height_difference") sighted.insert(o->to);
+  }
   for (const auto& [id, yes] : controlled)
-    if (!yes && !stations.contains(id)) say("sight " + id + " from another set-up: nothing controls it");
+    if (!yes && !stations.contains(id))
+      say(!sighted.contains(id) ? "level to " + id + " a second time: nothing controls it"
+                                : "sight " + id + " from another set-up: nothing controls it");
   for (const std::string& id : n.left_out)
     say("sight " + id + " with a distance, or from another set-up: not determined");
   if (again.empty()) {
@@ -88,17 +94,20 @@ void write_again(const SurveyNetworkT& n, const std::vector<const NetworkObserva
   if (again.size() > kAgain) text << "  and " << again.size() - kAgain << " more, see network.html\n";
 }
 
-void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
-  std::set<std::string> stations;
-  for (const auto& s : n.set_ups) stations.insert(s->station);
+struct Weakest {
+  const NetworkEllipsoidT *plan = nullptr, *height = nullptr;
+};
+
+Weakest weakest_of(const SurveyNetworkT& n, const std::set<std::string>& left_out) {
+  Weakest weakest;
+  auto& [plan, height] = weakest;
   std::set<std::string> in_plan, in_height;  // points that have such coordinates
   for (const auto& p : n.points) {
     if (p->position.head<2>().allFinite()) in_plan.insert(p->id);
     if (std::isfinite(p->position.z())) in_height.insert(p->id);
   }
-  const NetworkEllipsoidT *plan = nullptr, *height = nullptr;
   for (const auto& e : n.ellipsoids) {
-    if (stations.contains(e->id) && stations.size() < n.points.size()) continue;
+    if (left_out.contains(e->id)) continue;
     // What no reading determines is held at what was given, and its 0.0 mm would be no precision.
     if (in_plan.contains(e->id) && std::isfinite(e->plan_semi_axis_95) && e->plan_semi_axis_95 > 0 &&
         (!plan || e->plan_semi_axis_95 > plan->plan_semi_axis_95))
@@ -107,6 +116,16 @@ void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
         (!height || e->height_half_length_95 > height->height_half_length_95))
       height = e.get();
   }
+  return weakest;
+}
+
+void write_precision(const SurveyNetworkT& n, std::ostringstream& text) {
+  std::set<std::string> stations;
+  for (const auto& s : n.set_ups) stations.insert(s->station);
+  Weakest weakest = weakest_of(n, stations);
+  // A station among known points is all that a resection determines.
+  if (!weakest.plan && !weakest.height) weakest = weakest_of(n, {});
+  const auto& [plan, height] = weakest;
   if (!plan && !height) return;
   text << "Weakest at 95 %: ";
   if (plan) text << "in plan " << plan->id << " " << digits(1e3 * plan->plan_semi_axis_95, 1) << " mm";
@@ -145,7 +164,9 @@ std::string verdict_text(const SurveyNetworkT& n) {
   size_t said = 0;
   for (const auto& f : n.findings) {
     if (first_is_known && f == n.findings.front()) continue;
-    if (f->severity == "note" ? f->subject != "exclusion" : f->subject == "reading") continue;
+    // What holds nothing is said even where it is right that nobody sighted it.
+    const bool told = f->subject == "exclusion" || f->subject == "unread";
+    if (f->severity == "note" ? !told : f->subject == "reading") continue;
     if (++said > kFindings) continue;
     text << (f->severity == "note" ? "" : "! ") << f->text << ".\n";
   }

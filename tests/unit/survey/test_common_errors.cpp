@@ -1,5 +1,6 @@
 // Mistakes that a whole set-up shares are named as such; no single observation is taken out for them.
 #include <algorithm>
+#include <numbers>
 #include <set>
 
 #include "geometry/random.hpp"
@@ -212,6 +213,35 @@ TEST(VarianceComponents, SettleOnTheFactorThatIsTrue) {
   for (const Finding& f : r.findings) EXPECT_EQ(f.text.find("did not settle"), std::string::npos) << f.text;
   for (const ResultGroup& g : r.groups)
     EXPECT_NEAR(g.applied_factor, g.name.find("distance") == 0 ? 2 : 1, 0.4) << g.name;
+}
+
+/// Every other column of markers read in face 1, the others in face 2, no target in both: an index of 15 mgon and a
+/// collimation of 8 bent the network, and removing blunders took sound readings out.
+TEST(CommonErrors, IndexAndCollimationWhereNoTargetWasReadInBothFaces) {
+  constexpr double kMgon = std::numbers::pi / 200000;
+  const auto read = [&](double index, double collimation) {
+    auto n = simulate({}, 21);
+    for (Observation& o : n.survey.observations) {
+      o.face = o.to.back() % 2 == 0 ? 1 : 2;
+      const double sign = o.face == 1 ? 1 : -1;
+      if (o.kind == ObservationKind::zenith_angle) o.value += sign * index;
+      if (o.kind == ObservationKind::direction) o.value += sign * collimation;
+      if (o.face == 2 && o.kind == ObservationKind::zenith_angle) o.value = 2 * std::numbers::pi - o.value;
+      if (o.face == 2 && o.kind == ObservationKind::direction) o.value += std::numbers::pi;
+    }
+    return n.survey;
+  };
+  const auto says = [](const NetworkResult& r, const std::string& text) {
+    return std::any_of(r.findings.begin(), r.findings.end(),
+                       [&](const Finding& f) { return f.text.find(text) != std::string::npos; });
+  };
+  const NetworkResult good = adjust_network(read(0, 0), free_network(true));
+  EXPECT_TRUE(says(good, "read in both faces, but no target in both, at S1, S2, S3"));
+  EXPECT_FALSE(says(good, "in face 1 and by as much the other way"));
+  const NetworkResult bad = adjust_network(read(15 * kMgon, 8 * kMgon), free_network(true));
+  EXPECT_TRUE(says(bad, "mgon in face 1 and by as much the other way in face 2: the instrument's vertical index"));
+  EXPECT_TRUE(bad.snooping.empty()) << "no sound reading goes";
+  EXPECT_LT(bad.sigma0, 1.3 * good.sigma0);
 }
 
 }  // namespace test_common_errors

@@ -170,5 +170,86 @@ TEST(MapThatExplains, KnowsTheScaleFarFromTheMeridian) {
     }
 }
 
+/// Directions and horizontal distances 700 m above the sea, seen from A and B; no point has a height.
+SurveyObservations plan_at(double height) {
+  const MapProjection map(kMap);
+  SurveyObservations s = measured(Geoid(47, Vector2d::Zero(), {}));
+  std::erase_if(s.observations, [](const Observation& o) {
+    return o.kind == ObservationKind::zenith_angle || (o.from == "A" && o.to == "B") || (o.from == "B" && o.to == "A");
+  });
+  for (Point& p : s.points) {
+    p.coordinates.z() = kNotGiven;
+    p.roles[2] = CoordinateRole::unused;
+    if (p.id == "B") p.roles[0] = p.roles[1] = CoordinateRole::free;  // the scale is that of the distances
+  }
+  for (Observation& o : s.observations) {
+    const Vector2d from = kPoints.at(o.from).head<2>(), to = kPoints.at(o.to).head<2>(), d = to - from;
+    const double radius = map.radius(map.inverse(from));
+    if (o.kind == ObservationKind::direction)
+      o.value = std::atan2(d.x(), d.y()) - map.arc_to_chord(from, to);
+    else
+      o.kind = ObservationKind::horizontal_distance,
+      o.value = d.norm() / map.line_scale(from, to) * (radius + height + 47) / radius;
+    o.sigma = o.kind == ObservationKind::direction ? 1e-6 : 1e-4;
+  }
+  Observation north;
+  north.kind = ObservationKind::azimuth, north.from = "A", north.to = "P", north.sigma = 1e-7;
+  const Vector3d d = kPoints.at("P") - kPoints.at("A");
+  north.value = std::atan2(d.x(), d.y());
+  s.observations.push_back(north);
+  return s;
+}
+
+/// Heights that nobody gave were 0 m: 700 m above the sea that is 110 ppm, "sound".
+TEST(Map, APlanNetworkIsReducedFromTheHeightThatIsGiven) {
+  AdjustOptions options;
+  options.map = kMap;
+  options.geoid.height = 47;
+  const SurveyObservations s = plan_at(700);
+  try {
+    adjust_network(s, options);
+    ADD_FAILURE() << "no height, and no word of it";
+  } catch (const NetworkError& e) {
+    EXPECT_NE(std::string(e.what()).find("mean_height=METRES"), std::string::npos) << e.what();
+  }
+  options.mean_height = 700;
+  const NetworkResult r = adjust_network(s, options);
+  for (const ResultPoint& p : r.points) EXPECT_NEAR((p.position - kPoints.at(p.id)).head<2>().norm(), 0, 1e-4) << p.id;
+  EXPECT_NE(r.frame.find("height factor 0.99988"), std::string::npos) << r.frame;
+}
+
+/// Vectors of ETRS89 on a map of Bessel's ellipsoid: "sound", and 8 cm beside control at 10 km.
+TEST(Map, VectorsOfTheEarthNeedAMapOfTheEarth) {
+  SurveyObservations s;
+  for (const char* id : {"A", "B"}) {
+    Point p;
+    p.id = id;
+    p.coordinates = {3500000, 5316300, 300};
+    if (s.points.empty()) p.roles.fill(CoordinateRole::fixed);
+    s.points.push_back(p);
+  }
+  VectorGroup g;
+  g.is_geocentric = true;
+  g.vectors = {{"A", "B"}};
+  g.values = Vector3d(100, 200, 300);
+  g.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  s.vectors = {g};
+  AdjustOptions options;
+  options.map = "EPSG:31467";
+  try {
+    adjust_network(s, options);
+    ADD_FAILURE() << "taken as they are";
+  } catch (const NetworkError& e) {
+    EXPECT_NE(std::string(e.what()).find("vectors in X, Y, Z of the earth, and the ellipsoid of the map DHDN"),
+              std::string::npos)
+        << e.what();
+  }
+  EXPECT_TRUE(MapProjection("EPSG:25832").is_geocentric());
+  EXPECT_TRUE(MapProjection("EPSG:32632").is_geocentric());
+  EXPECT_TRUE(MapProjection("EPSG:26917").is_geocentric());
+  for (const char* other : {"EPSG:31467", "EPSG:2056", "EPSG:27700", "EPSG:23032"})
+    EXPECT_FALSE(MapProjection(other).is_geocentric()) << other;
+}
+
 }  // namespace test_deflection
 }  // namespace plumbline::survey

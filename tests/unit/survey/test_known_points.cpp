@@ -95,5 +95,35 @@ TEST(KnownPoints, ASingleOneLeavesTheTurnToTheApproximateCoordinates) {
   EXPECT_LT((r.point("B101").position - Eigen::Vector3d(5000, 1100, 100)).norm(), 1e-3) << "the circle's zero is north";
 }
 
+/// survey: "*.csv" takes the table of control as a survey file, too: every known point counted twice.
+TEST(KnownPoints, ControlThatIsASurveyFileTooCountsOnce) {
+  SurveyObservations survey = read_survey(polar_job("100000"), "job.gsi");
+  ControlPoints control;
+  control.ids = {"S100", "B101"};
+  control.coordinates.resize(6);
+  control.coordinates << 5000, 1000, 100, 5000, 1100, 100;
+  control.covariance = 1e-6 * Eigen::MatrixXd::Identity(6, 6);
+  AdjustOptions options;
+  options.profile = built_in_profile("ics50_assumed");
+  const NetworkResult once = adjust_network(survey, options, control);
+  for (int p = 0; p < 2; ++p) {
+    CoordinateGroup g;
+    const std::string& id = control.ids[static_cast<size_t>(p)];
+    g.components = {{id, 0}, {id, 1}, {id, 2}};
+    g.values = control.coordinates.segment<3>(3 * p);
+    g.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+    g.is_control = true;
+    survey.coordinates.push_back(g);
+  }
+  const NetworkResult twice = adjust_network(survey, options, control);
+  EXPECT_EQ(twice.known_points.size(), once.known_points.size());
+  EXPECT_DOUBLE_EQ(twice.sigma0, once.sigma0);
+  EXPECT_EQ(twice.degrees_of_freedom, once.degrees_of_freedom);
+  bool said = false;
+  for (const Finding& f : twice.findings)
+    said = said || f.text.find("have the values of the control (S100, B101)") != std::string::npos;
+  EXPECT_TRUE(said);
+}
+
 }  // namespace test_known_points
 }  // namespace plumbline::survey

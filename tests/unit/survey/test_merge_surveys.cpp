@@ -133,6 +133,95 @@ TEST(MergeSurveys, ReadingsThatStandInTwoFilesCountOnce) {
   EXPECT_TRUE(says(merge_surveys({glued}), "stand in it a second time"));
 }
 
+double rounded(double value, double step) { return step * std::round(value / step); }
+
+/// As an instrument writes them: tenths of a milligon or of a millimetre, or a tenth of that.
+SurveyObservations in_digits(SurveyObservations s, double scale) {
+  for (Observation& o : s.observations)
+    o.value = rounded(o.value,
+                      o.kind == ObservationKind::slope_distance ? scale * 1e-4 : scale * 1e-4 * std::numbers::pi / 200);
+  return s;
+}
+
+/// Job file and table of the same readings were 4 set-ups for 2, "seen at the same places".
+TEST(MergeSurveys, ReadingsWithFewerDigitsInAnotherFileCountOnce) {
+  const SurveyObservations fine = in_digits(day("job.gsi", 1), 0.1);
+  SurveyObservations coarse = in_digits(fine, 1);
+  coarse.files = {"table.csv"};
+  for (const auto& files : {std::vector{fine, coarse}, std::vector{coarse, fine}}) {
+    const MergedSurvey merged = merge_surveys(files);
+    EXPECT_EQ(merged.survey.observations.size(), fine.observations.size());
+    ASSERT_EQ(merged.survey.set_ups.size(), 2u);
+    EXPECT_EQ(merged.survey.observations[0].value, fine.observations[0].value) << "the digits stay";
+    EXPECT_TRUE(says(merged, "of table.csv stand in job.gsi too"));
+  }
+  // Another day on a circle that was set to zero again, or in digits that tell nothing, is another measurement.
+  const SurveyObservations other = in_digits(day("next.gsi", 2), 1);
+  EXPECT_EQ(merge_surveys({coarse, other}).survey.observations.size(), 2 * fine.observations.size());
+}
+
+TEST(MergeSurveys, RowsThatWerePastedTwiceCountOnce) {
+  const SurveyObservations once = in_digits(day("obs.csv", 1), 1);
+  SurveyObservations twice = once;
+  const int pointings = twice.observations.back().pointing + 1;
+  for (const Observation& o : once.observations) {
+    twice.observations.push_back(o);
+    twice.observations.back().pointing += pointings;
+    twice.observations.back().set_number += 1;
+  }
+  const MergedSurvey merged = merge_surveys({twice});
+  EXPECT_EQ(merged.survey.observations.size(), once.observations.size());
+  EXPECT_TRUE(says(merged, "of set-up S1 repeat others to the last digit"));
+  // A second set that an instrument with few digits shows alike is a second set.
+  SurveyObservations sets = twice;
+  for (Observation& o : sets.observations)
+    o.value = rounded(o.value, o.kind == ObservationKind::slope_distance ? 1e-3 : 1e-3 * std::numbers::pi / 200);
+  EXPECT_EQ(merge_surveys({sets}).survey.observations.size(), twice.observations.size());
+  EXPECT_TRUE(merge_surveys({once}).findings.empty());
+}
+
+SurveyObservations with_vectors(const std::string& file, double off) {
+  SurveyObservations s;
+  s.files = {file};
+  for (const char* id : {"K1", "A"}) s.points.push_back({}), s.points.back().id = id;
+  VectorGroup g;
+  g.vectors = {{"K1", "A"}};
+  g.values = Eigen::Vector3d(10 + off, 20, 30);
+  g.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  g.source = {file, 3, 1};
+  s.vectors = {g};
+  CoordinateGroup k;
+  k.components = {{"K1", 0}, {"K1", 1}, {"K1", 2}};
+  k.values = Eigen::Vector3d(1, 2, 3);
+  k.covariance = g.covariance;
+  k.is_control = true;
+  k.source = {file, 1, 1};
+  s.coordinates = {k};
+  Observation line;
+  line.kind = ObservationKind::height_difference;
+  line.from = "K1", line.to = "A", line.value = 30.001, line.sigma = 0.002;
+  line.source = {file, 4, 1};
+  s.observations = {line};
+  return s;
+}
+
+/// GNSS vectors of a file and its copy were 20 readings for 10; the block of known points that both days' files begin
+/// with held a point that was keyed 30 mm wrong as if two had measured it.
+TEST(MergeSurveys, VectorsAndKnownPointsInTwoFilesCountOnce) {
+  const MergedSurvey copy = merge_surveys({with_vectors("a.dat", 0), with_vectors("b.dat", 0)});
+  EXPECT_EQ(copy.survey.vectors.size(), 1u);
+  EXPECT_EQ(copy.survey.coordinates.size(), 1u);
+  EXPECT_EQ(copy.survey.observations.size(), 1u);
+  EXPECT_TRUE(says(copy, "1 of the vectors stand a second time with the same values (b.dat:3:1 is a.dat:3:1)"));
+  const MergedSurvey days = merge_surveys({with_vectors("a.dat", 0), with_vectors("b.dat", 0.002)});
+  EXPECT_EQ(days.survey.vectors.size(), 2u);
+  EXPECT_EQ(days.survey.coordinates.size(), 1u);
+  EXPECT_EQ(days.survey.observations.size(), 2u) << "one line may come out alike on two days";
+  for (const Finding& f : days.findings)
+    EXPECT_EQ(f.severity, Finding::Severity::note)
+        << "known points of every file are nothing to worry about: " << f.text;
+}
+
 TEST(MergeSurveys, AMistypedNameOfASameStationIsSaid) {
   MergeOptions options;
   options.same_stations = {"S3", "S1"};
@@ -347,6 +436,67 @@ TEST(AlikeNames, NothingIsSoundWhileKnownPointsHoldNothingForTheirSpelling) {
   invalid.validity = Validity::invalid, invalid.verdict = "not a result";
   doubt_known_names({"M01"}, invalid);
   EXPECT_EQ(invalid.verdict, "not a result");
+}
+
+/// A Cyrillic K in the control, a number mistyped: the known point held nothing, "3 known points" of 4, sound.
+/// Two free stations of one file that are both called FS were one point: nothing fitted, and control was blamed.
+TEST(MergeSurveys, OneNameForTwoFreeStationsOfOneFileIsTwoPoints) {
+  SurveyObservations s = day("a.gsi", 1);
+  for (auto& u : s.set_ups) u.station = "FS";
+  for (Observation& o : s.observations) o.from = "FS";
+  const MergedSurvey merged = merge_surveys({s});
+  ASSERT_EQ(merged.survey.set_ups.size(), 2u);
+  EXPECT_EQ(merged.survey.set_ups[0].station, "FS");
+  EXPECT_EQ(merged.survey.set_ups[1].station, "FS/2");
+  for (const Observation& o : merged.survey.observations) EXPECT_EQ(o.from, merged.survey.set_ups[o.set_up].station);
+  EXPECT_TRUE(says(merged, "station FS is occupied twice"));
+  EXPECT_LT(adjust_network(merged.survey, {}).sigma0, 1.3);
+  // Said to be one mark, sighted as one, or seen to be one, it is one.
+  EXPECT_EQ(merge_surveys({s}, {{}, {"FS"}}).survey.set_ups[1].station, "FS");
+  EXPECT_EQ(merge_surveys({s}, {{"FS"}, {}}).survey.set_ups[1].station, "FS");
+  SurveyObservations twice = day("a.gsi", 1);
+  twice.set_ups[1].station = twice.set_ups[0].station;
+  test::Normal normal(3);
+  std::erase_if(twice.observations, [](const Observation& o) { return o.set_up == 1; });
+  for (size_t i = 0, n = twice.observations.size(); i < n; ++i) {
+    Observation o = twice.observations[i];
+    o.set_up = 1, o.pointing += 1000;
+    o.value += o.sigma * normal();
+    twice.observations.push_back(o);
+  }
+  const MergedSurvey one = merge_surveys({twice});
+  EXPECT_EQ(one.survey.set_ups[1].station, one.survey.set_ups[0].station);
+  EXPECT_FALSE(says(one, "is occupied twice"));
+}
+
+TEST(AlikeNames, ForeignLettersAndMistypedNumbersOfKnownPointsAreSaid) {
+  SurveyObservations s = day("a.gsi", 1);
+  for (const auto& [one, other] : {std::pair{"\xD0\x9A"
+                                             "1",
+                                             "K1"},
+                                   {"\xCE\x9A"
+                                    "1",
+                                    "K1"}}) {
+    Observation o;
+    o.to = other;
+    SurveyObservations with = s;
+    with.observations.push_back(o);
+    const std::vector<Finding> findings = examine_known_names(with, {one});
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_NE(findings[0].text.find("(read is K1)"), std::string::npos) << findings[0].text;
+  }
+  NetworkResult r;
+  r.points.resize(2);
+  r.points[0].id = "K1", r.points[0].position = {1000.004, 2000, 100};
+  r.points[1].id = "K2", r.points[1].position = {1100, 2000, 100};
+  ControlPoints known;
+  known.ids = {"K7", "K2", "K2old", "K9"};
+  known.coordinates.resize(12);
+  known.coordinates << 1000, 2000, 100, 1100, 2000, 100, 1100, 2000, 100, 5000, 5000, 100;
+  const std::vector<Finding> findings = examine_unread_places(r, known);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_NE(findings[0].text.find(": K7 (4.0 mm from K1); where"), std::string::npos) << findings[0].text;
+  EXPECT_EQ(findings[0].points, std::vector<std::string>{"K1"});
 }
 
 TEST(AlikeNames, OneMarkUnderTwoNamesIsSaidAndTwoMarksAreNot) {

@@ -600,7 +600,7 @@ TEST(EpochSeriesNode, EveryParameterHasItsEffect) {
   EXPECT_EQ(parameters_at_fault({situation("0\x1f"
                                            "30\x1f"
                                            "60")},
-                                {"geoid_height", "datum"}),
+                                {"geoid_height", "mean_height", "datum"}),
             "");
 }
 
@@ -656,7 +656,9 @@ TEST(CheckControlNode, EveryParameterHasItsEffect) {
     };
   };
   // One file, in a plane: no stations of several, and nothing that a map would change.
-  EXPECT_EQ(parameters_at_fault({situation(n.survey), situation(unweighted)}, {"geoid_height", "same_stations"}), "");
+  EXPECT_EQ(parameters_at_fault({situation(n.survey), situation(unweighted)},
+                                {"geoid_height", "mean_height", "same_stations"}),
+            "");
 }
 
 TEST(CheckControlNode, WithoutControlItSaysSoAndGoesOn) {

@@ -161,6 +161,12 @@ TEST_F(Tables, VerdictAsASurveyorReadsIt) {
   auto levelled = tables();
   levelled.run();
   EXPECT_NE(text_of(levelled.output<File>("verdict")).find("Weakest at 95 %: in height "), std::string::npos);
+  // Of a resection the station is all there is; known points are without error.
+  for (auto& e : network_.ellipsoids)
+    if (e->id != "S1") e->plan_semi_axis_95 = e->height_half_length_95 = 0;
+  auto resection = tables();
+  resection.run();
+  EXPECT_NE(text_of(resection.output<File>("verdict")).find("Weakest at 95 %: in height S1 "), std::string::npos);
   // One of a hundred readings fails by chance: nobody goes back for it.
   network_.observations[4]->w = 3.5, network_.observations[4]->flagged = true;
   auto by_chance = tables();

@@ -11,6 +11,15 @@ namespace text_test {
 
 using namespace std::string_view_literals;
 
+// A no-break space behind a name made another point of it, and a known point held nothing.
+TEST(Text, BlanksThatNobodySeesAreNoPartOfAName) {
+  for (const char* name : {"K1", " K1\t", "\xC2\xA0K1", "K1\xC2\xA0 ", "K1\xE2\x80\xAF", "\xE2\x80\x8BK1\xEF\xBB\xBF"})
+    EXPECT_EQ(text::trim(name), "K1");
+  EXPECT_EQ(text::trim("Stra\xC3\x9F"), "Stra\xC3\x9F") << "a letter whose last byte is none of theirs";
+  EXPECT_EQ(text::trim("\xC3\xA0"), "\xC3\xA0");
+  EXPECT_EQ(text::trim(" \xC2\xA0 "), "");
+}
+
 TEST(Text, DecodesCommonEncodings) {
   EXPECT_EQ(decode_text("\xEF\xBB\xBFPfosten").text, "Pfosten");
   EXPECT_EQ(decode_text("K\xC3\xA4se").encoding, Encoding::utf8);
