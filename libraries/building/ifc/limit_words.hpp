@@ -17,4 +17,11 @@ std::string limits_in_words(const JudgedAxisT& axis, const Words& in_words) {
   return "+" + in_words(axis.above) + "/-" + in_words(axis.below);
 }
 
+/// Share of what is allowed that a length uses, from the middle of its limits; 0 where it or they are not known.
+inline double share_of_limits(const JudgedAxisT& axis) {
+  const double middle = 0.5 * (axis.above - axis.below), half = 0.5 * (axis.above + axis.below);
+  const double share = std::abs(axis.value - middle) / half;
+  return half > 0 && std::isfinite(share) ? share : 0;
+}
+
 }  // namespace plumbline::ifc

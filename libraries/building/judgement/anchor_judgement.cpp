@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 
+#include "building/ifc/limit_words.hpp"
 #include "building/ifc/tolerance_source.hpp"
 #include "building/judgement/conformance.hpp"
 #include "building/judgement/deviation.hpp"
@@ -88,7 +89,7 @@ void decide(const std::vector<Entry>& entries, AnchorDeviationT& out) {
   for (const Entry& entry : entries) {
     const JudgedAxisT& axis = *entry.axis;
     const double p = std::isnan(axis.probability) ? 2 : axis.probability;
-    const double used = std::isnan(axis.value) ? 0 : std::abs(axis.value) / axis.tolerance;
+    const double used = ifc::share_of_limits(axis);
     if (axis.verdict < worst) continue;
     if (axis.verdict == worst && (p > likely || (p == likely && used <= usage))) continue;
     worst = axis.verdict, likely = p, usage = used, out.decided_by = axis.axis;
@@ -119,7 +120,7 @@ void judge_anchor(const Eigen::Vector3d& deviation, const Eigen::MatrixXd& covar
       entry->u = uncertainty_of(span, deviation, covariance);
     }
     if (asked) {
-      entry->tolerance = tolerance.limit_of(told ? entry->value : 0), entry->source = tolerance.source;
+      entry->tolerance = tolerance.nearer_limit(told ? entry->value : 0), entry->source = tolerance.source;
       entry->above = tolerance.value, entry->below = tolerance.lower();
     }
     if (asked && deviation.allFinite()) {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "artifacts/judgement_common.hpp"
@@ -33,6 +35,9 @@ Conformance conformance(const Eigen::VectorXd& mean, const Eigen::MatrixXd& cova
 
 /// Pass if P >= 1 - risk, fail if P <= risk, else undecided; undecided too where P is not known.
 ToleranceVerdict verdict_of(double probability, double risk);
+
+/// The smaller of two probabilities of parts of a whole; nan where one of them is not known.
+inline double least_known(double a, double b) { return std::isnan(a) || std::isnan(b) ? a + b : std::min(a, b); }
 
 /// The verdict at another common tolerance `tau` [m] of what has the verdict `given` and turns at tau_pass and tau_fail
 /// [m] (nan: nobody knows); `doubtful`: a measurement that contradicts itself lets nothing pass. The report's

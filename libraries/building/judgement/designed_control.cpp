@@ -15,8 +15,8 @@ namespace {
 /// Control that hides less than this leaves a shift of the whole to be seen: what it bends the datum by stays within
 /// one standard deviation of the datum, as long as the test of known points finds nothing.
 constexpr double kHidesLittle = 0.1;
-/// Of control that is held without a standard deviation, and of any: coordinates are written in decimals [m].
-constexpr double kHeld = 0.0005, kWritten = 0.0001;
+/// Coordinates that were copied are off by how they were rounded: to whole millimetres at the most [m].
+constexpr double kWritten = 0.0005;
 
 struct KnownPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Constant(AnchorCase::nan), sigma = Eigen::Vector3d::Zero();
@@ -48,14 +48,11 @@ std::map<std::string, KnownPlace> known_places(const SurveyNetwork& network) {
   return known;
 }
 
-/// Heights alone are no place, nor is a plan without them: what is not known is not compared.
+/// Heights alone are no place, nor is a plan without them: what is not known is not compared. Its standard deviation
+/// says nothing here: what was measured is not copied for being in place.
 bool is_designed(const KnownPlace& known, const FrameLink& link, const Eigen::Vector3d& design) {
   if (!known.position.allFinite() || !design.allFinite()) return false;
-  const Eigen::Vector3d apart = link.apply(known.position) - design;
-  const Eigen::Vector3d sigma = (link.linear().cwiseAbs2() * known.sigma.cwiseAbs2()).cwiseSqrt();
-  for (int axis = 0; axis < 3; ++axis)
-    if (!(std::abs(apart[axis]) <= (sigma[axis] > 0 ? std::max(sigma[axis], kWritten) : kHeld))) return false;
-  return true;
+  return ((link.apply(known.position) - design).cwiseAbs().array() <= kWritten).all();
 }
 
 struct Designed {

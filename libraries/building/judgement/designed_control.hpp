@@ -21,8 +21,8 @@ struct DesignedControl {
   bool holds_the_datum() const;
 };
 
-/// A known point counts if each of its coordinates is within its standard deviation of the design (of control that is
-/// held without one: within 0.5 mm, as of coordinates that were written in whole millimetres).
+/// A known point counts if each of its coordinates is within 0.5 mm of the design: copied, and written in whole
+/// millimetres.
 /// How much they hide is how far they take the judged anchors along when all of them are elsewhere: dx = Q P dl, with
 /// the anchors' covariance Q and the weights P of the known coordinates. Other control that holds the datum leaves
 /// little of it. Without a joint covariance their share of the known points counts.

@@ -113,7 +113,7 @@ class Joints {
     const Conformance found =
         conformance(Eigen::VectorXd::Constant(1, change.value), variance, {limited}, options_.risk, options_.tau);
     change.verdict = verdict_of(found.probability, options_.risk);
-    panel.pass_probability = std::min(panel.pass_probability, found.probability),
+    panel.pass_probability = least_known(panel.pass_probability, found.probability);
     panel.tau_pass = std::max(panel.tau_pass, found.tau_pass),
     panel.tau_fail = std::max(panel.tau_fail, found.tau_fail);
   }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/limit_words.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/panel_joints.hpp"
 #include "building/judgement/panel_stack.hpp"
@@ -128,12 +129,13 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
                       *joint->change);
   for (const auto& fixing : out.fixings) {
     const AnchorDeviationT& anchor = *anchors.at(fixing->anchor);
-    out.pass_probability = std::min(out.pass_probability, anchor.pass_probability);
+    if (anchor.verdict != ToleranceVerdict::not_measured)  // else it is held against nothing, or told as missing
+      out.pass_probability = least_known(out.pass_probability, anchor.pass_probability);
     double usage = 0;
     std::string words;
     for (const auto& axis : anchor.axes)
       if (axis->axis == anchor.decided_by)
-        usage = share_of(axis->value, axis->tolerance),
+        usage = ifc::share_of_limits(*axis),
         words = words_of_length("anchor " + anchor.id + " " + axis->axis, axis->value, axis->tolerance);
     if (words.empty()) words = "anchor " + anchor.id + (anchor.note.empty() ? " is not decided" : ": " + anchor.note);
     if (anchor.verdict > ToleranceVerdict::pass) decision.consider("anchor", anchor.verdict, usage, words);

@@ -27,8 +27,10 @@ struct Tolerance {
   /// joint.
   double below = std::numeric_limits<double>::quiet_NaN();
   double lower() const { return std::isnan(below) ? value : below; }
-  /// The limit on the side that a value is nearer to, or beyond [m]: that which decides.
-  double limit_of(double length) const { return lower() + length < value - length ? lower() : value; }
+  /// The limit on the side on which a value lies [m].
+  double limit_of(double length) const { return length < 0 ? lower() : value; }
+  /// That on the side that it is nearer to, or beyond [m]: the one that decides.
+  double nearer_limit(double length) const { return lower() + length < value - length ? lower() : value; }
 };
 using Tolerances = std::map<Axis, Tolerance>;
 

@@ -62,6 +62,14 @@ std::string left_out_before(const SurveyNetwork& network) {
   return items;
 }
 
+/// Whether lines or set-ups were left out: they are not known here by the words they were named with.
+bool excludes_more_than_control(const SurveyNetwork& network) {
+  if (!network.findings()) return false;
+  return std::any_of(network.findings()->begin(), network.findings()->end(), [](const auto* finding) {
+    return text_of(finding->subject()) == "exclusion" && (!finding->points() || finding->points()->size() != 1);
+  });
+}
+
 /// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
 /// no standard deviation, and which of two points is the wrong one is often not to be told. So nothing is decided until
 /// it is mended, left out, or the standard deviations of the control say that it may differ by so much.
@@ -88,6 +96,7 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
   doubt.mend_note =
       "if it has moved or its coordinates are wrong; else mend these or their standard deviations in the "
       "control file";
+  if (excludes_more_than_control(network)) doubt.mend_note += "; with the lines and set-ups that exclude has already";
   return doubt;
 }
 

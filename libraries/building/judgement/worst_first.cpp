@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 
+#include "building/ifc/limit_words.hpp"
+
 namespace plumbline::judgement {
 
 const JudgedAxisT* deciding_axis(const AnchorDeviationT& anchor) {
@@ -26,7 +28,7 @@ int urgency(ToleranceVerdict verdict) {
 double usage(const AnchorDeviationT& anchor) {
   const JudgedAxisT* axis = deciding_axis(anchor);
   // What has no number has no share: nan would have no place in any order.
-  return axis && axis->tolerance > 0 && std::isfinite(axis->value) ? std::abs(axis->value) / axis->tolerance : 0;
+  return axis ? ifc::share_of_limits(*axis) : 0;
 }
 
 double usage(const PanelDeviationT& panel) {

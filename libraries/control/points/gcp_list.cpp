@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <memory>
@@ -87,10 +88,22 @@ void require_metres(const std::string& projection, const std::string& file, int 
              "that in this line");
 }
 
-/// The map that the projection names; null where PROJ does not know it ("LOCAL", "WGS84 UTM 16N").
+/// A projection as PROJ reads it: "WGS84 UTM 16N", OpenDroneMap's own, by its code; a string with the word that makes
+/// it a map.
+std::string as_proj_reads_it(const std::string& projection) {
+  const std::string text = text::to_lower(projection);
+  int zone = 0;
+  char half = 0;
+  if (std::sscanf(text.c_str(), "wgs84 utm %2d%c", &zone, &half) == 2 && zone >= 1 && zone <= 60 &&
+      (half == 'n' || half == 's'))
+    return fmt::format("EPSG:{}", (half == 'n' ? 32600 : 32700) + zone);
+  return text.starts_with('+') && text.find("+type=") == std::string::npos ? projection + " +type=crs" : projection;
+}
+
+/// The map that the projection names; null where PROJ does not know it ("LOCAL").
 std::unique_ptr<geodesy::MapProjection> map_of(const std::string& projection) {
   try {
-    return std::make_unique<geodesy::MapProjection>(projection);
+    return std::make_unique<geodesy::MapProjection>(as_proj_reads_it(projection));
   } catch (const std::runtime_error&) {
     return nullptr;
   }

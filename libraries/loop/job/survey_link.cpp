@@ -22,8 +22,8 @@ double step_of(const Eigen::Vector3d& place) {
 
 SurveyLink survey_link(const TransformT& building_from_survey) {
   FrameLink link = frame_link(building_from_survey, "building", "survey");
-  const bool is_same = link.linear() == Eigen::Matrix3d::Identity() && link.to_from_from.translation.isZero(0) &&
-                       link.covariance.isZero(0);
+  // How well the whole is known to stand as designed (datum_sigma) makes no second frame of one.
+  const bool is_same = link.linear() == Eigen::Matrix3d::Identity() && link.to_from_from.translation.isZero(0);
   if (is_same) return std::nullopt;
   constexpr double kLevel = 1e-6;  // a tenth of a millimetre in a hundred metres
   const Eigen::Vector3d up = link.to_from_from.rotation * Eigen::Vector3d::UnitZ();

@@ -369,11 +369,12 @@ static PointBlockResult adjust_as_stated(const PointBlock& given, const PointBlo
 
 /// By which the images' standard deviations are to be multiplied; 1: nothing else is observed, or nothing checks them.
 static double image_scale_of(const PointBlockResult& result) {
+  constexpr double enough = 10;  // of fewer the factor is mostly chance
   double factor = 1, others = 0;
   for (const auto& group : result.groups)
     if (group.name != "image coordinates")
       others += group.redundancy;
-    else if (group.redundancy >= 1 && group.factor > 0)
+    else if (group.redundancy >= enough && group.factor > 0)
       factor = group.factor;
   constexpr double nothing = 1e-6;
   return others > nothing ? std::sqrt(factor) : 1;

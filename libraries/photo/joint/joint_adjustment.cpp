@@ -148,15 +148,14 @@ class Joint {
 
  private:
   void come_to_rest() {
-    for (;;) {
+    for (int passes = 1;; ++passes) {  // each time anew: marks that were left out took some before
       pass();
       const double moved = move_network();
       const bool weighted = settle_variance();
       ++result_.iterations;
       if (moved < still && weighted) break;
-      if (result_.iterations >= options_.max_iterations)
-        throw std::runtime_error("survey and photographs did not come to rest together in " +
-                                 std::to_string(result_.iterations) +
+      if (passes >= options_.max_iterations)
+        throw std::runtime_error("survey and photographs did not come to rest together in " + std::to_string(passes) +
                                  " relinearisations: they contradict each other far beyond their accuracy");
     }
   }

@@ -210,9 +210,12 @@ std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, cons
   MeasuredControl measured = adjusted.measured_control;
   if (measured.ids.empty()) return {};
   const int degrees = measured.degrees_of_freedom;
+  bool estimated = adjusted.variance_factor != 1 && degrees > 0;  // the variance of unit weight
   if (adjusted.variance_factor == 1 && degrees > 0 &&
       measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
-    measured.covariance *= measured.sum_of_squares / degrees;
+    measured.covariance *= measured.sum_of_squares / degrees, estimated = true;
+  constexpr double kWritten = 0.0005;  // [m], what coordinates in whole millimetres may be off by, evenly
+  measured.covariance.diagonal().array() += kWritten * kWritten / 3;
   const ControlCheck check = check_control(survey, control, {}, {}, measured);
   std::vector<KnownPoint> known;
   for (const Movement& m : check.comparison.movements) {
@@ -221,7 +224,9 @@ std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, cons
     for (int axis = 0; axis < 3; ++axis)
       if (std::isfinite(m.movement[axis])) point.difference[axis] = m.movement[axis], point.sigma[axis] = 0;
   }
-  set_limits(known, [](const KnownPoint& k, double alpha) { return chi_squared_quantile(1 - alpha, k.rank); });
+  set_limits(known, [&](const KnownPoint& k, double alpha) {
+    return estimated ? k.rank * fisher_f_quantile(1 - alpha, k.rank, degrees) : chi_squared_quantile(1 - alpha, k.rank);
+  });
   std::stable_sort(known.begin(), known.end(), [](const KnownPoint& a, const KnownPoint& b) {
     return a.difference.norm() > b.difference.norm() + 1e-7;
   });

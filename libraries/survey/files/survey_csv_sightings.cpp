@@ -1,6 +1,7 @@
 #include "survey/files/survey_csv_sightings.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 
@@ -52,19 +53,27 @@ bool rises_with_heights(const SurveyColumns& columns) {
 }
 
 /// An empty cell means 0 m, or "as above"; which of the two makes 1.5 m. The height of an instrument is its set-up's,
-/// so that its first row is enough.
+/// so that its first row is enough, whatever that reads, unless other rows of it have another one.
 void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, const SurveyBuilder& builder,
                  const std::string& column, bool first_of_set_up) {
-  std::set<std::string> seen;
+  struct SetUpHeights {
+    bool in_first_row = false;
+    std::set<std::string> written;
+  };
+  std::map<std::string, SetUpHeights> set_ups;
   const text::CsvRow* first = nullptr;
   std::string of;
   std::size_t gaps = 0, filled = 0;
   for (const text::CsvRow& row : table.rows) {
     columns.select(row);
     const std::string own = columns.text("set_up"), station = own.empty() ? columns.text("station") : own;
-    if (!columns.text(column).empty()) ++filled;
-    if (!rises_with_heights(columns) || (first_of_set_up && !seen.insert(station).second)) continue;
-    if (!columns.text(column).empty()) continue;
+    const std::string height = columns.text(column);
+    const auto [at, is_new] = set_ups.try_emplace(station);
+    SetUpHeights& set_up = at->second;
+    if (is_new) set_up.in_first_row = !height.empty();
+    if (!height.empty()) ++filled, set_up.written.insert(height);
+    if (!height.empty() || !rises_with_heights(columns)) continue;
+    if (first_of_set_up && set_up.in_first_row && set_up.written.size() == 1) continue;
     if (gaps++ == 0) first = &row, of = first_of_set_up ? station : columns.text("target");
   }
   if (gaps == 0 || filled == 0) return;

@@ -21,7 +21,12 @@ bool EvaluateDeviation::hangs_on_the_design(DeviationInputs& inputs) const {
   if (!network || (frames && frames->fitted_to_design())) return false;
   FrameLink link;
   if (frames) link = frame_link(frames.unpack(), "building", "survey");
-  const DesignedControl control = designed_control(*network, link, inputs.anchors, inputs.model);
+  // What the link is off by is in the covariance of all anchors, and no known coordinate moves it: then they count by
+  // number.
+  PointSet places{inputs.model.ids, inputs.model.positions, {}};
+  const bool of_the_survey = link.covariance.isZero(0);
+  const DesignedControl control =
+      designed_control(*network, link, inputs.anchors, of_the_survey ? inputs.model : places);
   if (!control.holds_the_datum()) return false;
   if (!frames || std::isnan(frames->datum_sigma())) inputs.doubts.push_back(doubt_of(control));
   return true;

@@ -147,6 +147,15 @@ struct Adjuster : TagAdjusterNode {
     return names;
   }
 
+  /// What contradicts the block, known points that hold it or check it, or scale bars: exit code 3. As far as nobody
+  /// knows what the images are worth (estimate_image_variance=false) control that contradicts them is told alone.
+  static void judge_known(Context& context, const PointBlockOptions& options, const PointBlockResult& result) {
+    const bool checks = tell_check_points(context, result);
+    const bool control = !options.estimate_image_variance || control_against_images(result).empty();
+    const bool holds = checks && control && scale_bars_against_images(result).empty();
+    if (!result.control.empty() || !result.block.scale_bars.empty()) context.metric("invalid", holds ? 0 : 1, "1");
+  }
+
   void run_targets(Context& context) {
     if (const std::string names = without_effect(); !names.empty())
       context.warn("without effect on a block of measured targets: " + names + "; leave them out");
@@ -180,11 +189,7 @@ struct Adjuster : TagAdjusterNode {
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
     for (const auto& what : artifact.warnings) context.warn(what);
-    // What contradicts the block, known points that hold it or check it, or scale bars: exit code 3.
-    const bool holds =
-        o.by_gradients || (tell_check_points(context, result) && control_against_images(result).empty() &&
-                           scale_bars_against_images(result).empty());
-    if (!measured.control.points.empty() || !measured.scale_bars.empty()) context.metric("invalid", holds ? 0 : 1, "1");
+    if (!o.by_gradients) judge_known(context, o, result);
     points.commit(target_points(result));
     adjusted_camera.commit(target_camera(result));
     adjusted_poses.commit(target_poses(result));

@@ -134,6 +134,7 @@ EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
   std::map<std::string, int> floor = floors();
   std::vector<TagBlockResult> models;
   std::vector<std::string> anchors;
+  Sums sums;
   for (size_t half = 0; half < 2; ++half) {
     const TagBlockBuilder builder = builder_of(false, half);
     TagBlock block = builder.block();
@@ -152,9 +153,13 @@ EvaluateCrossval::Sums EvaluateCrossval::halves(Context& context) {
                                         std::to_string(block.control.plates.size()) + " points): " + error.what());
     }
     report(context, block, models.back());
+    for (const RejectedControl& point : models.back().rejected_control) {
+      const std::string& anchor = block.plates[point.plate].anchor;
+      sums.left_out.push_back(
+          {"left out of half " + std::to_string(half + 1), anchor, floor[anchor], point.off, point.sigma});
+    }
   }
   std::vector<int> rows[2];
-  Sums sums;
   for (size_t j = 0; j < models[0].plates.size(); ++j) {
     const auto other = std::find(models[1].plates.begin(), models[1].plates.end(), models[0].plates[j]);
     if (other == models[1].plates.end()) continue;

@@ -251,9 +251,13 @@ void add_choice(const Bench& bench, const Field& field, const Standings& standin
     sentences.push_back("each of " + text::enumerate(field.beaten) + " is beaten by another");
     return;
   } else {
-    const std::size_t fewest = standings.at(field.beaten.front()).beaten_on.size();
-    std::vector<std::string> nearest;
+    std::vector<std::string> rest, nearest;  // who is beaten over all places comes nearest to nothing
     for (const std::string& name : field.beaten)
+      if (!standings.at(name).beaten_overall) rest.push_back(name);
+    if (rest.empty()) rest = field.beaten;
+    std::size_t fewest = standings.at(rest.front()).beaten_on.size();
+    for (const std::string& name : rest) fewest = std::min(fewest, standings.at(name).beaten_on.size());
+    for (const std::string& name : rest)
       if (standings.at(name).beaten_on.size() == fewest) nearest.push_back(name);
     sentences.push_back("none is best everywhere");
     sentences.push_back(text::enumerate(nearest) + (nearest.size() > 1 ? " come" : " comes") + " nearest, beaten on " +

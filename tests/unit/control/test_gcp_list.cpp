@@ -59,6 +59,12 @@ TEST(GcpList, MapsThatDrawLengthsOtherwiseThanHeightsAreRefused) {
                     HasSubstr("times as long as they are")));
   EXPECT_THAT(failure("EPSG:32632\n5400000.2 500000.1 100.3 10.5 20.5 a.jpg P1\n"),
               HasSubstr("columns are east, north"));
+  for (const char* head : {"+proj=utm +zone=32 +datum=WGS84 +units=m +no_defs", "WGS84 UTM 32N"})
+    EXPECT_THAT(failure(std::string(head) + "\n5400000.2 500000.1 100.3 10.5 20.5 a.jpg P1\n"),
+                HasSubstr("columns are east, north"))
+        << head;
+  EXPECT_THAT(failure("+proj=merc +a=6378137 +b=6378137 +units=m\n1000000 6200000 300 5 6 a.jpg P\n"),
+              HasSubstr("times as long as they are"));
   for (const char* sound :
        {"EPSG:32632\n500000 5400000 100 5 6 a.jpg P\n", "EPSG:2154\n652000 6862000 35 5 6 a.jpg P\n",
         "EPSG:2056\n2600000 1200000 550 5 6 a.jpg P\n", "EPSG:27700\n530000 180000 20 5 6 a.jpg P\n",
