@@ -14,8 +14,8 @@ says "mm"
 head -c 3000 monday.gsi > cut.gsi
 fails plumbline run survey_network file=cut.gsi
 says "cut.gsi:"
-# The same network measured again.
-cp monday.gsi tuesday.gsi
+# The same network measured again: distances off by less than 0.1 mm.
+sed -E 's/(31\.\.08\+[0-9]{15})[0-9] /\19 /' monday.gsi > tuesday.gsi
 step plumbline run compare_epochs before=monday.gsi after=tuesday.gsi
 test -s out/compare_epochs/movements.html
 # A table without units is a question, not a guess.

@@ -19,7 +19,9 @@ std::string limits_in_words(const JudgedAxisT& axis, const Words& in_words) {
 
 /// Share of what is allowed that a length uses, from the middle of its limits; 0 where it or they are not known.
 inline double share_of_limits(const JudgedAxisT& axis) {
-  const double middle = 0.5 * (axis.above - axis.below), half = 0.5 * (axis.above + axis.below);
+  const bool sided = std::isfinite(axis.above) && std::isfinite(axis.below);
+  const double middle = sided ? 0.5 * (axis.above - axis.below) : 0,
+               half = sided ? 0.5 * (axis.above + axis.below) : axis.tolerance;
   const double share = std::abs(axis.value - middle) / half;
   return half > 0 && std::isfinite(share) ? share : 0;
 }

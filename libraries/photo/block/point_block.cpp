@@ -384,7 +384,7 @@ PointBlockResult adjust_point_block(const PointBlock& given, const PointBlockOpt
   PointBlockResult result = adjust_as_stated(given, options);
   if (!options.estimate_image_variance || options.by_gradients) return result;
   constexpr int max_steps = 8;
-  constexpr double close = 0.01, smallest = 1e-4, largest = 1e4;  // a block without noise would run away
+  constexpr double close = 0.01, smallest = 0.05, largest = 1000;  // a block without noise would run away
   double scale = 1;
   for (int step = 0; step < max_steps; ++step) {
     const double next = std::clamp(scale * image_scale_of(result), smallest, largest);

@@ -312,7 +312,7 @@ class Builder {
           off < least && std::find(own.begin(), own.end(), anchor->id) != own.end())
         least = off, nearest = anchor->id;
     if (nearest.empty()) return {};
-    return (panel.name.empty() ? "panel at " : panel.name + " at ") + nearest;
+    return (panel.name.empty() ? std::string("panel") : panel.name) + " at " + nearest;
   }
 
   static std::vector<std::string> anchors_of(const PanelDeviationT& judged) {

@@ -183,6 +183,10 @@ void AdjustNode::run(Context& context) {
   }
   doubt_known_names(otherwise_written, result);
   if (result.validity != Validity::sound) context.warn(result.verdict);
+  const auto has_height = [](const ResultPoint& p) { return std::isfinite(p.position.z()); };
+  if (std::isfinite(*mean_height) &&
+      (o.map.empty() || o.map == kPlane || std::all_of(result.points.begin(), result.points.end(), has_height)))
+    context.warn("mean_height does nothing here: it is that of points without heights on a map");
   if (o.coordinates_are_tested && !result.without_readings)
     context.warn("coordinates=tested does nothing here: the survey has readings, and these are tested");
   for (const Finding& finding : result.findings)

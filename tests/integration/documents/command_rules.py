@@ -51,7 +51,7 @@ def rules(data):
         (r"plumbline run survey_network file=job.gsi (map=EPSG:25832.*)", r"plumbline run survey_network file=map.gsi \1"),
         (r"plumbline run (?:pipelines/)?(survey_network|read_survey)(?:\.yaml)? file=(?:…|FILE|job\.gsi)(.*?)( --out OUT)?", r"plumbline run \1 file=job.gsi\2"),
         (r"plumbline run survey_network", "plumbline run survey_network file=job.gsi"),
-        (r"plumbline run compare_epochs before=a.gsi after=b.gsi.*", "plumbline run compare_epochs before=job.gsi after=job.gsi"),
+        (r"plumbline run compare_epochs before=a.gsi after=b.gsi.*", "plumbline run compare_epochs before=job.gsi after=later.gsi"),
         (r"plumbline run (.*)file=docs/examples/(.*)", None),
         (r"plumbline run (\S+) (before=docs/examples/.*)", None),
         (r"plumbline run plan_survey file=layout.csv.*", "plumbline run plan_survey file=docs/examples/survey_plan.csv"),

@@ -114,10 +114,12 @@ TEST(SpokenResults, SeriesOfEpochs) {
   const Program plumbline;
   std::string survey;
   for (const char* name : {"before", "after", "later"}) {
-    // "later" is "after" once more: what moved stays where it is.
-    const std::string from = std::string(name) == "later" ? "after" : name;
-    fs::copy_file(fs::path(source_dir()) / "docs/examples" / (from + ".csv"),
-                  plumbline.work() / (std::string(name) + ".csv"));
+    // "later" is "after" measured once more, distances off by less than 0.1 mm: what moved stays where it is.
+    const bool later = std::string(name) == "later";
+    const std::string text =
+        read_file(fs::path(source_dir()) / "docs/examples" / (later ? "after.csv" : std::string(name) + ".csv"));
+    plumbline.write(std::string(name) + ".csv",
+                    later ? std::regex_replace(text, std::regex("([0-9]{3})(\n|\r)"), "$013$2") : text);
     survey += (survey.empty() ? "" : ", ") + std::string(name) + ".csv";
   }
   plumbline.write("campaign.yaml", "plumbline_campaign: 1\nsurvey: [" + survey + "]\n");
