@@ -126,7 +126,12 @@ class Joint {
  public:
   Joint(const TagBlock& block, const std::vector<Mark>& marks, KeptNetwork& network, const FrameLink& link,
         const JointOptions& options)
-      : marks_(marks), network_(network), link_(link), options_(options), sound_(without(block, {})) {
+      : marks_(marks),
+        marks_at_first_(marks.size()),
+        network_(network),
+        link_(link),
+        options_(options),
+        sound_(without(block, {})) {
     sound_.block.control = {};
     for (const Mark& mark : marks) sound_.block.control.plates.push_back(mark.plate);
     result_.survey_variance = network.variance_factor();
@@ -170,7 +175,7 @@ class Joint {
     judged_.control_doubts = std::move(tested.control_doubts);
     for (const std::string& warning : tested.warnings)
       if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
-    if (found.empty()) return false;
+    if (found.empty() || too_many_with(found)) return false;
     if (judged_.rejected_control.empty())  // readings of marks that are out are not held against the photographs
       result_.conspicuous = network_.conspicuous(covariance_, used_variance_, critical_w);
     without_.insert(without_.end(), tested.left_out.end() - static_cast<std::ptrdiff_t>(found.size()),
@@ -180,6 +185,19 @@ class Joint {
       std::erase_if(marks_, [&](const Mark& mark) { return mark.plate == point.plate; });
       std::erase(sound_.block.control.plates, point.plate);
     }
+    return true;
+  }
+
+  /// Each search leaves out a third of the marks that are left at the most; together they may be no more than a third
+  /// of all, or it is no matter of single marks. What is out stays out, and that the block is wrong is said.
+  bool too_many_with(const std::vector<block::RejectedControl>& found) {
+    const std::size_t out = judged_.rejected_control.size() + found.size();
+    if (3 * out <= marks_at_first_) return false;
+    judged_.control_doubts.push_back({found.front().test, found.front().limit, found.front().freedom,
+                                      "more than a third of the " + std::to_string(marks_at_first_) +
+                                          " marks contradict the photographs: survey and photographs do not show the "
+                                          "same state, or what is stated of "
+                                          "survey, tags or camera is wrong"});
     return true;
   }
 
@@ -292,6 +310,7 @@ class Joint {
   }
 
   std::vector<Mark> marks_;
+  const std::size_t marks_at_first_;
   KeptNetwork& network_;
   const FrameLink& link_;
   const JointOptions& options_;

@@ -95,6 +95,7 @@ def rules(data):
         (r"plumbline run (plan_images|observations).*", None),
         # Benches.
         (r"plumbline bench quick --out out/quick --archive supplement", "plumbline bench quick --seeds 1 --out out/quick --archive supplement"),
+        (r"plumbline bench verify supplement folder=/mnt/site .*", WHERE + "tests/integration/bench/test_bench.cpp says where inputs and programs lie"),
         (r"plumbline bench verify (\S+).*", "plumbline bench verify supplement --cells 4"),
         (r"plumbline bench (quick|benchmarks/paper/quick.yaml)( --out out/quick)?", r"plumbline bench \1 --seeds 1 --out out/quick"),
         (r"plumbline bench benchmarks/crossval.yaml folder=…", "plumbline bench benchmarks/crossval.yaml folder=site --seeds 1-2 --out out/crossval"),
