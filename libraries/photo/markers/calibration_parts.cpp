@@ -1,5 +1,7 @@
 #include "photo/markers/calibration_parts.hpp"
 
+#include <fmt/core.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -83,6 +85,13 @@ std::vector<bool> from_one_side(const Calibration& all) {
   return second;
 }
 
+/// The same photographs of a board that is wider by a share and as high.
+std::vector<CalibrationView> stretched(std::vector<CalibrationView> views, double by) {
+  for (CalibrationView& view : views)
+    for (CalibrationPoint& point : view.points) point.board.x() *= 1 + by;
+  return views;
+}
+
 }  // namespace
 
 std::vector<CalibrationParts> compare_parts(const std::vector<CalibrationView>& views,
@@ -133,8 +142,52 @@ JudgedCalibration calibrate_and_judge(const std::vector<CalibrationView>& views,
   Calibration& all = result.calibration;
   result.parts = compare_parts(views, as_found, all);
   all.covariance += (std::pow(shown_too_small_by(result.parts), 2) - 1) * all.own_covariance();
+  result.aspect = board_aspect(views, as_found, all);
   result.as_two = as_two_cameras(views, as_found, all);
   return result;
+}
+
+std::optional<BoardAspect> board_aspect(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                                        const Calibration& all) {
+  constexpr double told = 1.5;     // of a scatter that has a cause
+  constexpr double step = 0.004;   // relative
+  constexpr double least = 1e-3;   // of prints that nobody calls wrong
+  constexpr double certain = 100;  // of chi-squared with one degree of freedom: corners err with their photographs
+  const CameraTruth& truth = all.truth;
+  if (options.known || !truth.empirical.judged || (!truth.change && !(truth.empirical.factor > told)))
+    return std::nullopt;
+  try {
+    const auto squares = [](const Calibration& c) { return c.sigma * c.sigma * c.degrees_of_freedom; };
+    const auto with = [&](double by) {
+      return calibrate(stretched(views, by), all.camera.width, all.camera.height, options);
+    };
+    const double here = squares(all), wider = squares(with(step)), higher = squares(with(-step));
+    const double bend = wider - 2 * here + higher;
+    if (!(bend > 0)) return std::nullopt;
+    BoardAspect aspect;
+    aspect.by = 0.5 * step * (higher - wider) / bend;
+    if (!(std::abs(aspect.by) > least && std::abs(aspect.by) < 0.1)) return std::nullopt;
+    const Calibration best = with(aspect.by);
+    const double gain = (here - squares(best)) / (best.sigma * best.sigma);
+    aspect.scatter = best.truth.empirical.factor, aspect.without = truth.empirical.factor;
+    if (!(gain > certain) || best.truth.change || !(aspect.scatter < std::max(told, 0.5 * aspect.without)))
+      return std::nullopt;
+    aspect.sigma = aspect.scatter * std::abs(aspect.by) / std::sqrt(gain);
+    return aspect;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+std::string in_words(const BoardAspect& aspect) {
+  return fmt::format(
+      "the board is {:.2f} \u00b1 {:.2f} % {} than its file has it, against its height: a print that a program or a "
+      "printer stretched. With it the photographs scatter {:.1f} times as far as their corners allow, without it "
+      "{:.1f} "
+      "times. The camera is calibrated as if the board were as its file has it, and fx and fy are wrong by a part of "
+      "that: measure width and height of the board, and print it again",
+      100 * std::abs(aspect.by), 100 * aspect.sigma, aspect.by > 0 ? "wider" : "narrower", aspect.scatter,
+      aspect.without);
 }
 
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,

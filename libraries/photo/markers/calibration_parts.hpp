@@ -36,12 +36,26 @@ double shown_too_small_by(const std::vector<CalibrationParts>& all);
 std::string as_two_cameras(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
                            const Calibration& all);
 
+/// A board that is wider than its file has it, against its height: printed by a program that fits pages, or a printer
+/// that feeds paper too fast. Photographs that are held otherwise then tell cameras of other fx and fy.
+struct BoardAspect {
+  double by = 0, sigma = 0;         ///< width over height, less 1, against the file
+  double scatter = 1, without = 1;  ///< EmpiricalCovariance::factor with it, and without it
+};
+
+/// Where the photographs are of two cameras, or scatter: whether a board of another aspect explains it, so that with it
+/// they do neither. Takes four calibrations. Nothing: it does not.
+std::optional<BoardAspect> board_aspect(const std::vector<CalibrationView>& views, const CalibrationOptions& options,
+                                        const Calibration& all);
+std::string in_words(const BoardAspect& aspect);
+
 /// A calibration as camera.yaml has it.
 struct JudgedCalibration {
   Calibration calibration;  ///< its covariance made larger by shown_too_small_by()
   LensComparison lenses;
   std::vector<CalibrationParts> parts;
   std::string as_two;  ///< see as_two_cameras()
+  std::optional<BoardAspect> aspect;
 };
 
 /// Calibrates, compares parts of the photographs, and enlarges the covariance by what they contradict. Without `lens`

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "geometry/median.hpp"
 
 namespace plumbline::markers {
@@ -130,6 +131,55 @@ double scale_sigma_of_insets(const MarkerBlock& block, const std::vector<double>
   return images > 0 ? std::sqrt(squares / images) : 0;
 }
 
+/// Tags whose size stands apart from that of all others: prints of two scales, or two sizes under one tag_size.
+struct SizeGroups {
+  double gap = 0;  ///< relative; 0: there is one group
+  std::vector<std::string> apart;
+  bool smaller = false;  ///< those that stand apart
+};
+
+SizeGroups size_groups(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result) {
+  constexpr double beyond_chance = 5, apart = 2;
+  std::vector<const AdjustedMarker*> by_size;
+  for (const auto& marker : result.markers) by_size.push_back(&marker);
+  std::sort(by_size.begin(), by_size.end(), [](const auto* a, const auto* b) { return a->scale < b->scale; });
+  SizeGroups groups;
+  if (by_size.size() < 4) return groups;
+  size_t cut = 1;
+  for (size_t k = 2; k < by_size.size(); ++k)
+    if (by_size[k]->scale - by_size[k - 1]->scale > by_size[cut]->scale - by_size[cut - 1]->scale) cut = k;
+  const AdjustedMarker &low = *by_size[cut - 1], &high = *by_size[cut];
+  const double gap = high.scale - low.scale;
+  const double within = std::max(low.scale - by_size.front()->scale, by_size.back()->scale - high.scale);
+  if (!(gap > beyond_chance * std::hypot(options.size_sigma, low.scale_sigma, high.scale_sigma))) return groups;
+  if (!(gap > apart * within)) return groups;
+  const auto mean = [&](size_t from, size_t to) {
+    double sum = 0;
+    for (size_t k = from; k < to; ++k) sum += by_size[k]->scale;
+    return sum / static_cast<double>(to - from);
+  };
+  groups.gap = mean(cut, by_size.size()) / mean(0, cut) - 1;
+  groups.smaller = 2 * cut <= by_size.size();
+  std::vector<int> apart_ones;  // in the order of the block
+  for (size_t k = groups.smaller ? 0 : cut; k < (groups.smaller ? cut : by_size.size()); ++k)
+    apart_ones.push_back(by_size[k]->marker);
+  std::sort(apart_ones.begin(), apart_ones.end());
+  for (const int marker : apart_ones) groups.apart.push_back(block.markers[marker].name());
+  return groups;
+}
+
+void warn_about_sizes(const SizeGroups& groups, bool by_distance, MarkerResult& result) {
+  result.warnings.push_back(
+      (groups.apart.size() == 1 ? "tag " + groups.apart.front() + " is "
+                                : "tags " + text::join(groups.apart, 8) + " are ") +
+      text::format_fixed(100 * groups.gap, 1) + " % " + (groups.smaller ? "smaller" : "larger") + " than the other " +
+      std::to_string(result.markers.size() - groups.apart.size()) +
+      " beside the size that is given: printed at another scale, or of another size" +
+      (by_distance ? ""
+                   : ". Which of them are as tag_size says is not known, and all lengths may be wrong by that: give "
+                     "each tag its own size, or distance=A,B,metres"));
+}
+
 double mean_size(const MarkerBlock& block, const MarkerResult& result) {
   double size = 0;
   for (const auto& marker : result.markers)
@@ -146,6 +196,8 @@ double scale_sigma_by_size(const MarkerBlock& block, const MarkerOptions& option
 }
 
 void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerResult& result) {
+  const SizeGroups groups = size_groups(block, options, result);
+  if (groups.gap > 0) warn_about_sizes(groups, options.distance.has_value(), result);
   if (options.distance) {
     result.scale_sigma = options.distance->sigma / options.distance->length;
     result.datum += "; lengths by the distance of tags " + block.markers[options.distance->from].name() + " and " +
@@ -157,13 +209,14 @@ void state_scale(const MarkerBlock& block, const MarkerOptions& options, MarkerR
   warn_about_inset(sides, result);
   const double by_insets = options.inset_sigma > 0 ? scale_sigma_of_insets(block, sides, options.inset_sigma) : 0;
   const double size = mean_size(block, result);
-  result.scale_sigma = scale_sigma_by_size(block, options, result);
+  result.scale_sigma = std::hypot(scale_sigma_by_size(block, options, result), 0.5 * groups.gap);
   result.datum +=
       "; lengths by the printed size of the tags, good to " + text::format_fixed(100 * result.scale_sigma, 2) + " % (" +
       text::format_fixed(1e3 * options.print_sigma, 2) + " mm of " + text::format_fixed(1e3 * size, 1) + " mm" +
       (by_insets > 0
            ? ", and " + text::format_fixed(100 * by_insets, 2) + " % for how evenly the photographs draw edges"
            : "") +
+      (groups.gap > 0 ? ", and sizes of two groups" : "") +
       "), which the standard deviations do not hold: distance=A,B,metres gives them better";
 }
 

@@ -37,7 +37,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 8,
+      "calibrate.board", "", 9,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::string> lens{"lens", "by_photographs", one_of("by_photographs", "brown", "fisheye"),

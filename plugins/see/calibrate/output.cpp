@@ -104,8 +104,11 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
   std::string text;
   add_lens(one.lenses, c.camera.lens, warnings);
   const size_t before = warnings.size();
-  for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
-  if (c.truth.change && !one.as_two.empty()) warnings[before] += ". " + with_capital(one.as_two);
+  if (one.aspect)
+    warnings.push_back(with_capital(in_words(*one.aspect)));
+  else
+    for (const std::string& words : markers::warnings_of(c.truth)) warnings.push_back(with_capital(words));
+  if (!one.aspect && c.truth.change && !one.as_two.empty()) warnings[before] += ". " + with_capital(one.as_two);
   if (!c.truth.empirical.judged) {
     warnings.push_back(fmt::format(
         "{} photographs are too few to see how they scatter ({} are needed): the standard deviations are {:.1f} times "

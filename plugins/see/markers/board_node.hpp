@@ -85,6 +85,8 @@ struct AdjustMarkerBoard : Node {
     if (options.distance) check_distance(input.block, options, result);
     const std::vector<MarkerHalves> halves =
         *compare ? halves_of(input.block, options, result) : std::vector<MarkerHalves>();
+    if (const std::string print = stretched_print(input.block, options, result); !print.empty())
+      result.warnings.insert(result.warnings.begin(), print);
     for (const auto& text : result.left_out) context.warn("left out: " + text);
     for (const auto& text : result.warnings) context.warn(text);
     context.metric("rms", result.rms, "px");
@@ -98,6 +100,38 @@ struct AdjustMarkerBoard : Node {
   }
 
  private:
+  static bool cameras_scatter(const MarkerResult& result) {
+    constexpr double told = 1.5;
+    return std::any_of(result.cameras.begin(), result.cameras.end(), [](const AdjustedMarkerCamera& camera) {
+      return camera.truth.change || (camera.truth.empirical.judged && camera.truth.empirical.factor > told);
+    });
+  }
+
+  /// A print that is wider than high makes cameras seem to change with the way they are held: whether tags that may be
+  /// no squares explain it.
+  static std::string stretched_print(const MarkerBlock& block, MarkerOptions options, const MarkerResult& result) {
+    constexpr double free = 0.02, least = 5e-4, beyond_chance = 5;
+    if (options.shape_sigma > 0 || result.markers.size() < 3 || !cameras_scatter(result)) return "";
+    options.shape_sigma = free;
+    try {
+      const MarkerResult shaped = adjust_marker_block(block, options);
+      double mean = 0, squares = 0;
+      const auto n = static_cast<double>(shaped.markers.size());
+      for (const AdjustedMarker& marker : shaped.markers) mean += marker.shape[0] / n;
+      for (const AdjustedMarker& marker : shaped.markers) squares += std::pow(marker.shape[0] - mean, 2);
+      const double sigma = std::sqrt(squares / (n * (n - 1)));
+      if (!(std::abs(mean) > std::max(least, beyond_chance * sigma)) || cameras_scatter(shaped)) return "";
+      return fmt::format(
+          "the tags are {:.2f} \u00b1 {:.2f} % {} than they are high: a print that a program or a printer stretched. "
+          "As "
+          "that they explain what else would be a camera that changes: block.with.shape_sigma={} lets them be no "
+          "squares. Measure both of their sides",
+          200 * std::abs(mean), 200 * sigma, mean > 0 ? "wider" : "narrower", free);
+    } catch (const std::runtime_error&) {
+      return "";
+    }
+  }
+
   /// Tags and cameras by three divisions of the photographs; the worst that contradicts is told, and a camera that
   /// changed is tried as two.
   static std::vector<MarkerHalves> halves_of(const MarkerBlock& block, const MarkerOptions& options,

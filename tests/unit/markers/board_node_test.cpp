@@ -203,6 +203,46 @@ TEST(MarkerBoard, ACopyAtAnotherSizeIsLeftOut) {
   EXPECT_THAT(said_by(node), HasSubstr("left out: small.jpg: is image2.jpg at another size"));
 }
 
+/// It was a rolling shutter.
+TEST(MarkerBoard, APrintThatIsWiderThanHighIsNamed) {
+  const auto said_with = [](double wider) {
+    Scene s = scene(0.05, 3, 20);
+    for (MarkerView& view : s.block.views)
+      for (std::size_t q = 0; q < 4; ++q) {
+        const RigidTransform &image = s.images[view.image], &tag = s.tags[view.marker];
+        const Eigen::Vector3d square = corner(0.12, q), print(square.x() * (1 + wider), square.y(), 0);
+        view.corners[q] +=
+            *project(true_camera(), image * (tag * print)) - *project(true_camera(), image * (tag * square));
+      }
+    test::NodeHarness node("adjust.marker_board");
+    give(s, 1480, node);
+    node.set("tag_size", "0.12"), node.set("compare_halves", "false");
+    return said_by(node);
+  };
+  EXPECT_THAT(said_with(0.006), testing::ContainsRegex("the tags are 0\\.[56].* % wider than they are high"));
+  EXPECT_THAT(said_with(0), Not(HasSubstr("than they are high")));
+}
+
+/// Some were printed at 97 %: lengths were wrong by 0.7 % where 0.2 % was stated, without a word.
+TEST(MarkerBoard, SizesOfTwoGroupsAreTold) {
+  const auto said_with = [](double scale) {
+    Scene s = scene(0.05, 3, 12);
+    for (MarkerView& view : s.block.views)
+      for (std::size_t q = 0; view.marker >= 8 && q < 4; ++q) {
+        const RigidTransform &image = s.images[view.image], &tag = s.tags[view.marker];
+        view.corners[q] += *project(true_camera(), image * (tag * corner(0.12 * scale, q))) -
+                           *project(true_camera(), image * (tag * corner(0.12, q)));
+      }
+    test::NodeHarness node("adjust.marker_board");
+    give(s, 1480, node);
+    node.set("tag_size", "0.12"), node.set("compare_halves", "false");
+    return said_by(node);
+  };
+  EXPECT_THAT(said_with(0.97),
+              testing::ContainsRegex("tags 8, 9, 10, 11 are (2.9|3.0|3.1) % smaller than the other 8"));
+  EXPECT_THAT(said_with(0.999), Not(HasSubstr("smaller than the other")));
+}
+
 TEST(WritePly, RefusesWhatIsNoCoordinate) {
   for (const double height : {300.0, 1e308}) {
     PointsT points;

@@ -285,6 +285,27 @@ TEST(CameraChange, IsNamedWithItsPhotographs) {
 }
 
 /// Of a board whose points carry no numbers a mirrored picture is one of a board, too.
+/// A board that was printed 0.6 % too wide was a rolling shutter, or pictures that a program stretched.
+TEST(BoardAspect, IsToldFromACameraThatChanges) {
+  const auto of_board = [](double by, const OwnOf& own_of = {}) {
+    auto views = photographs(24, 5, own_of);
+    for (CalibrationView& view : views)
+      for (CalibrationPoint& point : view.points) point.board.x() /= 1 + by;
+    const Calibration all = calibrate(views, 1600, 1200, {});
+    return board_aspect(views, {}, all);
+  };
+  for (const double by : {0.006, -0.004}) {
+    const auto aspect = of_board(by);
+    ASSERT_TRUE(aspect) << by;
+    EXPECT_NEAR(aspect->by, by, 4 * aspect->sigma + 1e-4);
+    EXPECT_LT(aspect->sigma, 1e-3);
+    EXPECT_THAT(in_words(*aspect), HasSubstr(by > 0 ? "% wider than its file" : "% narrower than its file"));
+  }
+  EXPECT_FALSE(of_board(0));
+  EXPECT_FALSE(of_board(0, [](int k, const Eigen::Vector2d&) { return Own{k % 2 ? 1.02 : 1.0}; })) << "a zoom";
+  EXPECT_FALSE(of_board(0, [](int, const Eigen::Vector2d& drawn) { return Own{1, {0, 0}, 5 * drawn}; })) << "rows";
+}
+
 TEST(CameraChange, OfMirroredPhotographsOfAChessboardNamesTheMirror) {
   auto views = photographs(24, 7);
   for (std::size_t k = 1; k < views.size(); k += 2)
