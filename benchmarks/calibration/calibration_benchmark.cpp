@@ -12,6 +12,7 @@
 #include <random>
 #include <sstream>
 
+#include "base/text/name_order.hpp"
 #include "photo/detect/board.hpp"
 #include "photo/images/grey_image.hpp"
 #include "photo/markers/calibration_parts.hpp"
@@ -103,7 +104,7 @@ std::vector<bool> at_random(const Seen& seen, unsigned seed) {
 std::vector<bool> by_name(const Seen& seen) {
   std::vector<std::size_t> order = all_of(seen);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return before_by_name(seen.views[a].path, seen.views[b].path);
+    return text::before_by_name(seen.views[a].path, seen.views[b].path);
   });
   return later_half(order);
 }

@@ -85,10 +85,10 @@ std::string control_against_images(const PointBlockResult& result) {
   if (!(ratio > limit) && suspects.empty()) return "";
   if (suspects.empty()) suspects = fmt::format(", most at {} (w {:.1f})", worst, largest);
   return fmt::format(
-      "control and images contradict each other: the control's variance factor is {:.3g} times that of the images ({} "
-      "{:.3g} by chance), its residuals {:.3g} mm rms{}. Its standard deviations are too "
+      "control and images contradict each other: the control's variance factor is {:.3g} times that of the images (at "
+      "most {:.3g} by chance), its residuals {:.3g} mm rms{}. Its standard deviations are too "
       "small, a point of it is another one in the images, or the camera is not what the file says{}",
-      ratio, ratio > limit ? "at most" : "up to", limit, 1e3 * std::sqrt(squares / count), suspects,
+      ratio, limit, 1e3 * std::sqrt(squares / count), suspects,
       result.block.cameras.at(0).lens == bundle::Lens::correcting
           ? " (block.with.free=[c, xp, yp, K1, K2, P1, P2] estimates it)"
           : "");

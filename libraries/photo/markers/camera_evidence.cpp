@@ -3,28 +3,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/text/name_order.hpp"
+
 namespace plumbline::markers {
-bool before_by_name(const std::string& a, const std::string& b) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (digit(a[i]) && digit(b[j])) {
-      const auto number = [&](const std::string& text, std::size_t& at) {
-        while (at < text.size() && text[at] == '0') ++at;
-        const std::size_t from = at;
-        while (at < text.size() && digit(text[at])) ++at;
-        return text.substr(from, at - from);
-      };
-      const std::string one = number(a, i), two = number(b, j);
-      if (one.size() != two.size()) return one.size() < two.size();
-      if (one != two) return one < two;
-    } else {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i, ++j;
-    }
-  }
-  return a.size() - i < b.size() - j;
-}
 
 Eigen::Matrix2d effects_at(const Eigen::Vector2d& pixel, int height) {
   return (pixel.y() / height - 0.5) * Eigen::Matrix2d::Identity();
@@ -41,7 +22,7 @@ CameraEvidence evidence_of(const std::vector<PhotographShare>& shares, const Eig
   std::vector<std::size_t> order(members.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return before_by_name(paths[a], paths[b]); });
+                   [&](std::size_t a, std::size_t b) { return text::before_by_name(paths[a], paths[b]); });
   const auto kept = static_cast<int>(cofactor.rows());
   for (int e = 0; e < effect_count; ++e) wanted.push_back(kept + e);
   const auto n = static_cast<Eigen::Index>(wanted.size());

@@ -24,9 +24,6 @@ constexpr int effect_count = 2;
 /// Derivatives of `pixel` by the effects, 2 × effect_count; of a camera whose image is `height` high.
 Eigen::Matrix2d effects_at(const Eigen::Vector2d& pixel, int height);
 
-/// Numbers in names count as numbers: 2.jpg before 10.jpg.
-bool before_by_name(const std::string& a, const std::string& b);
-
 /// Photographs of one camera in the order of their names, numbers counted as numbers.
 struct CameraEvidence {
   std::vector<std::string> paths;

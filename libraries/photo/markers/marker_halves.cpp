@@ -11,6 +11,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/name_order.hpp"
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/median.hpp"
 #include "geometry/similarity.hpp"
@@ -32,7 +33,7 @@ std::map<int, bool> second_half(const MarkerBlock& block, const MarkerResult& re
   for (auto& [camera, images] : of_camera) {
     if (static_cast<int>(images.size()) < kFewestPhotographs) return {};
     std::stable_sort(images.begin(), images.end(), [&](const auto* a, const auto* b) {
-      return before_by_name(block.images[a->image].path, block.images[b->image].path);
+      return text::before_by_name(block.images[a->image].path, block.images[b->image].path);
     });
     std::vector<double> along;
     if (by == HalvesBy::place) {

@@ -12,6 +12,7 @@
 #include <optional>
 #include <random>
 
+#include "base/text/name_order.hpp"
 #include "photo/markers/calibration_parts.hpp"
 #include "test_support.hpp"
 
@@ -114,7 +115,7 @@ std::vector<bool> late(const MeasuredBoard& board) {
   std::vector<std::size_t> order(board.views.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return before_by_name(board.views[a].path, board.views[b].path);
+    return text::before_by_name(board.views[a].path, board.views[b].path);
   });
   std::vector<bool> second(order.size());
   for (std::size_t k = order.size() / 2; k < order.size(); ++k) second[order[k]] = true;

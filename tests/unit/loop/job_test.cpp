@@ -12,16 +12,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
 #include "loop/job/layout_files.hpp"
 #include "loop/job/signature.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
+#include "released.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::loop {
@@ -49,15 +46,6 @@ struct Released {
   }
 };
 
-bool valid(const json& document) {
-  const json text = json::parse(test::read_file(std::string(test::source_dir()) + "/schemas/robot_job.schema.json"));
-  valijson::Schema schema;
-  valijson::SchemaParser parser;
-  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-  valijson::Validator validator;
-  return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
-}
-
 std::string fault_of(const json& document) {
   try {
     read_job(document.dump());
@@ -72,7 +60,7 @@ TEST(Job, ComesBackAsItWasWritten) {
   const Job job = make_job(r.plan, r.state, 1, "2026-05-02T08:00:00Z", "2026-05-03T08:00:00Z");
   ASSERT_FALSE(job.items.empty());
   const std::string text = job_json(job);
-  EXPECT_TRUE(valid(json::parse(text)));
+  EXPECT_TRUE(test::is_valid_job(json::parse(text)));
   const Job back = read_job(text);
   EXPECT_EQ(job_json(back), text);
   EXPECT_EQ(back.origin, Eigen::Vector3d(432000, 5812000, 0));
@@ -147,7 +135,7 @@ TEST(Job, WhatIsWrongIsNamedAndFailsTheSchema) {
   const auto broken = [&](auto&& change) {
     json document = good;
     change(document);
-    EXPECT_FALSE(valid(document)) << document.dump().substr(0, 200);
+    EXPECT_FALSE(test::is_valid_job(document)) << document.dump().substr(0, 200);
     return fault_of(document);
   };
   EXPECT_EQ(broken([](json& j) { j.erase("revision"); }), "job: the file lacks 'revision'");
@@ -188,7 +176,7 @@ TEST(Job, WhatNobodyReadsIsNotCarriedOut) {
   const auto changed = [&](auto&& change) {
     json document = good;
     change(document);
-    EXPECT_FALSE(valid(document)) << document.dump().substr(0, 200);
+    EXPECT_FALSE(test::is_valid_job(document)) << document.dump().substr(0, 200);
     return fault_of(document);
   };
   EXPECT_EQ(changed([](json& j) { j["validUntill"] = "2026-05-03T08:00:00Z"; }),
@@ -204,7 +192,7 @@ TEST(Job, WhatNobodyReadsIsNotCarriedOut) {
   EXPECT_NE(fault_of(turned).find("the root frame is not turned"), std::string::npos) << fault_of(turned);
   json zones = good;
   zones["items"][0]["forbiddenZones"] = {{{"centre", {0, 0, 0}}, {"halfWidths", {0.1, 0.1, 0.1}}}};
-  EXPECT_TRUE(valid(zones)) << "others may write them";
+  EXPECT_TRUE(test::is_valid_job(zones)) << "others may write them";
   EXPECT_NE(fault_of(zones).find("does not keep a tool out of zones"), std::string::npos) << fault_of(zones);
 }
 

@@ -19,25 +19,14 @@
 #include "loop/state/plan_artifact.hpp"
 #include "node_harness.hpp"
 #include "random_facade.hpp"
+#include "released.hpp"
 
 namespace nodes_test {
 
 using namespace plumbline;
 using namespace plumbline::loop;
 using plumbline::test::NodeFailed;
-using plumbline::test::NodeHarness;
-
-/// A plan with its state after the first release.
-struct Released {
-  InstallationPlanT plan;
-  LoopStateT state;
-  Released() {
-    const Facade facade = test::random_facade({2, 2}, 4, 0.004, 0.0003, 0.0004);
-    const Fit fit = plan_settings(facade);
-    plan = plan_artifact(facade, fit, judge_plan(facade, fit));
-    apply_plan(state, plan, {});
-  }
-};
+using plumbline::test::NodeHarness, plumbline::test::Released;
 
 std::string text_of(const FileT& file) { return {file.content.begin(), file.content.end()}; }
 

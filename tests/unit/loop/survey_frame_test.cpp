@@ -3,21 +3,24 @@
 
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
 
 #include "artifacts/frame_artifact.hpp"
 #include "loop/exchange/vda5050.hpp"
 #include "loop/job/layout_files.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/plan_artifact.hpp"
-#include "random_facade.hpp"
+#include "released.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::loop {
 namespace survey_frame_test {
+
+using test::Released, test::is_valid_job;
+
+Job released_job() {
+  const Released r;
+  return make_job(r.plan, r.state, 0, "", "");
+}
 
 using nlohmann::json;
 
@@ -38,21 +41,9 @@ const std::vector<FrameLink>& links() {
   return two;
 }
 
-struct Released {
-  InstallationPlanT plan;
-  LoopStateT state;
-  Released() {
-    const Facade facade = test::random_facade({2, 2}, 4, 0.004, 0.0003, 0.0004);
-    const Fit fit = plan_settings(facade);
-    plan = plan_artifact(facade, fit, judge_plan(facade, fit));
-    apply_plan(state, plan, {});
-  }
-  Job job() const { return make_job(plan, state, 0, "", ""); }
-};
-
 TEST(SurveyFrame, AJobIsWhereTheControlIsAndSaysHowTheDesignLiesThere) {
   const Released r;
-  const Job designed = r.job();
+  const Job designed = make_job(r.plan, r.state, 0, "", "");
   ASSERT_FALSE(designed.items.empty());
   for (const FrameLink& link : links()) {
     const Job job = in_survey(designed, link);
@@ -72,27 +63,18 @@ TEST(SurveyFrame, AJobIsWhereTheControlIsAndSaysHowTheDesignLiesThere) {
   }
 }
 
-bool valid(const json& document) {
-  const json text = json::parse(test::read_file(std::string(test::source_dir()) + "/schemas/robot_job.schema.json"));
-  valijson::Schema schema;
-  valijson::SchemaParser parser;
-  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-  valijson::Validator validator;
-  return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(document), nullptr);
-}
-
 TEST(SurveyFrame, AJobWithoutHowItsFrameLiesIsNone) {
   const Released r;
-  json job = json::parse(job_json(in_survey(r.job(), links()[0])));
-  EXPECT_TRUE(valid(job));
+  json job = json::parse(job_json(in_survey(make_job(r.plan, r.state, 0, "", ""), links()[0])));
+  EXPECT_TRUE(is_valid_job(job));
   json without = job;
   without["frames"][0].erase("buildingFromFrame");
-  EXPECT_FALSE(valid(without));
+  EXPECT_FALSE(is_valid_job(without));
   EXPECT_THROW(read_job(without.dump()), std::runtime_error);
   json both = job;
   both["frames"][0]["name"] = "building";
   for (auto& item : both["items"]) item["frame"] = "building";
-  EXPECT_FALSE(valid(both));
+  EXPECT_FALSE(is_valid_job(both));
   EXPECT_THROW(read_job(both.dump()), std::runtime_error);
 }
 
@@ -105,7 +87,7 @@ TEST(SurveyFrame, TheCovarianceIsThatOfThePlaceAtTheJobsOrigin) {
   rows.block<3, 3>(3, 1) = -link.linear();
   const Eigen::Vector4d sigmas(1e-5, 0.002, 0.002, 0.001);
   link.covariance.topLeftCorner<6, 6>() = rows * sigmas.cwiseAbs2().asDiagonal() * rows.transpose();
-  const Job job = read_job(job_json(in_survey(Released().job(), link)));
+  const Job job = read_job(job_json(in_survey(released_job(), link)));
   FrameGraph graph;
   graph.add(link);
   const FramePoints at = graph.express({{job.origin}, Eigen::MatrixXd::Zero(3, 3)}, "building", "survey");
@@ -118,7 +100,7 @@ TEST(SurveyFrame, TheCovarianceIsThatOfThePlaceAtTheJobsOrigin) {
 
 TEST(SurveyFrame, StakedPointsComeBackToTheDesign) {
   const Released r;
-  const Job designed = r.job();
+  const Job designed = make_job(r.plan, r.state, 0, "", "");
   for (const FrameLink& link : links()) {
     const auto points = layout_points(in_survey(designed, link));
     ASSERT_EQ(points.size(), layout_points(designed).size());
@@ -148,9 +130,9 @@ std::vector<Eigen::Vector3d> places_of(const std::string& dxf) {
 
 TEST(SurveyFrame, ADrawingHasPanelsBracketsAndControlInOne) {
   const Released r;
-  const auto designed = places_of(layout_dxf(r.plan, r.job(), {}));
+  const auto designed = places_of(layout_dxf(r.plan, make_job(r.plan, r.state, 0, "", ""), {}));
   for (const FrameLink& link : links()) {
-    const auto drawn = places_of(layout_dxf(r.plan, in_survey(r.job(), link), {}, link));
+    const auto drawn = places_of(layout_dxf(r.plan, in_survey(make_job(r.plan, r.state, 0, "", ""), link), {}, link));
     ASSERT_EQ(drawn.size(), designed.size());
     for (std::size_t i = 0; i < drawn.size(); ++i)
       if (!designed[i].isZero(0)) {  // the head of a polyline has no place
@@ -191,7 +173,7 @@ TEST(SurveyFrame, AReportSaysItsFrameWhereThereAreTwo) {
 
 TEST(SurveyFrame, OrdersAreInTheJobsFrameAndWhatRobotsAnswerComesBack) {
   const Released r;
-  const Job designed = r.job();
+  const Job designed = make_job(r.plan, r.state, 0, "", "");
   for (const FrameLink& link : links()) {
     const Job job = in_survey(designed, link);
     const VdaRobot robot{VdaVersion::v2_0, "Acme", "R2D2", 7, "2026-05-02T08:00:00Z", std::nullopt};

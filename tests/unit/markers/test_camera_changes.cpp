@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <random>
 
+#include "base/text/name_order.hpp"
 #include "geometry/statistics.hpp"
 #include "photo/markers/calibration_parts.hpp"
 #include "scene.hpp"
@@ -391,13 +392,13 @@ TEST(CameraChange, IsNotBlamedWherePlacesExplainIt) {
 }
 
 TEST(Names, AreSortedByTheirNumbers) {
-  EXPECT_TRUE(before_by_name("2.jpg", "10.jpg"));
-  EXPECT_FALSE(before_by_name("10.jpg", "2.jpg"));
-  EXPECT_TRUE(before_by_name("a/IMG_009.JPG", "a/IMG_0010.JPG"));
-  EXPECT_TRUE(before_by_name("a1", "a1b"));
-  EXPECT_FALSE(before_by_name("x", "x"));
-  EXPECT_TRUE(before_by_name("IMG_1a.jpg", "IMG_02.jpg")) << "a number ends where its digits do";
-  EXPECT_FALSE(before_by_name("a10_2b.jpg", "a010_1.jpg"));
+  EXPECT_TRUE(text::before_by_name("2.jpg", "10.jpg"));
+  EXPECT_FALSE(text::before_by_name("10.jpg", "2.jpg"));
+  EXPECT_TRUE(text::before_by_name("a/IMG_009.JPG", "a/IMG_0010.JPG"));
+  EXPECT_TRUE(text::before_by_name("a1", "a1b"));
+  EXPECT_FALSE(text::before_by_name("x", "x"));
+  EXPECT_TRUE(text::before_by_name("IMG_1a.jpg", "IMG_02.jpg")) << "a number ends where its digits do";
+  EXPECT_FALSE(text::before_by_name("a10_2b.jpg", "a010_1.jpg"));
 }
 
 /// What hides in the scatter is said: silence would claim that nothing changed.
