@@ -38,8 +38,6 @@ void ForkWatch::note(pid_t child) {
   if (child > 0 && watch) watch->children_.push_back(child);
 }
 
-bool ForkWatch::looks() { return watch != nullptr; }
-
 void ForkWatch::end_if_this_is_a_copy() const {
   if (getpid() != process_) leave_at_once(1);
 }
@@ -57,14 +55,16 @@ std::string ForkWatch::end_what_is_left() const {
                             ") and might still have written what it gave; wait for it before the end";
 }
 
-NewChildren::NewChildren() {
-  if (ForkWatch::looks()) before_ = children_now();
-}
+NewChildren::NewChildren() : before_(children_now()) {}
 
-void NewChildren::note() const {
-  if (!ForkWatch::looks()) return;
+std::vector<pid_t> NewChildren::note() const {
+  std::vector<pid_t> found;
   for (const pid_t child : children_now())
-    if (std::find(before_.begin(), before_.end(), child) == before_.end()) ForkWatch::note(child);
+    if (std::find(before_.begin(), before_.end(), child) == before_.end()) {
+      ForkWatch::note(child);
+      found.push_back(child);
+    }
+  return found;
 }
 
 }  // namespace plumbline::runtime

@@ -25,8 +25,6 @@ class ForkWatch {
 
   /// Of every process that this one starts.
   static void note(pid_t child);
-  /// Whether anybody looks.
-  static bool looks();
 
  private:
   const pid_t process_;
@@ -34,12 +32,12 @@ class ForkWatch {
   std::vector<pid_t> children_;
 };
 
-/// Children that this thread gets while it lives, by what the kernel lists (/proc/thread-self/children). Looks only if
-/// somebody watches.
+/// Children that this thread gets while it lives, by what the kernel lists (/proc/thread-self/children).
 class NewChildren {
  public:
   NewChildren();
-  void note() const;
+  /// Who watches is told of them.
+  std::vector<pid_t> note() const;
 
  private:
   std::vector<pid_t> before_;

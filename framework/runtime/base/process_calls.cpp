@@ -1,8 +1,8 @@
-// _exit(), the exec family, fork(), posix_spawn() and popen(), as a node may call them; these stand in the place of
-// libc's own for all that is loaded into the program. The first two leave the process without a word: no handler of
-// exit() runs, and the exit code may be 0. In the process that runs the node they name it; in one that it has forked
-// they do what they always do. What is forked or spawned is noted (forks.hpp), and so are threads (thread_watch.hpp),
-// and that the locale of the process is set.
+// _exit(), the exec family, fork(), posix_spawn(), popen() and system(), as a node may call them; these stand in the
+// place of libc's own for all that is loaded into the program. The first two leave the process without a word: no
+// handler of exit() runs, and the exit code may be 0. In the process that runs the node they name it; in one that it
+// has forked they do what they always do. What is forked or spawned is noted (forks.hpp), and so are threads
+// (thread_watch.hpp), and that the locale of the process is set.
 #include <dlfcn.h>
 #include <locale.h>
 #include <pthread.h>
@@ -15,6 +15,7 @@
 #include <cstdlib>
 
 #include "runtime/base/forks.hpp"
+#include "runtime/base/orphans.hpp"
 #include "runtime/base/running_nodes.hpp"
 #include "runtime/base/thread_watch.hpp"
 
@@ -46,8 +47,11 @@ int (*const real_execveat)(int, const char*, char* const*, char* const*,
 int spawn_noted(Spawn* real, pid_t* child, const char* program, const posix_spawn_file_actions_t* files,
                 const posix_spawnattr_t* attributes, char* const* arguments, char* const* environment) {
   pid_t started = 0;
-  const int error = real(&started, program, files, attributes, arguments, environment);
-  if (error) return error;
+  {
+    const plumbline::runtime::StartOfChild start;
+    if (const int error = real(&started, program, files, attributes, arguments, environment)) return error;
+    start.known(started);
+  }
   plumbline::runtime::ForkWatch::note(started);
   if (child) *child = started;
   return 0;
@@ -79,7 +83,12 @@ extern "C" {
 }
 
 PLUMBLINE_FOR_ALL pid_t fork() noexcept {
-  const pid_t child = real_fork();
+  pid_t child = 0;
+  {
+    const plumbline::runtime::StartOfChild start;
+    child = real_fork();
+    start.known(child);
+  }
   plumbline::runtime::ForkWatch::note(child);
   return child;
 }
@@ -99,12 +108,16 @@ PLUMBLINE_FOR_ALL int posix_spawnp(pid_t* child, const char* file, const posix_s
 }
 
 PLUMBLINE_FOR_ALL FILE* popen(const char* command, const char* mode) {
-  const plumbline::runtime::NewChildren children;  // which one it is libc keeps to itself
   static auto* const real = next<FILE*(const char*, const char*)>("popen");
+  const plumbline::runtime::StartOfChild start;
+  const plumbline::runtime::NewChildren children;  // which one it is libc keeps to itself
   FILE* const stream = real(command, mode);
-  if (stream) children.note();
+  if (stream)
+    for (const pid_t child : children.note()) start.known(child);
   return stream;
 }
+
+PLUMBLINE_FOR_ALL int system(const char* command) { return command ? plumbline::runtime::run_command(command) : 1; }
 
 PLUMBLINE_FOR_ALL int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*),
                                      void* argument) noexcept {

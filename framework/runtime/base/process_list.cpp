@@ -49,6 +49,8 @@ std::vector<ProcessStat> find_left(pid_t leader, const std::string& setting) {
 
 }  // namespace
 
+ProcessStat process_stat(pid_t process) { return read_stat("/proc/" + std::to_string(process)); }
+
 std::vector<ProcessStat> running_processes() {
   std::vector<ProcessStat> found;
   std::error_code error;

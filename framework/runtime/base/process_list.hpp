@@ -15,6 +15,9 @@ struct ProcessStat {
   pid_t group = 0;
 };
 
+/// No pid: it is gone.
+ProcessStat process_stat(pid_t process);
+
 /// All that can be seen, in no order; those that end meanwhile may be missing.
 std::vector<ProcessStat> running_processes();
 

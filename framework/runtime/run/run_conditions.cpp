@@ -8,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "runtime/base/orphans.hpp"
 #include "runtime/base/running_nodes.hpp"
 
 extern char** environ;
@@ -105,6 +106,7 @@ ProcessConditions::ProcessConditions()
   if (folder_ >= 0) fstat(folder_, &folder_info_);
   for (char** entry = environ; entry && *entry; ++entry) environment_.emplace_back(*entry);
   for (size_t i = 1; i < actions_.size(); ++i) sigaction(static_cast<int>(i), nullptr, &actions_[i]);
+  take_in_orphans();
 }
 
 ProcessConditions::~ProcessConditions() {
@@ -120,6 +122,8 @@ std::string ProcessConditions::restore() {
   add(list, restore_locale());
   add(list, restore_environment());
   add(list, restore_signals());
+  if (const std::string orphans = end_orphans(); !orphans.empty())
+    add(list, "what runs beside it: " + orphans + ", which it had started, went on and was ended");
   return list;
 }
 

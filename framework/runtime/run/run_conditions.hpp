@@ -1,6 +1,6 @@
 // What a node finds when it runs and must leave as it was: in its thread the floating-point mode (rounding, subnormal
 // numbers, traps), blocked signals and locale; in the process locale, umask, working folder, environment and what
-// signals do.
+// signals do, and which processes run.
 //
 // Each of them may change the numbers of whatever is computed next in the same process, under a key that knows nothing
 // of it. So they are set before a run and looked at after it, in the program and in its workers. A locale that is set

@@ -85,6 +85,23 @@ void leave_thread(const std::string& how) {
 
 /// A program that goes on for half a minute, or one that it waits for.
 void start_program(const std::string& how) {
+  if (how == "system") {
+    if (std::system("sleep 30.125 &") != 0 || std::system("exit 3") != 3 << 8)
+      throw std::runtime_error("no such system()");
+    return;
+  }
+  if (how == "system_and_wait") {
+    if (std::system("sleep 0.3; exit 3") != 3 << 8) throw std::runtime_error("its command did not end as it should");
+    return;
+  }
+  if (how == "system_of_two") {  // a shell that goes on, with one that goes on
+    if (std::system("(sleep 30.125; echo done) &") != 0) throw std::runtime_error("no such system()");
+    return;
+  }
+  if (how == "popen_of_two") {  // the shell stays, and waits for the first of them
+    if (!popen("sleep 30.125; echo done", "r")) throw std::runtime_error("cannot start sleep");
+    return;
+  }
   if (how == "popen") {
     if (!popen("sleep 30", "r")) throw std::runtime_error("cannot start sleep");
     return;
@@ -106,8 +123,9 @@ struct Accident : Node {
   Param<std::string> how{
       "how", "not",
       one_of("not", "crash", "abort", "exit", "kill", "hang", "eat", "eat_unchecked", "throw", "shout", "meet", "alone",
-             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "spawn", "popen", "spawn_and_wait",
-             "write_input", "leave_thread", "leave_grandchild", "leave_pool", "leave_soon"),
+             "say_pid", "kill_pid", "share", "memfd", "fork", "fork_and_return", "spawn", "popen", "popen_of_two",
+             "system", "system_of_two", "system_and_wait", "spawn_and_wait", "write_input", "leave_thread",
+             "leave_grandchild", "leave_pool", "leave_soon"),
       "what happens"};
   Param<std::string> place{"place", "", "folder to meet in"};
   Param<int> mebibytes{"mebibytes", 0, between(0, 4096), "memory to take first"};
@@ -150,7 +168,7 @@ struct Accident : Node {
       if (child == 0) return out.commit(number(-1));
       waitpid(child, nullptr, 0);
     }
-    if (how->rfind("spawn", 0) == 0 || *how == "popen") start_program(*how);
+    if (how->rfind("spawn", 0) == 0 || how->rfind("popen", 0) == 0 || how->rfind("system", 0) == 0) start_program(*how);
     if (how->rfind("leave_", 0) == 0) leave_thread(*how);
     if (*how == "write_input") {
       plumbline_bytes bytes{};

@@ -196,6 +196,44 @@ TEST_F(Isolation, WhatANodeStartsEndsWithIt) {
   }
 }
 
+/// How many processes run that have this text among their arguments.
+int running_with(const std::string& argument) {
+  int count = 0;
+  std::error_code ignored;
+  for (std::filesystem::directory_iterator entry("/proc", ignored), end; !ignored && entry != end;
+       entry.increment(ignored)) {
+    std::ifstream stream(entry->path() / "cmdline", std::ios::binary);
+    const std::string words(std::istreambuf_iterator<char>(stream), {});
+    count += words.find(argument) != std::string::npos;
+  }
+  return count;
+}
+
+/// What a shell had started went on when the shell had ended or was ended, and nobody saw it: init had it.
+TEST_F(Isolation, WhatAShellOfANodeLeavesEndsWithIt) {
+  for (const bool apart : {false, true})
+    for (const std::string how : {"system", "system_of_two", "popen_of_two"}) {
+      run("  a: {use: accident.happens, with: {how: " + how + "}}\n", apart);
+      const std::string& error = node("a").error;
+      EXPECT_EQ(node("a").status, NodeStatus::failed) << how << apart;
+      EXPECT_TRUE(contains(error, "(process ")) << how << apart << error;
+      EXPECT_TRUE(contains(error, "went on")) << how << apart << error;
+      EXPECT_EQ(running_with("30.125"), 0) << how << apart;
+      run("  b: {use: accident.happens}\n", apart);
+      EXPECT_EQ(node("b").error, "") << how << apart;
+    }
+}
+
+/// A shell that somebody waits for is no orphan, whoever ends beside it.
+TEST_F(Isolation, ACommandThatIsWaitedForEndsByItself) {
+  std::string nodes = "  a: {use: accident.happens, with: {how: system_and_wait}}\n  b0: {use: accident.happens}\n";
+  for (int i = 1; i < 40; ++i)
+    nodes +=
+        "  b" + std::to_string(i) + ": {use: accident.happens, in: {number: b" + std::to_string(i - 1) + ".number}}\n";
+  run(nodes);
+  EXPECT_TRUE(result_.ok()) << node("a").error;
+}
+
 /// In a pooled worker it took the next node down, which was blamed for it.
 TEST_F(Isolation, ANodeThatLeavesAThreadRunningIsNamedAndHarmsNoOther) {
   run("  bad: {use: accident.happens, with: {how: leave_thread}}\n"

@@ -125,5 +125,24 @@ TEST_F(Isolated, AWorkerDoesNotOutliveItsHost) {
   EXPECT_TRUE(comes_true([&] { return kill(process, 0) != 0; }));
 }
 
+/// What a script had started before it became the program is the script's, and goes on.
+TEST(BackgroundJobs, OfTheShellThatBecameTheProgramGoOn) {
+  const Program program;
+  program.write("p.yaml", chain);
+  const fs::path job = program.work() / "job";
+  const std::string said = " > '" + (program.folder.path() / "said").string() + "' 2>&1";
+  setenv("PLUMBLINE_PLUGIN_PATH", program.plugins().c_str(), 1);
+  EXPECT_EQ(std::system(("cd '" + program.work().string() + "'; sleep 30" + said + " & echo $! > job; exec '" +
+                         (program.folder.path() / "bin/plumbline").string() + "' run p.yaml --store store" + said)
+                            .c_str()),
+            0)
+      << read_file(program.folder.path() / "said");
+  unsetenv("PLUMBLINE_PLUGIN_PATH");
+  pid_t process = 0;
+  std::ifstream(job) >> process;
+  ASSERT_GT(process, 0);
+  EXPECT_EQ(kill(process, SIGKILL), 0) << "it was ended";
+}
+
 }  // namespace test_isolate
 }  // namespace plumbline::test
