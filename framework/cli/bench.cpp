@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -249,135 +248,86 @@ void keep_scenarios(runtime::SweepFile& file, const std::vector<std::string>& wa
   keep_only(file, wanted);
 }
 
-}  // namespace
-
-void declare_bench(CLI::App& command, BenchOptions& options) {
-  command
-      .add_option("file", options.file,
-                  "a bench file, or the name of one of the shipped ones; or 'verify' and then a folder that "
-                  "--archive wrote")
-      ->required()
-      ->type_name("FILE");
-  command.add_option("overrides", options.overrides, "variables and parameters for all cells, as for run")
-      ->type_name("KEY=VALUE");
-  command
-      .add_option("--out", options.out,
-                  "folder for bench.html, .csv, .json, .md, .tex, .svg, .pdf (default: out/<file>)")
-      ->type_name("DIR");
-  command
-      .add_option("--archive", options.archive,
-                  "folder for what makes the bench again: files, seeds, commit, versions, hashes, raw results")
-      ->type_name("DIR");
-  command.add_option("--cells", options.cells, "for verify: how many cells are made again, 0 for all")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command.add_option("--store", options.store, "folder of the store; where other machines work, one they all see")
-      ->type_name("DIR");
-  command.add_option("--seeds", options.seeds, "in place of the file's, such as 1-20")->type_name("SEEDS");
-  command
-      .add_option("--scenario", options.scenarios, "only this one of the file's scenarios; may be given several times")
-      ->type_name("NAME")
-      ->allow_extra_args(false);
-  command.add_option("--workers", options.workers, "trials side by side (default: one a processor)")
-      ->check(CLI::Range(1, 4096));
-  command.add_option("--memory", options.memory, "limit for memory that nodes announce, such as 3GiB")
-      ->type_name("SIZE");
-  command.add_option("--limit", options.limit, "seconds after which a cell is ended and counts as failed")
-      ->check(CLI::PositiveNumber);
-  command.add_flag("--retry", options.retry, "run failed cells again");
-  command.add_flag("--status", options.status, "run nothing: say how far it is, and with --out write the tables");
-  command.add_option("--executor", options.executor, "local, slurm (one sbatch --array), ssh (GNU parallel) or print")
-      ->check(CLI::IsMember({"local", "slurm", "ssh", "print"}))
-      ->capture_default_str();
-  command.add_option("--hosts", options.hosts, "for ssh: HOST,HOST,…")->type_name("HOSTS");
-  command.add_option("--sbatch", options.scheduler_options, "more options for sbatch")->type_name("TEXT");
-  command.add_option("--cells-per-task", options.cells_per_task, "for slurm, ssh and print")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  command.add_option("--task", options.task, "run this task of the plan only; the executors use it")
-      ->check(CLI::NonNegativeNumber);
-  command.add_option("--plan", options.plan, "the plan that the task belongs to");
-  command.add_flag("--overwrite", options.overwrite, "replace files in the output folder whoever wrote them");
-  command.add_flag("--json", options.json, "machine-readable output");
-  command.add_flag("-q,--quiet", options.quiet, "print nothing but warnings and errors");
-}
-
-int bench(const BenchOptions& given) {
-  BenchOptions options = given;
-  part_seeds_from_overrides(options);
-  if (options.file == "verify" && !fs::exists(options.file)) {
-    if (options.overrides.empty() || options.overrides[0].find('=') != std::string::npos)
-      throw UsageError(
-          "'plumbline bench verify' takes a folder that --archive wrote, and KEY=VALUE for inputs and programs that "
-          "lie "
-          "elsewhere here");
-    for (size_t i = 1; i < options.overrides.size(); ++i)
-      if (options.overrides[i].find('=') == std::string::npos)
-        throw UsageError("'plumbline bench verify' takes one folder; '" + options.overrides[i] + "' is no KEY=VALUE");
-    return verify_bench(options);
-  }
-  options.file = find_bench(given.file);
-  const runtime::Registry registry = discover();
-  Options for_store;
-  for_store.store = options.store;
-  runtime::Store store = open_store(for_store);
+/// The file with the seeds and scenarios of the command line.
+runtime::SweepFile asked_of(const BenchOptions& options, const runtime::Registry& registry) {
   runtime::SweepFile file = read_sweep(options.file, registry, pipeline_folders());
   if (!options.seeds.empty()) {
     const auto seeds = runtime::seeds_of(options.seeds);
+    if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
     if (!file.looks.empty())
       std::fprintf(stderr,
                    "warning: --seeds takes away the 'stop:' of %s, which is of its own seeds: all of these run, and "
                    "intervals are 95 %% as of one look; do not stop by what they show\n",
                    options.file.c_str());
     file.looks.clear();
-    if (!seeds) throw UsageError("--seeds takes whole numbers and ranges, such as 1-20");
     file.seeds = *seeds;
   }
   if (!options.scenarios.empty()) keep_scenarios(file, options.scenarios);
-  const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
+  return file;
+}
+
+void require_archive_can_be(const BenchOptions& options) {
+  if (options.archive.empty()) return;
+  if (options.executor != "local" && !options.status)
+    throw UsageError("--archive takes results that are there: give it with --status once the tasks have ended");
+  runtime::require_place_for_archive(options.archive);
+}
+
+/// Runs the cells, or those of one task. `stopped` says that it ended before all seeds, because everything was decided.
+SweepProgress run_what_is_asked(const BenchOptions& options, const SweepPlan& plan, const runtime::Registry& registry,
+                                runtime::Store& store, SummaryWriter* writer, bool& stopped) {
+  runtime::SweepRunOptions run;
+  run.workers = options.workers;
+  run.memory = options.memory.empty() ? 0 : parse_size(options.memory);
+  run.limit = options.limit;
+  run.retry = options.retry;
+  run.cancel = &cancel;
+  std::signal(SIGINT, stop_bench);
+  std::signal(SIGTERM, stop_bench);
+  Ticker ticker(options.quiet || options.json);
+  SweepProgress progress;
+  // Looks before the last: where everything is decided, the other seeds are not run.
+  for (size_t k = 0; options.task < 0 && writer && k + 1 < plan.file.looks.size() && !stopped; ++k) {
+    const std::vector<size_t> first = cells_of_first(plan, plan.file.looks[k]);
+    progress = run_cells(plan, first, registry, store, run, std::ref(ticker));
+    stopped = !progress.cancelled && !cancel && writer->write(plan.file.looks[k]) && writer->all_decided();
+    if (stopped && !options.quiet && !options.json)
+      std::printf("stopped after %zu of %zu seeds: everything is decided\n", plan.file.looks[k],
+                  plan.file.seeds.size());
+  }
+  if (!stopped && !cancel)
+    progress = run_cells(plan, options.task < 0 ? all_cells(plan) : cells_of_task(options, plan), registry, store, run,
+                         std::ref(ticker));
+  return progress;
+}
+
+}  // namespace
+
+int bench(const BenchOptions& given) {
+  BenchOptions options = given;
+  part_seeds_from_overrides(options);
+  if (options.file == "verify" && !fs::exists(options.file)) return verify_bench(options);
+  options.file = find_bench(given.file);
+  const runtime::Registry registry = discover();
+  Options for_store;
+  for_store.store = options.store;
+  runtime::Store store = open_store(for_store);
+  const SweepPlan plan = plan_sweep(asked_of(options, registry), options.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
-  if (!options.archive.empty()) {
-    if (options.executor != "local" && !options.status)
-      throw UsageError("--archive takes results that are there: give it with --status once the tasks have ended");
-    runtime::require_place_for_archive(options.archive);
-  }
+  require_archive_can_be(options);
   if (options.executor != "local" && !options.status && options.task < 0) return send(options, plan, store);
 
   const runtime::CellRecords records(store);
-  SweepProgress progress;
   fs::path out;
-  bool stopped = false;  // before all seeds, because everything was decided
   std::unique_ptr<SummaryWriter> writer;
   if (options.task < 0 && !(options.status && options.out.empty())) {
     out = options.out.empty() ? fs::path("out") / fs::path(options.file).stem() : fs::path(options.out);
     writer = std::make_unique<SummaryWriter>(out, plan, registry, store, options);
   }
-  if (options.status) {
-    progress = progress_in_store(plan, records);
-  } else {
-    runtime::SweepRunOptions run;
-    run.workers = options.workers;
-    run.memory = options.memory.empty() ? 0 : parse_size(options.memory);
-    run.limit = options.limit;
-    run.retry = options.retry;
-    run.cancel = &cancel;
-    std::signal(SIGINT, stop_bench);
-    std::signal(SIGTERM, stop_bench);
-    Ticker ticker(options.quiet || options.json);
-    // Looks before the last: where everything is decided, the other seeds are not run.
-    for (size_t k = 0; options.task < 0 && writer && k + 1 < plan.file.looks.size() && !stopped; ++k) {
-      const std::vector<size_t> first = cells_of_first(plan, plan.file.looks[k]);
-      progress = run_cells(plan, first, registry, store, run, std::ref(ticker));
-      stopped = !progress.cancelled && !cancel && writer->write(plan.file.looks[k]) && writer->all_decided();
-      if (stopped && !options.quiet && !options.json)
-        std::printf("stopped after %zu of %zu seeds: everything is decided\n", plan.file.looks[k],
-                    plan.file.seeds.size());
-    }
-    if (!stopped && !cancel)
-      progress = run_cells(plan, options.task < 0 ? all_cells(plan) : cells_of_task(options, plan), registry, store,
-                           run, std::ref(ticker));
-  }
+  bool stopped = false;
+  SweepProgress progress = options.status ? progress_in_store(plan, records)
+                                          : run_what_is_asked(options, plan, registry, store, writer.get(), stopped);
   // What this file measures may be missing in cells that ran well.
   if (options.task < 0) progress.failed = progress_in_store(plan, records).failed;
   const bool written = stopped || !writer || writer->write();

@@ -6,10 +6,6 @@
 
 #include "commands.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace plumbline::cli {
 
 struct BenchOptions {
@@ -30,9 +26,6 @@ struct BenchOptions {
   int cells = 20;       ///< that `verify` makes again; 0: all
   std::string plan;     ///< of a task: the plan it was sent for
 };
-
-/// Declares the command's arguments; the options live as long as the app.
-void declare_bench(CLI::App& command, BenchOptions& options);
 
 /// 0: every cell has a result; 1: some failed or are missing; 130: cancelled.
 int bench(const BenchOptions& options);

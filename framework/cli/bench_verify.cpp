@@ -69,6 +69,17 @@ void put_in_place(const std::vector<std::string>& given, runtime::Overrides& ove
   }
 }
 
+/// `bench verify ARCHIVE [KEY=VALUE ...]`
+void require_archive_and_settings(const BenchOptions& options) {
+  if (options.overrides.empty() || options.overrides[0].find('=') != std::string::npos)
+    throw UsageError(
+        "'plumbline bench verify' takes a folder that --archive wrote, and KEY=VALUE for inputs and programs that lie "
+        "elsewhere here");
+  for (size_t i = 1; i < options.overrides.size(); ++i)
+    if (options.overrides[i].find('=') == std::string::npos)
+      throw UsageError("'plumbline bench verify' takes one folder; '" + options.overrides[i] + "' is no KEY=VALUE");
+}
+
 }  // namespace
 
 void keep_only(runtime::SweepFile& file, const std::vector<std::string>& wanted) {
@@ -85,6 +96,7 @@ void keep_only(runtime::SweepFile& file, const std::vector<std::string>& wanted)
 
 int verify_bench(const BenchOptions& options) {
   constexpr double tolerance = 1e-9;
+  require_archive_and_settings(options);
   const std::string folder = options.overrides.at(0);
   if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / "cells.jsonl"))
     throw UsageError(folder + " is no archive of a bench: plumbline bench FILE --archive DIR makes one");

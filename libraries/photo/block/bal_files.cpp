@@ -121,6 +121,92 @@ double pitch_of(const SensorCamera& camera) {
   return camera.width > 0 && camera.sensor_width > 0 ? camera.sensor_width / camera.width : bal_pixel_pitch;
 }
 
+/// What the first line of a problem announces.
+struct BalCounts {
+  int64_t images = 0, points = 0, observations = 0;
+  std::string words() const {
+    return std::to_string(images) + " cameras, " + std::to_string(points) + " points and " +
+           std::to_string(observations) + " observations";
+  }
+};
+
+BalCounts read_counts(Numbers& numbers) {
+  BalCounts counts;
+  counts.images = numbers.read<int64_t>("the number of cameras");
+  counts.points = numbers.read<int64_t>("the number of points");
+  counts.observations = numbers.read<int64_t>("the number of observations");
+  // The shortest number with its separator has two bytes.
+  const double least = 2.0 * (9.0 * static_cast<double>(counts.images) + 3.0 * static_cast<double>(counts.points) +
+                              4.0 * static_cast<double>(counts.observations)) -
+                       1;
+  if (counts.images < 1 || counts.points < 1 || counts.observations < 1 ||
+      least > static_cast<double>(numbers.bytes_left()))
+    numbers.fail("the file begins with " + counts.words() + ", and is too short for them");
+  return counts;
+}
+
+/// Of a point that was measured before in the same image the first one counts. Gives the largest coordinates [mm].
+Eigen::Vector2d read_measurements(Numbers& numbers, const BalCounts& counts, double pixel_pitch, ReadBlock& result) {
+  int twice = 0;
+  Eigen::Vector2d extent = Eigen::Vector2d::Zero();
+  std::set<std::pair<int, int>> seen;
+  for (int64_t k = 0; k < counts.observations; ++k) {
+    stop_point();
+    BlockMeasurement m;
+    m.image = numbers.index(static_cast<size_t>(counts.images), "number of a camera");
+    m.point = numbers.index(static_cast<size_t>(counts.points), "number of a point");
+    m.position.x() = pixel_pitch * numbers.read<double>("x [px]");
+    m.position.y() = pixel_pitch * numbers.read<double>("y [px]");
+    m.sigma = pixel_pitch;
+    extent = extent.cwiseMax(m.position.cwiseAbs());
+    if (seen.emplace(m.image, m.point).second)
+      result.block.measurements.push_back(m);
+    else
+      ++twice;
+  }
+  result.measurements_read = static_cast<int>(counts.observations);
+  if (twice > 0)
+    result.left_out.push_back(std::to_string(twice) + " measurements: of a point measured before in the same image");
+  return extent;
+}
+
+/// Adds camera and image `i`, whose sensor holds `extent` [mm] around its middle. Gives the turn into the camera.
+Eigen::Matrix3d read_image(Numbers& numbers, int i, double pixel_pitch, const Eigen::Vector2d& extent,
+                           PointBlock& block) {
+  double v[9];
+  for (double& value : v) value = numbers.read<double>("rotation, translation, f, k1, k2 of a camera");
+  if (!(v[6] > 0))
+    numbers.fail("the principal distance of camera " + std::to_string(i) +
+                 " is not positive: are the counts of the first line those of the file?");
+  SensorCamera camera;
+  camera.id = i;
+  const double f = v[6] * pixel_pitch;
+  camera.values = {-f, 0, 0, v[7] / (f * f), v[8] / (f * f * f * f)};
+  camera.estimated = {"Ck", "A1", "A2"};
+  camera.width = 2 * static_cast<int>(std::ceil(extent.x() / pixel_pitch));
+  camera.height = 2 * static_cast<int>(std::ceil(extent.y() / pixel_pitch));
+  camera.sensor_width = camera.width * pixel_pitch;
+  camera.sensor_height = camera.height * pixel_pitch;
+  block.cameras.push_back(camera);
+  const Eigen::Matrix3d turn = quaternion_from_rotation_vector({v[0], v[1], v[2]}).toRotationMatrix();
+  block.images.push_back(
+      {i, i, -(turn.transpose() * Eigen::Vector3d(v[3], v[4], v[5])), angles_from_rotation(turn.transpose())});
+  return turn;
+}
+
+void leave_out_behind(const std::vector<Eigen::Matrix3d>& turns, ReadBlock& result) {
+  PointBlock& block = result.block;
+  const auto behind = std::erase_if(block.measurements, [&](const BlockMeasurement& m) {
+    stop_point();
+    const size_t i = static_cast<size_t>(m.image);
+    const Eigen::Vector3d v = turns[i] * (block.points[m.point].position - block.images[i].centre);
+    return !(v.z() < -1e-6 * v.norm());
+  });
+  if (behind > 0)
+    result.left_out.push_back(std::to_string(behind) +
+                              " measurements: their points lie behind the camera by the approximate values");
+}
+
 }  // namespace
 
 bool looks_like_bal(const fs::path& file) {
@@ -145,82 +231,22 @@ bool looks_like_bal(const fs::path& file) {
 ReadBlock read_bal_file(const fs::path& file, double pixel_pitch) {
   const std::string text = content_of(file);
   Numbers numbers(file.string(), text);
-  const auto images = numbers.read<int64_t>("the number of cameras"),
-             points = numbers.read<int64_t>("the number of points"),
-             observations = numbers.read<int64_t>("the number of observations");
-  // The shortest number with its separator has two bytes.
-  const double least = 2.0 * (9.0 * static_cast<double>(images) + 3.0 * static_cast<double>(points) +
-                              4.0 * static_cast<double>(observations)) -
-                       1;
-  if (images < 1 || points < 1 || observations < 1 || least > static_cast<double>(numbers.bytes_left()))
-    numbers.fail("the file begins with " + std::to_string(images) + " cameras, " + std::to_string(points) +
-                 " points and " + std::to_string(observations) + " observations, and is too short for them");
+  const BalCounts counts = read_counts(numbers);
   ReadBlock result;
-  PointBlock& block = result.block;
-  result.measurements_read = static_cast<int>(observations);
-  int behind = 0, twice = 0;
-  Eigen::Vector2d extent = Eigen::Vector2d::Zero();
-  std::set<std::pair<int, int>> seen;
-  for (int64_t k = 0; k < observations; ++k) {
-    stop_point();
-    BlockMeasurement m;
-    m.image = numbers.index(static_cast<size_t>(images), "number of a camera");
-    m.point = numbers.index(static_cast<size_t>(points), "number of a point");
-    m.position.x() = pixel_pitch * numbers.read<double>("x [px]");
-    m.position.y() = pixel_pitch * numbers.read<double>("y [px]");
-    m.sigma = pixel_pitch;
-    extent = extent.cwiseMax(m.position.cwiseAbs());
-    if (seen.emplace(m.image, m.point).second)
-      block.measurements.push_back(m);
-    else
-      ++twice;
-  }
+  const Eigen::Vector2d extent = read_measurements(numbers, counts, pixel_pitch, result);
   std::vector<Eigen::Matrix3d> turns;
-  for (int64_t i = 0; i < images; ++i) {
-    double v[9];
-    for (double& value : v) value = numbers.read<double>("rotation, translation, f, k1, k2 of a camera");
-    if (!(v[6] > 0))
-      numbers.fail("the principal distance of camera " + std::to_string(i) +
-                   " is not positive: are the counts of the first line those of the file?");
-    SensorCamera camera;
-    camera.id = static_cast<int>(i);
-    const double f = v[6] * pixel_pitch;
-    camera.values = {-f, 0, 0, v[7] / (f * f), v[8] / (f * f * f * f)};
-    camera.estimated = {"Ck", "A1", "A2"};
-    camera.width = 2 * static_cast<int>(std::ceil(extent.x() / pixel_pitch));
-    camera.height = 2 * static_cast<int>(std::ceil(extent.y() / pixel_pitch));
-    camera.sensor_width = camera.width * pixel_pitch;
-    camera.sensor_height = camera.height * pixel_pitch;
-    block.cameras.push_back(camera);
-    const Eigen::Matrix3d turn = quaternion_from_rotation_vector({v[0], v[1], v[2]}).toRotationMatrix();
-    turns.push_back(turn);
-    block.images.push_back({static_cast<int>(i), static_cast<int>(i),
-                            -(turn.transpose() * Eigen::Vector3d(v[3], v[4], v[5])),
-                            angles_from_rotation(turn.transpose())});
-  }
-  for (int64_t j = 0; j < points; ++j) {
+  for (int64_t i = 0; i < counts.images; ++i)
+    turns.push_back(read_image(numbers, static_cast<int>(i), pixel_pitch, extent, result.block));
+  for (int64_t j = 0; j < counts.points; ++j) {
     stop_point();
     Eigen::Vector3d p;
     for (int c = 0; c < 3; ++c) p(c) = numbers.read<double>("coordinates of a point");
-    block.points.push_back({std::to_string(j), p});
+    result.block.points.push_back({std::to_string(j), p});
   }
   if (!numbers.at_end())
-    numbers.fail("the file goes on behind its last point: the counts of its first line (" + std::to_string(images) +
-                 " cameras, " + std::to_string(points) + " points, " + std::to_string(observations) +
-                 " observations) are too small, and what was read is not what was meant");
-  std::erase_if(block.measurements, [&](const BlockMeasurement& m) {
-    stop_point();
-    const size_t i = static_cast<size_t>(m.image);
-    const Eigen::Vector3d v = turns[i] * (block.points[m.point].position - block.images[i].centre);
-    const bool out = !(v.z() < -1e-6 * v.norm());
-    behind += out;
-    return out;
-  });
-  if (behind > 0)
-    result.left_out.push_back(std::to_string(behind) +
-                              " measurements: their points lie behind the camera by the approximate values");
-  if (twice > 0)
-    result.left_out.push_back(std::to_string(twice) + " measurements: of a point measured before in the same image");
+    numbers.fail("the file goes on behind its last point: the counts of its first line (" + counts.words() +
+                 ") are too small, and what was read is not what was meant");
+  leave_out_behind(turns, result);
   return result;
 }
 

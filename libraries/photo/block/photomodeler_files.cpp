@@ -162,12 +162,13 @@ std::vector<Listed> read_points(Reader& reader, const char* what) {
   return points;
 }
 
-}  // namespace
+/// Title, image size [px] and the project's camera.
+struct Head {
+  double width = 0, height = 0;
+  std::vector<double> camera;
+};
 
-ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2>& image_size) {
-  Reader reader(file);
-  ReadBlock result;
-  PointBlock& block = result.block;
+Head read_head(Reader& reader, const std::array<int, 2>& image_size) {
   reader.line("a title");
   auto head = reader.numbers(2, "tolerance, iterations, image width and height [px]");
   if (head.size() < 4 || !(head[2] > 0 && head[3] > 0)) {
@@ -180,26 +181,34 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     head[3] = image_size[1];
   }
   reader.numbers(1, "default standard deviations");
-  auto project_camera = reader.numbers(10, "the project's camera");
-  project_camera.resize(10);
+  auto camera = reader.numbers(10, "the project's camera");
+  camera.resize(10);
   reader.numbers(1, "its standard deviations");
-  read_photos(reader, project_camera, head[2], head[3], block);
-  if (block.images.empty()) reader.fail("the export has no photo");
-  if (!reader.at_end()) reader.skip();
-  const auto control = read_points(reader, "control point, X, Y, Z");
-  const auto points = read_points(reader, "object point, X, Y, Z");
-  // Points found by matching ("smart points") are numbered from 1 again after the others, and their marks have no
-  // standard deviation.
-  std::map<int, int> point_of, smart_of, image_of;
-  size_t split = points.size();
+  return {head[2], head[3], std::move(camera)};
+}
+
+/// Points of the block by their numbers in the file. Points found by matching ("smart points") are numbered from 1
+/// again after the others, and their marks have no standard deviation.
+struct PointNumbers {
+  std::map<int, int> marked, smart;
+};
+
+/// Index of the first smart point: the second list begins where numbers last fell before the first repetition.
+size_t first_smart(const std::vector<Listed>& points) {
   std::set<int> seen;
-  for (size_t i = 0; i < points.size() && split == points.size(); ++i)
-    if (!seen.insert(points[i].id).second) split = i;
-  if (split < points.size()) {  // the second list begins where numbers last fell before the first repetition
+  size_t split = 0;
+  while (split < points.size() && seen.insert(points[split].id).second) ++split;
+  if (split < points.size())
     while (split > 1 && points[split - 1].id < points[split].id) --split;
-  }
+  return split;
+}
+
+PointNumbers add_points(const std::vector<Listed>& control, const std::vector<Listed>& points, ReadBlock& result) {
+  PointNumbers numbers;
+  PointBlock& block = result.block;
+  const size_t split = first_smart(points);
   for (size_t i = 0; i < points.size(); ++i) {
-    auto& index = i < split ? point_of : smart_of;
+    auto& index = i < split ? numbers.marked : numbers.smart;
     if (!index.emplace(points[i].id, static_cast<int>(block.points.size())).second) {
       result.left_out.push_back("object point " + std::to_string(points[i].id) + ": listed a second time");
       continue;
@@ -207,17 +216,23 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     block.points.push_back({(i < split ? "" : "s") + std::to_string(points[i].id), points[i].position});
   }
   for (const auto& point : control)
-    if (point_of.emplace(point.id, static_cast<int>(block.points.size())).second)
+    if (numbers.marked.emplace(point.id, static_cast<int>(block.points.size())).second)
       block.points.push_back({std::to_string(point.id), point.position});
+  return numbers;
+}
+
+/// Reads the marks. Gives how many there are of each point that the file does not list.
+std::map<int, int> read_marks(Reader& reader, const PointNumbers& points, ReadBlock& result) {
+  PointBlock& block = result.block;
+  std::map<int, int> image_of, unknown;
   for (size_t i = 0; i < block.images.size(); ++i) image_of.emplace(block.images[i].id, static_cast<int>(i));
-  std::map<int, int> unknown;
   std::set<std::pair<int, int>> pairs;
   while (!reader.at_end() && !reader.blank()) {
     const auto v = reader.numbers(4, "photo, point, x, y [px], standard deviations");
     ++result.measurements_read;
     const double sx = v.size() > 4 ? v[4] : 0, sy = v.size() > 5 ? v[5] : sx;
     const auto image = image_of.find(reader.integer(v[0], "the photo number"));
-    const auto& index = sx == 0 && sy == 0 && !smart_of.empty() ? smart_of : point_of;
+    const auto& index = sx == 0 && sy == 0 && !points.smart.empty() ? points.smart : points.marked;
     const auto point = index.find(reader.integer(v[1], "the point number"));
     if (image == image_of.end()) reader.fail("photo " + std::to_string(static_cast<int>(v[0])) + " is not in the file");
     if (point == index.end()) {
@@ -235,14 +250,32 @@ ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2
     m.sigma = 0.5 * (sx + sy) * std::sqrt(px * py);
     block.measurements.push_back(m);
   }
+  return unknown;
+}
+
+void tell_unlisted(const std::map<int, int>& unknown, ReadBlock& result) {
   int lost = 0;
   std::vector<std::string> without_coordinates;
   for (const auto& [id, count] : unknown) lost += count, without_coordinates.push_back(std::to_string(id));
-  if (lost > 0) {
-    result.left_out.push_back(number_of(lost, "mark") + " of " + number_of(unknown.size(), "point") +
-                              " without coordinates in the export: " + few_of(without_coordinates));
-    if (2 * lost > result.measurements_read) result.contradictions.push_back(result.left_out.back());
-  }
+  if (lost == 0) return;
+  result.left_out.push_back(number_of(lost, "mark") + " of " + number_of(unknown.size(), "point") +
+                            " without coordinates in the export: " + few_of(without_coordinates));
+  if (2 * lost > result.measurements_read) result.contradictions.push_back(result.left_out.back());
+}
+
+}  // namespace
+
+ReadBlock read_photomodeler_export(const fs::path& file, const std::array<int, 2>& image_size) {
+  Reader reader(file);
+  ReadBlock result;
+  PointBlock& block = result.block;
+  const Head head = read_head(reader, image_size);
+  read_photos(reader, head.camera, head.width, head.height, block);
+  if (block.images.empty()) reader.fail("the export has no photo");
+  if (!reader.at_end()) reader.skip();
+  const auto control = read_points(reader, "control point, X, Y, Z");
+  const auto points = read_points(reader, "object point, X, Y, Z");
+  tell_unlisted(read_marks(reader, add_points(control, points, result), result), result);
   if (block.measurements.empty()) reader.fail("the export has no usable mark");
   require_image_size(block, file);
   return result;

@@ -127,94 +127,98 @@ double marker_in_squares(const TagCorners& marker, const Eigen::Vector2d& centre
   return side(on_board);
 }
 
-SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
-  SeenBoard seen;
-  ArucoOptions options;
-  options.refinement = Refinement::apriltag;
-  options.limit = LikenessLimit{};  // the board's geometry tells what does not belong to it
-  const auto found = ArucoDetector(board.dictionary, options).detect(image);
-  const size_t expected = charuco_markers(board, false).size();
-  const SingleTags once = single_tags(found, board.first_id, static_cast<int>(expected) + 1);
-  if (!once.problem.empty()) {
-    seen.problem = once.problem;
-    return seen;
+/// Why the markers that were found are too few, or nothing.
+std::string too_few_markers(const Board& board, size_t known, size_t expected, size_t found) {
+  if (known >= 4) return {};
+  return std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
+         std::to_string(found) + " tags of " + board.dictionary.name +
+         " in all), needed are 4; check the dictionary and first_id, or photograph it larger and sharper";
+}
+
+/// Corners [px] of the markers around a place on the board, beside theirs on the board [squares].
+struct MarkersAround {
+  std::vector<cv::Point2f> on_board, in_image;
+  bool beside = false;  ///< one of them touches the place
+};
+
+MarkersAround markers_around(const Eigen::Vector2d& at, const Board& board,
+                             const std::map<int, Eigen::Vector2d>& centres,
+                             const std::map<int, const DetectedTag*>& by_id) {
+  MarkersAround around;
+  for (const auto& [id, centre] : centres) {
+    const auto tag = by_id.find(id);
+    const double distance = (centre - at).norm() / board.square;
+    if (tag == by_id.end() || distance > 2.2) continue;
+    around.beside = around.beside || distance < 0.8;
+    const double h = 0.5 * board.marker;
+    const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
+    for (size_t k = 0; k < 4; ++k) {
+      around.on_board.push_back(point((centre + offsets[k]) / board.square));
+      around.in_image.push_back(point(tag->second->corners[k]));
+    }
   }
-  auto tags = once.tags;
-  const size_t known = tags.size();
-  if (known < 4) {
-    seen.problem = std::to_string(known) + " of the board's " + std::to_string(expected) + " markers were found (" +
-                   std::to_string(found.size()) + " tags of " + board.dictionary.name +
-                   " in all), needed are 4; check the "
-                   "dictionary and first_id, or photograph it larger and sharper";
-    return seen;
-  }
-  const double bound = 0.01 * std::max(image.width, image.height);
-  const CharucoLayout best = find_layout(board, tags, image.width, image.height, bound);
-  if (best.misfit > bound) {
-    seen.problem = "the markers are not where the board file has them: they miss their squares by " +
-                   std::to_string(best.misfit) + " px, with a lens as wide as any; check columns, rows and first_id";
-    return seen;
-  }
-  const auto centres = charuco_markers(board, best.legacy);
-  turn_alike(tags, centres, best, board);
-  std::map<int, const DetectedTag*> by_id;
-  for (const auto& tag : tags) by_id[tag.id] = &tag;
-  // Each inner corner from the markers around it: over a few squares a lens is as good as straight.
-  std::vector<cv::Point2f> corners;
-  std::vector<SeenPoint> points;
-  double smallest_square = 1e9;
+  return around;
+}
+
+/// Inner corners as the markers around them have them, and as the image does.
+struct InnerCorners {
+  std::vector<SeenPoint> by_markers;
+  std::vector<cv::Point2f> refined;  ///< [px], of each of them
+  double smallest_square = 1e9;      ///< [px]
+};
+
+/// Each inner corner from the markers around it: over a few squares a lens is as good as straight.
+InnerCorners inner_corners(const cv::Mat& view, const Board& board, const std::map<int, Eigen::Vector2d>& centres,
+                           const std::map<int, const DetectedTag*>& by_id) {
+  InnerCorners corners;
   const double free = 0.45 * (1 - board.marker / board.square);  // of a square: what holds no part of a marker
   for (int row = 1; row < board.rows; ++row)
     for (int column = 1; column < board.columns; ++column) {
       const Eigen::Vector2d at(column * board.square, -row * board.square);
-      std::vector<cv::Point2f> from, to;
-      bool beside = false;
-      for (const auto& [id, centre] : centres) {
-        const auto tag = by_id.find(id);
-        const double distance = (centre - at).norm() / board.square;
-        if (tag == by_id.end() || distance > 2.2) continue;
-        beside = beside || distance < 0.8;
-        const double h = 0.5 * board.marker;
-        const Eigen::Vector2d offsets[] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
-        for (size_t k = 0; k < 4; ++k) {
-          from.push_back(point((centre + offsets[k]) / board.square));
-          to.push_back(point(tag->second->corners[k]));
-        }
-      }
-      if (!beside || from.size() < 8) continue;
-      const Eigen::Matrix3d h = homography(from, to, 0);
+      const MarkersAround around = markers_around(at, board, centres, by_id);
+      if (!around.beside || around.on_board.size() < 8) continue;
+      const Eigen::Matrix3d h = homography(around.on_board, around.in_image, 0);
       if (!h.allFinite()) continue;
       const Eigen::Vector2d pixel = mapped(h, at / board.square);
       const double square = std::min((mapped(h, at / board.square + Eigen::Vector2d(1, 0)) - pixel).norm(),
                                      (mapped(h, at / board.square + Eigen::Vector2d(0, 1)) - pixel).norm());
       const double margin = 0.3 * square;
-      if (!(pixel.x() > margin && pixel.y() > margin && pixel.x() < image.width - 1 - margin &&
-            pixel.y() < image.height - 1 - margin))
+      if (!(pixel.x() > margin && pixel.y() > margin && pixel.x() < view.cols - 1 - margin &&
+            pixel.y() < view.rows - 1 - margin))
         continue;
-      smallest_square = std::min(smallest_square, square);
+      corners.smallest_square = std::min(corners.smallest_square, square);
       std::vector<cv::Point2f> corner{point(pixel)};
       const int window = std::clamp(static_cast<int>(free * square), 2, 11);
       cv::cornerSubPix(view, corner, {window, window}, {-1, -1},
                        cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 60, 0.001));
-      corners.push_back(corner.front());
-      points.push_back({(row - 1) * (board.columns - 1) + column - 1, {at.x(), at.y(), 0}, pixel, 0.1});
+      corners.refined.push_back(corner.front());
+      corners.by_markers.push_back({(row - 1) * (board.columns - 1) + column - 1, {at.x(), at.y(), 0}, pixel, 0.1});
     }
-  if (points.size() < 6) {
-    seen.problem = std::to_string(points.size()) + " inner corners have a marker beside them, needed are 6";
-    return seen;
+  return corners;
+}
+
+/// Inner corners of which the image says what the markers say.
+void take_agreeing(const InnerCorners& corners, SeenBoard& seen) {
+  if (corners.by_markers.size() < 6) {
+    seen.problem = std::to_string(corners.by_markers.size()) + " inner corners have a marker beside them, needed are 6";
+    return;
   }
-  for (size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Vector2d refined(static_cast<double>(corners[i].x), static_cast<double>(corners[i].y));
-    if ((refined - points[i].pixel).norm() > std::max(1.5, 0.15 * smallest_square)) continue;
-    points[i].pixel = refined;
-    seen.points.push_back(points[i]);
+  for (size_t i = 0; i < corners.by_markers.size(); ++i) {
+    const Eigen::Vector2d refined(static_cast<double>(corners.refined[i].x), static_cast<double>(corners.refined[i].y));
+    SeenPoint point = corners.by_markers[i];
+    if ((refined - point.pixel).norm() > std::max(1.5, 0.15 * corners.smallest_square)) continue;
+    point.pixel = refined;
+    seen.points.push_back(point);
   }
-  if (seen.points.size() < 6) {
-    seen.problem =
-        "only " + std::to_string(seen.points.size()) + " inner corners could be measured; the photograph is blurred";
-    seen.points.clear();
-    return seen;
-  }
+  if (seen.points.size() >= 6) return;
+  seen.problem =
+      "only " + std::to_string(seen.points.size()) + " inner corners could be measured; the photograph is blurred";
+  seen.points.clear();
+}
+
+/// The markers' edges in squares, which the whole of the board must have.
+void measure_markers(const Board& board, const std::vector<DetectedTag>& tags,
+                     const std::map<int, Eigen::Vector2d>& centres, SeenBoard& seen) {
   double ratio = 0;
   size_t measured = 0;
   for (const auto& tag : tags) {
@@ -228,16 +232,41 @@ SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board&
                    " inner corners lie in a row or far apart, so that no marker can be held against the squares around "
                    "it; photograph more of the board at once";
     seen.points.clear();
-    return seen;
+    return;
   }
   seen.marker_ratio = ratio / static_cast<double>(measured);
-  if (!(seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2)) {
-    seen.points.clear();
-    seen.marker_ratio = std::nan("");
-    seen.problem = "the markers are not where a board of " + std::to_string(board.columns) + " x " +
-                   std::to_string(board.rows) +
-                   " squares has them; check columns and rows (are they exchanged?) and first_id";
+  if (seen.marker_ratio > 0.05 && seen.marker_ratio < 1.2) return;
+  seen.points.clear();
+  seen.marker_ratio = std::nan("");
+  seen.problem = "the markers are not where a board of " + std::to_string(board.columns) + " x " +
+                 std::to_string(board.rows) +
+                 " squares has them; check columns and rows (are they exchanged?) and first_id";
+}
+
+SeenBoard find_charuco(const GreyImage& image, const cv::Mat& view, const Board& board) {
+  SeenBoard seen;
+  ArucoOptions options;
+  options.refinement = Refinement::apriltag;
+  options.limit = LikenessLimit{};  // the board's geometry tells what does not belong to it
+  const auto found = ArucoDetector(board.dictionary, options).detect(image);
+  const size_t expected = charuco_markers(board, false).size();
+  const SingleTags once = single_tags(found, board.first_id, static_cast<int>(expected) + 1);
+  seen.problem = once.problem.empty() ? too_few_markers(board, once.tags.size(), expected, found.size()) : once.problem;
+  if (!seen.problem.empty()) return seen;
+  auto tags = once.tags;
+  const double bound = 0.01 * std::max(image.width, image.height);
+  const CharucoLayout best = find_layout(board, tags, image.width, image.height, bound);
+  if (best.misfit > bound) {
+    seen.problem = "the markers are not where the board file has them: they miss their squares by " +
+                   std::to_string(best.misfit) + " px, with a lens as wide as any; check columns, rows and first_id";
+    return seen;
   }
+  const auto centres = charuco_markers(board, best.legacy);
+  turn_alike(tags, centres, best, board);
+  std::map<int, const DetectedTag*> by_id;
+  for (const auto& tag : tags) by_id[tag.id] = &tag;
+  take_agreeing(inner_corners(view, board, centres, by_id), seen);
+  if (seen.problem.empty()) measure_markers(board, tags, centres, seen);
   return seen;
 }
 
