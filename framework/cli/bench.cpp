@@ -167,6 +167,7 @@ void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepPr
     std::printf("  %zu node runs one by one, %zu after merging, %zu of them executed\n", progress.nodes,
                 progress.merged_nodes, progress.executed);
   print_alternatives(plan, records);
+  if (!options.archive.empty()) std::printf("  %s\n", options.archive.c_str());
   if (out.empty()) return;
   for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex", "bench.svg", "bench.pdf"})
     if (fs::exists(out / name)) std::printf("  %s\n", (out / name).c_str());
@@ -266,11 +267,11 @@ runtime::SweepFile asked_of(const BenchOptions& options, const runtime::Registry
   return file;
 }
 
-void require_archive_can_be(const BenchOptions& options) {
+void require_archive_can_be(const BenchOptions& options, const runtime::SweepFile& file) {
   if (options.archive.empty()) return;
   if (options.executor != "local" && !options.status)
     throw UsageError("--archive takes results that are there: give it with --status once the tasks have ended");
-  runtime::require_place_for_archive(options.archive);
+  runtime::require_place_for_archive(options.archive, file);
 }
 
 /// Runs the cells, or those of one task. `stopped` says that it ended before all seeds, because everything was decided.
@@ -315,7 +316,7 @@ int bench(const BenchOptions& given) {
   const SweepPlan plan = plan_sweep(asked_of(options, registry), options.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
-  require_archive_can_be(options);
+  require_archive_can_be(options, plan.file);
   if (options.executor != "local" && !options.status && options.task < 0) return send(options, plan, store);
 
   const runtime::CellRecords records(store);

@@ -142,7 +142,11 @@ int verify_bench(const BenchOptions& options) {
   if (archive.planned > archive.results.size())
     std::printf("the bench has %zu cells: %zu had not run when it was archived\n", archive.planned,
                 archive.planned - archive.results.size());
-  return different == 0 && gone.empty() && changed.empty() ? 0 : 1;
+  const bool as_planned = archive.planned == 0 || archive.planned == plan.cells.size();
+  if (!as_planned)
+    std::printf("differs: the bench had %zu cells when it was archived, what the archive says makes %zu\n",
+                archive.planned, plan.cells.size());
+  return different == 0 && gone.empty() && changed.empty() && as_planned ? 0 : 1;
 }
 
 }  // namespace plumbline::cli

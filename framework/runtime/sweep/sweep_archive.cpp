@@ -92,9 +92,16 @@ bool alike(const nlohmann::json& a, const nlohmann::json& b, double tolerance) {
 
 }  // namespace
 
-void require_place_for_archive(const fs::path& folder) {
+void require_place_for_archive(const fs::path& folder, const SweepFile& file) {
   std::error_code ignored;
-  if (!fs::exists(folder) || fs::is_regular_file(folder / "archive.json")) return;
+  if (!fs::exists(folder)) return;
+  if (fs::is_regular_file(folder / "archive.json")) {
+    const auto json = Json::parse(content_of(folder / "archive.json"), nullptr, false);
+    const std::string title = json.is_object() ? json.value("title", "") : "";
+    if (title == file.title) return;
+    throw std::runtime_error(folder.string() + " is the archive of another bench, '" + title +
+                             "', which would be replaced by '" + file.title + "'; give --archive a folder of its own");
+  }
   if (fs::is_directory(folder) && fs::is_empty(folder, ignored)) return;
   throw std::runtime_error(folder.string() +
                            " is there and no archive of a bench, and what is in it would be replaced; give --archive a "
@@ -103,7 +110,7 @@ void require_place_for_archive(const fs::path& folder) {
 
 void write_archive(const fs::path& folder, const SweepPlan& plan, const Overrides& overrides,
                    const CellRecords& records, const Registry& registry, FileHashes& hashes, const BuildFacts& build) {
-  require_place_for_archive(folder);
+  require_place_for_archive(folder, plan.file);
   std::vector<SourceFile> sources = sources_of(plan);
   sources.insert(sources.begin(), {plan.file.path.string(), plan.file.text});
   const fs::path common = common_folder(sources);
@@ -165,8 +172,14 @@ Archive read_archive(const fs::path& folder) {
     std::istringstream lines(cells);
     for (std::string line; std::getline(lines, line);) {
       const auto cell = nlohmann::json::parse(line);
-      archive.results[cell.at("cell")] = cell.at("result").dump();
+      const std::string label = cell.at("cell");
+      if (!archive.results.emplace(label, cell.at("result").dump()).second)
+        throw std::runtime_error((folder / "cells.jsonl").string() + " has the cell '" + label + "' twice");
     }
+    if (json.contains("cells"))
+      if (const auto archived = json.at("cells").at("archived").get<std::size_t>(); archived != archive.results.size())
+        throw std::runtime_error((folder / "cells.jsonl").string() + " has " + std::to_string(archive.results.size()) +
+                                 " cells, and " + std::to_string(archived) + " were archived: it has been changed");
   } catch (const nlohmann::json::exception& error) {
     throw std::runtime_error(folder.string() + " is no archive of a bench: " + error.what());
   }
@@ -273,6 +286,8 @@ std::string difference_of(const std::string& archived, const std::string& again,
     if (!of_a.contains(name) || !of_b.contains(name)) return "the metric " + name + " is there only once";
     const auto &x = of_a.at(name).at("value"), &y = of_b.at(name).at("value");
     if (!alike(x, y, tolerance)) return name + " was " + x.dump() + ", now it is " + y.dump();
+    const auto &unit = of_a.at(name).at("unit"), &now = of_b.at(name).at("unit");
+    if (unit != now) return name + " was in " + unit.dump() + ", now it is in " + now.dump();
   }
   return "";
 }

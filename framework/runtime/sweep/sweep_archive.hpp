@@ -20,7 +20,7 @@
 namespace plumbline::runtime {
 
 /// Throws std::runtime_error if the folder has something in it and is no archive: that would be replaced.
-void require_place_for_archive(const std::filesystem::path& folder);
+void require_place_for_archive(const std::filesystem::path& folder, const SweepFile& file);
 
 /// Replaces what an earlier one wrote into the folder. Throws std::runtime_error.
 void write_archive(const std::filesystem::path& folder, const SweepPlan& plan, const Overrides& overrides,

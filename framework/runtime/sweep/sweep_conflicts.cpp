@@ -44,11 +44,16 @@ SettingConflicts::Held SettingConflicts::around(const Combination& way) {
   }
   for (const std::string& text : way.scenario->overrides) set("scenario '" + way.scenario->name + "'", text);
   for (const auto& [name, value] : way.values) set("the matrix", name + "=" + value);
+  if (!way.scenario->pipeline.empty())
+    held.around["pipeline"] = {"scenario '" + way.scenario->name + "'", way.scenario->pipeline.string()};
   return held;
 }
 
 void SettingConflicts::add(Held& held, const std::string& group, const SweepAlternative& choice) {
-  if (!choice.pipeline.empty()) require_set_once(held.groups, group, "pipeline");
+  if (!choice.pipeline.empty()) {
+    require_set_once(held.groups, group, "pipeline");
+    note(held, "pipeline=" + choice.pipeline.string(), choice.at);
+  }
   for (const std::string& text : choice.overrides) {
     require_set_once(held.groups, group, text.substr(0, text.find('=')));
     note(held, text);

@@ -236,7 +236,7 @@ class SweepReader {
     check_keys(map, {}, what);
     for (const auto& item : map) {
       const std::string key = item.first.as<std::string>("");
-      if (key == "pipeline" || key == "why") continue;
+      if (key == "pipeline") continue;  // whoever calls takes it
       std::string value;
       if (item.second.IsSequence()) {
         for (const auto& part : item.second) value += (value.empty() ? "" : ", ") + text_of(part, "a value");
@@ -257,10 +257,12 @@ class SweepReader {
       check_keys(map, {}, "'scenarios'");
       for (const auto& item : map) {
         const std::string name = item.first.as<std::string>("");
-        sweep_.scenarios.push_back({name, overrides_of(item.second, "scenario '" + name + "'")});
+        SweepScenario scenario{name, overrides_of(item.second, "scenario '" + name + "'"), {}, at(item.first)};
+        if (item.second.IsMap() && item.second["pipeline"]) scenario.pipeline = pipeline_path(item.second["pipeline"]);
+        sweep_.scenarios.push_back(std::move(scenario));
       }
     }
-    if (sweep_.scenarios.empty()) sweep_.scenarios.push_back({"", {}});
+    if (sweep_.scenarios.empty()) sweep_.scenarios.emplace_back();
   }
 
   void read_matrix(const YAML::Node& map) {

@@ -48,6 +48,8 @@ struct SweepGroup {
 struct SweepScenario {
   std::string name;
   Overrides overrides;
+  std::filesystem::path pipeline = {};  ///< empty: the file's
+  Position at = {};
 };
 
 struct SweepVariable {

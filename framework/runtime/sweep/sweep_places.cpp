@@ -9,8 +9,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The file's pipeline and those of alternatives, as they stand before anything is overridden but by the command
-/// line.
+/// The file's pipeline and those of scenarios and alternatives, as they stand before anything is overridden but by the
+/// command line.
 std::map<fs::path, PipelineSpec> pipelines_of(const SweepFile& file, const Overrides& overrides) {
   std::map<fs::path, PipelineSpec> specs;
   std::vector<Problem> ignored;  // load_pipeline() tells them
@@ -18,6 +18,8 @@ std::map<fs::path, PipelineSpec> pipelines_of(const SweepFile& file, const Overr
     if (specs.count(path) == 0) specs[path] = read_pipeline(path, overrides, {}, ignored);
   };
   add(file.pipeline);
+  for (const SweepScenario& scenario : file.scenarios)
+    if (!scenario.pipeline.empty()) add(scenario.pipeline);
   for (const SweepGroup& group : file.groups)
     for (const SweepAlternative& alternative : group.alternatives)
       if (!alternative.pipeline.empty()) add(alternative.pipeline);
@@ -75,7 +77,7 @@ void refuse_role(const SweepFile& file, const SweepAlternative& alternative, con
 }  // namespace
 
 fs::path pipeline_of(const SweepFile& file, const Combination& way) {
-  fs::path pipeline = file.pipeline;
+  fs::path pipeline = way.scenario->pipeline.empty() ? file.pipeline : way.scenario->pipeline;
   for (const auto& [group, choice] : way.choices)
     if (!choice->pipeline.empty()) pipeline = choice->pipeline;
   return pipeline;

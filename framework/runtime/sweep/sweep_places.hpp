@@ -16,7 +16,7 @@ struct Combination {
   std::map<std::string, const SweepAlternative*> choices;  ///< by group
 };
 
-/// The file's pipeline, or that of one of the alternatives.
+/// The file's pipeline, or that of the scenario or of one of the alternatives.
 std::filesystem::path pipeline_of(const SweepFile& file, const Combination& way);
 
 /// The node of the pipeline that a list of kinds fills: the one of that name, else the one of that role. Throws

@@ -30,16 +30,26 @@ class Trials {
   /// All trials, or only those that both finished in places that have enough of them.
   Trials(const std::vector<Place>& places, bool pairs_only) {
     std::map<std::uint64_t, std::size_t> index;
+    std::map<std::string, double> sharing;
+    for (const Place& place : places)
+      if (counts(place, pairs_only)) ++sharing[place.stratum];
     for (const Place& place : places) {
-      if (pairs_only && pairs_of(place) < least_seeds) continue;
-      Group group{place.weight, {}};
+      if (!counts(place, pairs_only)) continue;
+      Group group{place.stratum.empty() ? place.weight : place.weight / sharing.at(place.stratum), {}};
       for (const Encounter& e : place.encounters)
         if (!pairs_only || finished_by_both(e))
           group.trials.push_back(
               {index.emplace(e.seed, index.size()).first->second, e.first, e.second, e.only_first, e.only_second});
-      if (!group.trials.empty()) groups_.push_back(std::move(group));
+      groups_.push_back(std::move(group));
     }
+    double heaviest = 0;  // powers of weights are summed
+    for (const Group& group : groups_) heaviest = std::max(heaviest, group.weight);
+    for (Group& group : groups_) group.weight /= heaviest;
     seeds_ = index.size();
+  }
+
+  static bool counts(const Place& place, bool pairs_only) {
+    return pairs_only ? pairs_of(place) >= least_seeds : !place.encounters.empty();
   }
 
   static std::size_t pairs_of(const Place& place) {
@@ -239,6 +249,21 @@ const char* to_text(Verdict verdict) {
   return names[static_cast<int>(verdict)];
 }
 
+namespace {
+
+/// Strata without a place that counts.
+std::vector<std::string> silent_strata(const std::vector<Place>& places, bool pairs_only) {
+  std::map<std::string, bool> heard;
+  for (const Place& place : places)
+    if (!place.stratum.empty()) heard[place.stratum] |= Trials::counts(place, pairs_only);
+  std::vector<std::string> silent;
+  for (const auto& [stratum, is_heard] : heard)
+    if (!is_heard) silent.push_back(stratum);
+  return silent;
+}
+
+}  // namespace
+
 PairedComparison compare(const std::vector<Place>& places, const InferenceOptions& options) {
   PairedComparison result;
   result.first = result.second = result.deviation = kNan;
@@ -252,10 +277,13 @@ PairedComparison compare(const std::vector<Place>& places, const InferenceOption
     for (const Encounter& e : place.encounters) result.lost_first += e.only_second, result.lost_second += e.only_first;
   }
   const Trials all(places, false), pairs(places, true);
-  compare_failures(all, options, result);
-  if (all.seeds() > 0) result.improvement = improvement_of(all, options.confidence);
+  if (silent_strata(places, false).empty()) {
+    compare_failures(all, options, result);
+    if (all.seeds() > 0) result.improvement = improvement_of(all, options.confidence);
+  }
   result.seeds = pairs.seeds();
-  if (result.places == 0) return result;
+  result.silent = silent_strata(places, true);
+  if (result.places == 0 || !result.silent.empty()) return result;
   compare_errors(pairs, options, result);
   if (result.places > 1) result.spread = spread_of(pairs);
   return result;

@@ -21,6 +21,7 @@ struct Encounter {
 struct Place {
   double weight = 1;  ///< in what is said over all places; above zero
   std::vector<Encounter> encounters;
+  std::string stratum = {};  ///< those of its places that count share its weight alike; empty: a place of its own
 };
 
 enum class Verdict {
@@ -41,18 +42,19 @@ struct Spread {
 };
 
 struct PairedComparison {
-  std::size_t seeds = 0;         ///< different ones among the pairs
-  std::size_t pairs = 0;         ///< of a seed and a place where both finished
-  std::size_t places = 0;        ///< with least_seeds pairs or more: those that count
-  std::size_t left_out = 0;      ///< places with fewer
-  double first = 0, second = 0;  ///< RMSE of each over the pairs, the weighted mean over places; nan without any
-  Estimate difference;           ///< first minus second
-  Interval narrow;               ///< with 1 - 2 (1 - confidence): two one-sided tests (Schuirmann 1987) use it
-  double deviation = 0;          ///< of the difference, by one seed
-  bool same = false;             ///< all errors agree to 1e-9 of themselves: nothing that was compared was measured
-  Estimate improvement;          ///< probability that the first does better on a trial; no result loses, ties are half
-  double p = 0;                  ///< exchange test of the difference
-  double adjusted_p = 0;         ///< after judge(); before it, equal to p
+  std::size_t seeds = 0;            ///< different ones among the pairs
+  std::size_t pairs = 0;            ///< of a seed and a place where both finished
+  std::size_t places = 0;           ///< with least_seeds pairs or more: those that count
+  std::size_t left_out = 0;         ///< places with fewer
+  std::vector<std::string> silent;  ///< strata of which no place counts: then nothing is said of the mean of errors
+  double first = 0, second = 0;     ///< RMSE of each over the pairs, the weighted mean over places; nan without any
+  Estimate difference;              ///< first minus second
+  Interval narrow;                  ///< with 1 - 2 (1 - confidence): two one-sided tests (Schuirmann 1987) use it
+  double deviation = 0;             ///< of the difference, by one seed
+  bool same = false;                ///< all errors agree to 1e-9 of themselves: nothing that was compared was measured
+  Estimate improvement;   ///< probability that the first does better on a trial; no result loses, ties are half
+  double p = 0;           ///< exchange test of the difference
+  double adjusted_p = 0;  ///< after judge(); before it, equal to p
   double lost_first = 0, lost_second = 0;  ///< trials (cells of a seed as shares) that only the other one finished
   double share_lost = 0;                   ///< weighted mean over places: first minus second, of all trials
   double p_lost = std::nan(""),
@@ -64,7 +66,8 @@ struct PairedComparison {
 };
 
 /// Difference of RMSE in each place that has least_seeds pairs, and its weighted mean over those places. Intervals,
-/// tests and deviations take a seed in all places at once.
+/// tests and deviations take a seed in all places at once. Where a stratum has no such place, its weight would go to
+/// the others without a word, so the errors are not compared; nor are failures where it has no trials at all.
 PairedComparison compare(const std::vector<Place>& places, const InferenceOptions& options);
 
 /// Adjusts the p of all comparisons as one family and gives the verdicts. A difference whose whole interval lies within

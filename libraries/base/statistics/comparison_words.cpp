@@ -5,6 +5,7 @@
 
 #include "base/statistics/comparison.hpp"
 #include "base/text/text.hpp"
+#include "base/text/words.hpp"
 
 namespace plumbline::statistics {
 
@@ -63,9 +64,15 @@ class ErrorWords {
            (rope > 0 ? "" : "; no rope is given, so nothing can be called equal");
   }
   std::string too_few() const {
+    if (!c_.silent.empty()) return "nothing can be said of " + first_ + " and " + second_ + ": " + silent();
     return "nothing can be said of " + first_ + " and " + second_ + ": " + std::to_string(c_.pairs) +
            (c_.pairs == 1 ? " trial" : " trials") + " that both finished, needed are " + std::to_string(least_seeds) +
            (c_.left_out > 1 ? " at one place" : "");
+  }
+  /// Which weights would go to others.
+  std::string silent() const {
+    return text::enumerate(c_.silent) + (c_.silent.size() > 1 ? " have" : " has") + " no place with " +
+           std::to_string(least_seeds) + " trials that both finished";
   }
   std::string difference() const {
     return text::format_fixed(value_, digits_) + " " + unit_ + " " + range(wide_.lower, wide_.upper);
@@ -120,6 +127,7 @@ std::string in_words(const PairedComparison& c, const std::string& first, const 
         break;
       }
       text = winner + " beats " + loser + ": it " + more_results(c, first, second);
+      if (!c.silent.empty()) return text + "; of the errors nothing can be said, " + errors.silent();
       if (c.places == 0)
         return text + "; of the errors nothing can be said, " + std::to_string(c.pairs) +
                (c.pairs == 1 ? " trial" : " trials") + " that both finished";

@@ -27,9 +27,9 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double con
     row.missing += cell->status == "missing";
     failures += cell->status == "failed";
     if (cell->status != "done") continue;
-    trials.push_back({cell->measure("error"),
+    trials.push_back({cell->error_size(),
                       cell->measure("bias"),
-                      cell->measure("worst"),
+                      std::abs(cell->measure("worst")),
                       cell->measure("predicted"),
                       cell->measure("bound"),
                       cell->measure("nees"),
@@ -50,6 +50,19 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double con
   row.start_cost = median(starts);
   row.final_cost = median(costs);
   return row;
+}
+
+/// Errors of rows are compared by eye, whatever the verdicts are of.
+void mark_own_trials(std::vector<Row>& rows) {
+  for (Row& row : rows)
+    row.own_trials = std::any_of(rows.begin(), rows.end(), [&](const Row& other) {
+      const auto sorted = [](std::vector<std::uint64_t> seeds) {
+        std::sort(seeds.begin(), seeds.end());
+        return seeds;
+      };
+      return other.place == row.place && !row.seeds.empty() && !other.seeds.empty() &&
+             sorted(other.seeds) != sorted(row.seeds);
+    });
 }
 
 std::vector<Failure> failures_of(const Bench& bench) {
@@ -234,6 +247,7 @@ Analysis analyse(const Bench& bench) {
   }
   analysis.seeds = seeds.size();
   for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options.confidence));
+  mark_own_trials(analysis.rows);
   analysis.duels = judged_duels(bench, options);
   for (const Duel& duel : analysis.duels)
     analysis.open += (!duel.overall || duel.weighted) &&

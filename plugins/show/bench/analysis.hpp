@@ -20,6 +20,7 @@ struct Row {
   double start_cost = 0, final_cost = 0;  ///< medians; nan: not measured
   std::vector<double> errors, worst;      ///< of the finished trials [m]
   std::vector<std::uint64_t> seeds;       ///< theirs
+  bool own_trials = false;  ///< another row of the place finished others: then their errors are of different trials
 };
 
 struct Duel {

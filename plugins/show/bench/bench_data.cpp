@@ -45,18 +45,17 @@ Cell read_cell(const Json& json, const std::vector<Variable>& variables) {
   return cell;
 }
 
-/// "equal", or numbers of the scenarios; the places of one scenario share its weight alike.
+/// "equal", or numbers of the scenarios.
 void read_weights(const Json& json, Bench& bench) {
-  std::map<std::string, std::string> scenario_of;
-  std::map<std::string, double> count;
-  for (const Cell& cell : bench.cells)
-    if (scenario_of.emplace(cell.place, cell.scenario).second) ++count[cell.scenario];
-  for (const auto& [place, scenario] : scenario_of)
-    bench.weights[place] = json.is_string() ? 1 : json.at(scenario).get<double>() / count.at(scenario);
-  bench.weights_text = "all places weighing alike";
-  if (json.is_string()) return;
+  if (json.is_string()) {
+    for (const std::string& place : bench.places()) bench.weights[place] = 1;
+    bench.weights_text = "all places weighing alike";
+    return;
+  }
+  bench.weights_of_scenarios = true;
   bench.weights_text = "weighing";
   for (const auto& [scenario, weight] : json.items()) {
+    bench.weights[scenario] = weight.get<double>();
     const std::string text = fmt::format(" {:g}", weight.get<double>());
     bench.weights_text += (bench.weights_text == "weighing" ? " " : ", ") + scenario + text;
   }
@@ -115,9 +114,16 @@ double Bench::useless_above() const {
   if (tolerances.empty()) return std::numeric_limits<double>::infinity();
   const double largest = *std::max_element(tolerances.begin(), tolerances.end());
   const bool yardstick = std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
-    return cell.status == "done" && cell.measure("error") <= largest;
+    return cell.status == "done" && cell.error_size() <= largest;
   });
   return yardstick ? largest : std::numeric_limits<double>::infinity();
+}
+
+double Bench::none_within() const {
+  const bool any = std::any_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.status == "done"; });
+  return any && !tolerances.empty() && std::isinf(useless_above())
+             ? *std::max_element(tolerances.begin(), tolerances.end())
+             : std::nan("");
 }
 
 std::vector<std::string> Bench::places() const {

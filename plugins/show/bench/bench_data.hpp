@@ -1,6 +1,7 @@
 // What `plumbline bench` hands to the node bench.summary: every cell with what was measured (docs/benchmarking.md).
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -19,10 +20,11 @@ struct Cell {
   std::map<std::string, double> measures;  ///< nan where not known
   /// What is found and stated in parts of the errors: "scale", then found, predicted, nees, freedom.
   std::map<std::string, std::map<std::string, double>> modes;
-  std::map<std::string, std::string> inputs;          ///< hash of what each node got
-  std::map<std::string, double> seconds;              ///< of the nodes that ran
-  std::string run;                                    ///< of which call of the program
-  double measure(const std::string& quantity) const;  ///< nan if it is not there
+  std::map<std::string, std::string> inputs;                        ///< hash of what each node got
+  std::map<std::string, double> seconds;                            ///< of the nodes that ran
+  std::string run;                                                  ///< of which call of the program
+  double measure(const std::string& quantity) const;                ///< nan if it is not there
+  double error_size() const { return std::abs(measure("error")); }  ///< a metric may have a sign, an error has a size
 };
 
 struct Group {
@@ -52,7 +54,8 @@ struct Bench {
   std::vector<std::size_t> looks;         ///< numbers of seeds at which the bench may stop
   std::size_t judged_seeds = 0;           ///< the first so many of the file; 0: not told
   std::size_t behind = 0;                 ///< cells of others that have run and are not among `cells` as such
-  std::map<std::string, double> weights;  ///< of places, as the file states them; empty: it states none
+  std::map<std::string, double> weights;  ///< of places, or of scenarios; empty: the file states none
+  bool weights_of_scenarios = false;      ///< of which those places share one that count in a comparison
   std::string weights_text;               ///< "all places weighing alike", …
   std::vector<Variable> variables;
   std::vector<Group> groups;
@@ -65,6 +68,8 @@ struct Bench {
   /// The largest tolerance, if it is a yardstick: some answer of the bench lies within it; else infinity. What is off
   /// by more is of no use to anybody who asked for it, however often it is given.
   double useless_above() const;
+  /// The largest tolerance where something has run and no trial came within it, else nan.
+  double none_within() const;
 };
 
 /// Throws std::runtime_error if the text is not what sweep_table() writes.

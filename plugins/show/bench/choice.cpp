@@ -82,7 +82,7 @@ Standings standings_of(const Bench& bench, const Group& group, const std::vector
     Standing& standing = standings[choice->second];
     ++standing.cells;
     standing.failed += cell.status == "failed";
-    standing.useless += cell.status == "done" && cell.measure("error") > useless_above;
+    standing.useless += cell.status == "done" && cell.error_size() > useless_above;
   }
   return standings;
 }
@@ -272,6 +272,23 @@ void add_choice(const Bench& bench, const Field& field, const Standings& standin
   add_beaten(bench, field.beaten, standings, sentences);
 }
 
+/// Why those that nothing can be said of are not compared, where that is another reason than too few trials.
+std::vector<std::string> refused_in_words(const Field& field, const std::vector<Pairing>& pairs) {
+  const auto is_unknown = [&](const std::string& name) {
+    return std::find(field.unknown.begin(), field.unknown.end(), name) != field.unknown.end();
+  };
+  std::vector<std::string> sentences;
+  for (const Pairing& pair : pairs) {
+    if (!is_unknown(pair.first()) && !is_unknown(pair.second())) continue;
+    for (const Duel* duel : pair.places) {
+      if (duel->refused.empty()) continue;
+      sentences.push_back(duel->words + (duel->place.empty() ? "" : " (" + duel->place + ")"));
+      break;
+    }
+  }
+  return sentences;
+}
+
 std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
   Standings standings = standings_of(bench, group, pairs);
   const Field field = field_of(group, standings);
@@ -287,13 +304,17 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   } else if (field.unbeaten.size() > 1) {
     add_nothing_separates(bench, field, pairs, sentences);
   }
-  if (!field.unknown.empty())
+  const auto refused = refused_in_words(field, pairs);
+  sentences.insert(sentences.end(), refused.begin(), refused.end());
+  if (!field.unknown.empty() && refused.empty())
     sentences.push_back("of " + text::enumerate(field.unknown) + " nothing can be said: too few trials to compare");
   for (const auto& [places, names] : field.untried.all())
     sentences.push_back(text::enumerate(names) + (names.size() > 1 ? " were" : " was") + " not tried on " + places);
   add_counts("without result: ", field.failing, sentences);
   add_counts(fmt::format("off by more than {:g} mm: ", 1e3 * bench.useless_above()), field.useless, sentences);
   sentences.insert(sentences.end(), field.silent.begin(), field.silent.end());
+  if (const double most = bench.none_within(); std::isfinite(most))
+    sentences.push_back(fmt::format("in no trial was any of them within {:g} mm", 1e3 * most));
   std::string text = group.name + ":";
   for (std::size_t k = 0; k < sentences.size(); ++k)
     text += " " + (k == 0 ? sentences[k] : begin_sentence(sentences[k], group.alternatives)) + ".";

@@ -41,24 +41,27 @@ class DuelBuilder {
       if (twin.first && twin.second) twins_[std::get<0>(key)].push_back(twin);
   }
 
-  /// Of one place, or of all if `place` is null.
-  Duel duel(const std::string* place, const std::map<std::string, double>& weights,
-            const statistics::InferenceOptions& options) const {
+  /// Of one place, or of all of the bench if `place` is null.
+  Duel duel(const std::string* place, const Bench& bench, const statistics::InferenceOptions& options) const {
     Duel duel;
     duel.group = group_.name, duel.first = first_, duel.second = second_;
     if (place) duel.place = *place;
     duel.overall = !place;
-    duel.weighted = !place && !weights.empty();
+    duel.weighted = !place && !bench.weights.empty();
     std::vector<statistics::Place> places;
     std::vector<TimePair> seconds;
     for (const auto& [name, twins] : twins_) {
       if (place && name != *place) continue;
-      const auto weight = weights.find(name);
       const std::size_t seeds = seeds_of_one_trial(twins);
       if (place) duel.repeated = seeds;
       const std::vector<Twin> counting = seeds > 0 ? twins_of_one_seed(twins) : twins;
-      places.push_back({weight == weights.end() ? 1.0 : weight->second, encounters(counting, duel, seconds)});
+      places.push_back({1, encounters(counting, duel, seconds)});
+      if (duel.weighted) weigh(bench, name, twins.front().first->scenario, places.back());
     }
+    if (duel.weighted && bench.weights_of_scenarios)  // one in which both were tried nowhere weighs all the same
+      for (const auto& [scenario, weight] : bench.weights)
+        if (std::none_of(places.begin(), places.end(), [&](const auto& p) { return p.stratum == scenario; }))
+          places.push_back({weight, {}, scenario});
     if (!duel.refused.empty()) return duel;
     duel.errors = compare(places, options);
     duel.times = compare_times(seconds, options);
@@ -66,6 +69,11 @@ class DuelBuilder {
   }
 
  private:
+  static void weigh(const Bench& bench, const std::string& place, const std::string& scenario, statistics::Place& of) {
+    of.weight = bench.weights.at(bench.weights_of_scenarios ? scenario : place);
+    if (bench.weights_of_scenarios) of.stratum = scenario;
+  }
+
   /// How many seeds these are where each alternative, with whatever else varies held, gave the same with all of them;
   /// else 0. Where one of them always fails, the other one tells.
   static std::size_t seeds_of_one_trial(const std::vector<Twin>& twins) {
@@ -103,8 +111,8 @@ class DuelBuilder {
       Sum& sum = by_seed[a->seed];
       ++sum.cells;
       // An answer that is off by decimetres where millimetres were asked for is no merit before none at all.
-      sum.only_first += first_done && !second_done && !(a->measure("error") > useless_above_);
-      sum.only_second += second_done && !first_done && !(b->measure("error") > useless_above_);
+      sum.only_first += first_done && !second_done && !(a->error_size() > useless_above_);
+      sum.only_second += second_done && !first_done && !(b->error_size() > useless_above_);
       if (!first_done || !second_done) continue;
       refuse_other_starts(*a, *b, duel);
       sum.first += a->measure("error") * a->measure("error");
@@ -209,8 +217,8 @@ std::vector<Duel> duels_of(const Bench& bench, const statistics::InferenceOption
     for (std::size_t a = 0; a < names.size(); ++a)
       for (std::size_t b = a + 1; b < names.size(); ++b) {
         const DuelBuilder builder(bench, group, names[a], names[b]);
-        if (places.size() > 1) duels.push_back(builder.duel(nullptr, bench.weights, options));
-        for (const std::string& place : places) duels.push_back(builder.duel(&place, {}, options));
+        if (places.size() > 1) duels.push_back(builder.duel(nullptr, bench, options));
+        for (const std::string& place : places) duels.push_back(builder.duel(&place, bench, options));
       }
   }
   return duels;

@@ -83,10 +83,10 @@ std::string number_cell(const std::string& text, double value) {
 }
 
 /// The value, and below it its interval.
-std::string interval_cell(const Estimate& estimate, double scale) {
-  std::string text = interval_text(estimate, scale);
+std::string interval_cell(const Estimate& estimate, double scale, const std::string& mark = "") {
+  std::string text = interval_text(estimate, scale) + mark;
   if (const std::size_t at = text.find(" ("); at != std::string::npos)
-    text = text.substr(0, at) + "<small>" + text.substr(at + 2, text.size() - at - 3) + "</small>";
+    text = text.substr(0, at) + mark + "<small>" + text.substr(at + 2, text.find(')', at) - at - 2) + "</small>";
   return number_cell(text, scale * estimate.value);
 }
 
@@ -128,7 +128,7 @@ std::string main_table(const Bench& bench, const Analysis& analysis) {
     text += number_cell(std::to_string(s.trials) + (row.missing ? " of " + std::to_string(s.trials + row.missing) : ""),
                         static_cast<double>(s.trials));
     text += number_cell(std::to_string(s.failures), static_cast<double>(s.failures));
-    text += interval_cell(s.rmse, 1e3);
+    text += interval_cell(s.rmse, 1e3, own_trials_mark(row));
     text += interval_cell(s.bias, 1e3);
     text += number_cell(number_text(1e3 * s.predicted.value, 0.01), 1e3 * s.predicted.value);
     text += interval_cell(s.efficiency, 1);

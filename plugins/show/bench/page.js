@@ -127,9 +127,9 @@ function drawProfile(place) {
   const plot = new Plot({xRange: [low / 1.1, high * 1.05], yRange: [0, 1], xLog: true, xLabel: 'largest error of a trial is at most … [mm]', yLabel: 'share of trials'});
   for (const tau of data.tolerances.map(mm)) plot.add(`<line x1="${plot.x(tau)}" x2="${plot.x(tau)}" y1="${plot.top}" y2="${plot.height - plot.bottom}" stroke="var(--soft)" stroke-dasharray="2 4"><title>tolerance ${tau} mm</title></line>`);
   for (const [index, r] of rows.entries()) {
-    const sorted = r.worst.map(mm).filter(known).sort((a, b) => a - b), points = [[plot.xRange[0], 0]];
-    sorted.forEach((v, i) => { const x = Math.max(v, plot.xRange[0]); points.push([x, i / r.trials], [x, (i + 1) / r.trials]); });
-    points.push([plot.xRange[1], sorted.length / r.trials]);
+    const sorted = r.worst.map(mm).filter(known).sort((a, b) => a - b), points = [[plot.xRange[0], 0]], cells = Math.max(r.trials, sorted.length);  // seeds that all gave the same are one trial
+    sorted.forEach((v, i) => { const x = Math.max(v, plot.xRange[0]); points.push([x, i / cells], [x, (i + 1) / cells]); });
+    points.push([plot.xRange[1], sorted.length / cells]);
     // What is the same lies on top of each other: the first is the widest, so that all are seen.
     plot.line(points, colour(r.name), `style="stroke-width:${Math.min(9, 2 + 2 * (rows.length - 1 - index))}"`);
   }

@@ -207,7 +207,13 @@ std::string method_text(const Bench& bench, const Analysis& analysis) {
   if (bench.places().size() > 1)
     text += bench.weights.empty() ? "; the file states no weights, so nothing is said over all places together"
                                   : "; what is said over all places is of their mean, " + bench.weights_text;
+  if (std::any_of(analysis.rows.begin(), analysis.rows.end(), [](const Row& row) { return row.own_trials; }))
+    text +=
+        "; a row's errors are those of its own finished trials, and with * another row of its place finished "
+        "others: who is better is told by the verdicts, of trials that both finished";
   return text + ".";
 }
+
+std::string own_trials_mark(const Row& row) { return row.own_trials ? "*" : ""; }
 
 }  // namespace plumbline::bench

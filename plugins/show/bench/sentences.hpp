@@ -30,4 +30,7 @@ std::string confidence_text(const Bench& bench, const Analysis& analysis);
 /// How intervals and tests were made.
 std::string method_text(const Bench& bench, const Analysis& analysis);
 
+/// "*" at the errors of a row that are of other trials than those of another row beside it; method_text() says so.
+std::string own_trials_mark(const Row& row);
+
 }  // namespace plumbline::bench

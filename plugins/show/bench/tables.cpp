@@ -41,6 +41,7 @@ Json row_json(const Row& row) {
             {"trials", s.trials},
             {"failures", s.failures},
             {"missing", row.missing},
+            {"own_trials", row.own_trials},
             {"rmse", estimate_json(s.rmse)},
             {"mean", estimate_json(s.mean)},
             {"bias", estimate_json(s.bias)},
@@ -281,8 +282,8 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   for (const Row& row : analysis.rows) {
     const auto& s = row.summary;
     text += "| " + table_cell(row.place) + " | " + table_cell(row.name) + " | " + std::to_string(s.trials) +
-            (row.missing ? " (" + std::to_string(row.missing) + " to come)" : "") + " | " + std::to_string(s.failures) +
-            " | " + interval_text(s.rmse, 1e3) + " | " + interval_text(s.bias, 1e3) + " | " +
+            (row.missing ? " (" + std::to_string(row.missing) + " not run)" : "") + " | " + std::to_string(s.failures) +
+            " | " + interval_text(s.rmse, 1e3) + own_trials_mark(row) + " | " + interval_text(s.bias, 1e3) + " | " +
             number_text(1e3 * s.predicted.value, 1e-2) + " | " + interval_text(s.efficiency, 1) + " | " +
             number_text(s.nees, 0.1) +
             (std::isfinite(s.nees_band.lower)

@@ -107,7 +107,7 @@ std::string table(const Bench& bench, const Analysis& analysis) {
     if (places) text += (first || row.place != last ? tex_text(row.place) : "") + " & ";
     last = row.place, first = false;
     text += tex_text(row.name) + " & " + std::to_string(s.trials) + " & " + std::to_string(s.failures) + " & " +
-            tex_text(interval_text(s.rmse, 1e3));
+            tex_text(interval_text(s.rmse, 1e3) + own_trials_mark(row));
     if (bias) text += " & " + tex_text(interval_text(s.bias, 1e3));
     if (predicted) text += " & " + tex_text(interval_text(s.predicted, 1e3));
     if (nees) text += " & " + tex_text(number_text(s.nees, 0.1));

@@ -193,8 +193,9 @@ TEST_F(Bal, WhatCannotBeReadIsRefusedWithItsLine) {
 
 TEST_F(Bal, CountsThatAreNotThoseOfTheFileAreRefused) {
   const std::string text = make().text;
-  EXPECT_THAT(error_of([&] { read(text + "1.5 2 3\n"); }),
-              testing::AllOf(HasSubstr("goes on behind its last point"), HasSubstr("(4 cameras, 12 points and 48 obs")));
+  EXPECT_THAT(
+      error_of([&] { read(text + "1.5 2 3\n"); }),
+      testing::AllOf(HasSubstr("goes on behind its last point"), HasSubstr("(4 cameras, 12 points and 48 obs")));
   EXPECT_THAT(error_of([&] { read("4 12 47" + text.substr(text.find('\n'))); }), HasSubstr("problem.txt:"));
   EXPECT_EQ(read(text + "\n \r\n").block.points.size(), 12u);
 }

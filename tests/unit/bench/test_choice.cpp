@@ -51,6 +51,28 @@ TEST(Choice, AnAnswerThatIsOffByDecimetresDoesNotWinOverNone) {
     EXPECT_FALSE(sentence.winner) << sentence.text;
 }
 
+/// A metric such as a bias has a sign, an error has a size: once what was 0.5 m too low won over no answer.
+TEST(Choice, TheSignOfAnErrorDecidesNothing) {
+  Bench low = bench_of(0.5, 3);
+  for (Cell& cell : low.cells)
+    if (cell.choices.at("method") == "least squares" && cell.measures.count("error"))
+      cell.measures["error"] *= -1, cell.measures["worst"] *= -1;
+  EXPECT_EQ(choice(low), choice(bench_of(0.5, 3)));
+  const auto of = [](const Bench& bench) { return analyse(bench).rows; };
+  const auto rows = of(low), high = of(bench_of(0.5, 3));
+  for (size_t k = 0; k < rows.size(); ++k)
+    for (size_t t = 0; t < rows[k].summary.failure_rates.size(); ++t)
+      EXPECT_EQ(rows[k].summary.failure_rates[t].failed, high[k].summary.failure_rates[t].failed);
+}
+
+/// Whoever is best of those that are all of no use is told as that.
+TEST(Choice, WhereNobodyComesWithinATolerancePeopleAreTold) {
+  Bench bench = bench_of(0.001, 24);
+  for (Cell& cell : bench.cells) cell.measures["error"] *= 1000;
+  EXPECT_THAT(choice(bench), HasSubstr("In no trial was any of them within 100 mm"));
+  EXPECT_THAT(choice(bench_of(0.001, 24)), Not(HasSubstr("In no trial")));
+}
+
 TEST(Choice, AnAnswerOfUseWinsOverNone) {
   const std::string said = choice(bench_of(0.001, 3));
   EXPECT_THAT(said, HasSubstr("take least squares, beaten nowhere. robust is beaten on spoilt, for lack of results"));

@@ -212,6 +212,43 @@ TEST(Compare, PlacesCountByTheWeightThatIsStated) {
   EXPECT_NEAR(compare({place(differ, 3), place(agree, 1)}, {}).difference.value, 0.75 * alone, 1e-12);
 }
 
+/// Once the places that lacked pairs kept their share of a scenario's weight, so that 1 : 1 was 1 : 3 and the other
+/// won.
+TEST(Compare, PlacesThatCountShareTheWeightOfTheirStratum) {
+  const auto of = [](Place place, const std::string& stratum) {
+    place.stratum = stratum;
+    return place;
+  };
+  const Pairs worse = trials(10, 0.5, 0, 1), better = trials(10, 2.0, 0, 2), few = trials(3, 0.5, 0, 3);
+  const double one = compare({place(worse)}, {}).difference.value, two = compare({place(better)}, {}).difference.value;
+  const PairedComparison c = compare({of(place(worse), "one"), of(place(few), "one"), of(place(few), "one"),
+                                      of(place(better), "two"), of(place(better), "two"), of(place(better, 1), "two")},
+                                     {});
+  EXPECT_NEAR(c.difference.value, 0.5 * (one + two), 1e-12);
+  EXPECT_TRUE(c.silent.empty());
+  const PairedComparison uneven = compare({of(place(worse, 3), "one"), of(place(better, 1), "two")}, {});
+  EXPECT_NEAR(uneven.difference.value, 0.75 * one + 0.25 * two, 1e-12);
+}
+
+/// Whose weight has nowhere to go is not spread over the others.
+TEST(Compare, AStratumWithoutPlacesIsNoMean) {
+  Place one = place(trials(40, 1.3, 0.02, 1)), none;
+  one.stratum = "one", none.stratum = "two";
+  const PairedComparison c = judged({one, none}, 5e-5);
+  EXPECT_EQ(c.verdict, Verdict::too_few);
+  EXPECT_TRUE(std::isnan(c.difference.value));
+  EXPECT_THAT(words(c),
+              HasSubstr("nothing can be said of schur and ceres: two has no place with 6 trials that both finished"));
+}
+
+TEST(Compare, WeightsOfAnySizeAreRatios) {
+  const Place a = place(trials(10, 2.0, 0, 1), 3e300), b = place(trials(60, 1.0, 0, 2), 1e300);
+  const PairedComparison large = compare({a, b}, {});
+  const PairedComparison small = compare({place(trials(10, 2.0, 0, 1), 3), place(trials(60, 1.0, 0, 2), 1)}, {});
+  EXPECT_NEAR(large.difference.value, small.difference.value, 1e-12);
+  EXPECT_NEAR(large.difference.interval.lower, small.difference.interval.lower, 1e-9);
+}
+
 TEST(Compare, SpreadIsWhatGoesBeyondTheNoise) {
   // Places that differ by noise alone, and places of which every second has another difference.
   std::vector<Place> alike, unlike;
