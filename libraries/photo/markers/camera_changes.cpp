@@ -89,12 +89,12 @@ std::optional<Contrast> upside_down(const std::vector<RigidTransform>& poses) {
   return of_parts(Split::upside_down, turned, std::log(0.1));
 }
 
-/// Photographs sorted by what each says of its own along the hypothesis, cut at every place: as many ways as there are
+/// Photographs sorted by what each says of its own along `directions`, cut at every place: as many ways as there are
 /// subsets of the size, so each counts as little.
-std::vector<Contrast> groups(const EffectFit& fit, const Hypothesis& hypothesis) {
+std::vector<Contrast> groups(const EffectFit& fit, const Eigen::MatrixXd& directions) {
   Eigen::MatrixXd steps;
   Eigen::VectorXd weight;
-  fit.own_steps(hypothesis.directions, steps, weight);
+  fit.own_steps(directions, steps, weight);
   if (!steps.allFinite() || !(weight.sum() > 0)) return {};
   const Eigen::RowVectorXd mean = weight.transpose() * steps / weight.sum();
   const Eigen::MatrixXd centred = weight.cwiseMax(0).cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
@@ -200,6 +200,13 @@ class Search {
     return {one.contrast.weights, one.hypothesis->directions, one.hypothesis->sizes};
   }
 
+  /// Along what photographs are sorted into groups: of turned ones the principal point, of which each tells more than
+  /// of the decentring.
+  static Eigen::MatrixXd divided_by(const Hypothesis& hypothesis) {
+    return hypothesis.what == What::turned ? Eigen::MatrixXd(hypothesis.directions.leftCols<2>())
+                                           : hypothesis.directions;
+  }
+
   std::vector<Candidate> scan(const Strengths& strengths) const {
     const EffectFit fit(model_, strengths);
     const double offset =
@@ -210,8 +217,8 @@ class Search {
       if (hypothesis.what == What::undistorted || hypothesis.what == What::turned)
         std::erase_if(contrasts, [](const Contrast& c) { return c.split == Split::drift; });
       if (hypothesis.what == What::turned && upside_down_) contrasts.push_back(*upside_down_);
-      if (hypothesis.what != What::aspect && hypothesis.what != What::turned)
-        for (Contrast& group : groups(fit, hypothesis)) contrasts.push_back(std::move(group));
+      if (hypothesis.what != What::aspect)
+        for (Contrast& group : groups(fit, divided_by(hypothesis))) contrasts.push_back(std::move(group));
       for (Contrast& contrast : contrasts) {
         stop_point();
         Candidate one{&hypothesis, std::move(contrast), {}, 0};
@@ -247,22 +254,42 @@ double by_place(const EffectModel& model, const Eigen::VectorXd& weights) {
   return 1 - left.squaredNorm() / (weights.array() - weights.mean()).matrix().squaredNorm();
 }
 
-/// Turned about the middle of the image, the principal point of the one part is the mirror image of the other's;
-/// `camera` has the mean of both. What is asked of the photographs that are held upside down is said with it.
-bool is_mirrored(const Candidate& one, const BrownCamera& camera) {
-  if (one.contrast.split == Split::upside_down) return true;
+/// How far the principal point of the one part is from the mirror image of the other's, which it is where the one were
+/// turned about the middle of the image; `camera` has the mean of both.
+Eigen::Array2d off_the_mirror(const Candidate& one, const BrownCamera& camera) {
   const double turned = one.contrast.weights.mean();
   const Eigen::Vector2d mean(camera.cx, camera.cy), last(camera.width - 1, camera.height - 1);
-  const Eigen::Array2d off = (2 * mean + (1 - 2 * turned) * one.fit.by.head<2>() - last).array();
-  return (off.abs() < 3 * one.fit.sigma.head<2>().array()).all();
+  return (2 * mean + (1 - 2 * turned) * one.fit.by.head<2>() - last).array();
 }
 
-/// With left and right exchanged: the same across, and no step along the columns. The mean of both is that of an
-/// adjustment to which they are one, which weighs them as it likes: a fifth of the step is left to it.
+/// The mean of both is that of an adjustment to which they are one, which weighs them as it likes: that much of the
+/// step.
+constexpr double left_to_the_mean = 0.2;
+
+/// What is asked of the photographs that are held upside down is said with it.
+bool is_mirrored(const Candidate& one, const BrownCamera& camera) {
+  if (one.contrast.split == Split::upside_down) return true;
+  const Eigen::Array2d step = one.fit.by.head<2>().array().abs(), sigma = one.fit.sigma.head<2>().array();
+  return (off_the_mirror(one, camera).abs() < 3 * sigma + left_to_the_mean * step).all();
+}
+
+/// What speaks for turned pictures against a principal point that moved by itself: that would be just the mirror image
+/// by chance. Logarithm of the odds.
+double by_the_mirror(const Candidate& one, const BrownCamera& camera) {
+  if (one.contrast.split == Split::upside_down) return 0;
+  const double usual = 0.02 * camera.width;  // of two principal points, each a hundredth off the middle
+  const Eigen::Array2d off = off_the_mirror(one, camera).square(),
+                       exact = one.fit.sigma.head<2>().array().square() +
+                               (0.5 * left_to_the_mean * one.fit.by.head<2>().array()).square(),
+                       open = exact + usual * usual;
+  return 0.5 * (open / exact).log().sum() - 0.5 * (off / exact - off / open).sum();
+}
+
+/// With left and right exchanged: the same across, and no step along the columns.
 bool is_flipped(double second, const CameraChange& change, const BrownCamera& camera) {
   const Eigen::Array2d by = change.by.head<2>().array(), sigma = change.sigma.head<2>().array();
   const double off = 2 * camera.cx + (1 - 2 * second) * by.x() - (camera.width - 1);
-  return std::abs(by.x()) > 3 * sigma.x() && std::abs(off) < 3 * sigma.x() + 0.2 * std::abs(by.x()) &&
+  return std::abs(by.x()) > 3 * sigma.x() && std::abs(off) < 3 * sigma.x() + left_to_the_mean * std::abs(by.x()) &&
          std::abs(by.y()) < 3 * sigma.y();
 }
 
@@ -314,12 +341,17 @@ std::optional<CameraChange> find_change(const CameraEvidence& evidence, const Br
   if (all.empty()) return std::nullopt;
   const Candidate& best =
       *std::max_element(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.value < b.value; });
-  double sum = 0, of_split = 0;
+  double sum = 0, of_split = 0, mirrored = 0;
   std::map<What, double> of_cause;
   for (const Candidate& one : all) {
     const double odds = std::exp(one.value - best.value);
     sum += odds, of_cause[cause_of(one)] += odds;
+    if (one.hypothesis->what == What::turned) mirrored += odds * std::exp(by_the_mirror(one, camera));
     if (alike(one.contrast, best.contrast)) of_split += odds;
+  }
+  if (const double moved = of_cause[What::principal_point], both = moved + of_cause[What::turned]; both > 0) {
+    of_cause[What::turned] = both * mirrored / (mirrored + moved);
+    of_cause[What::principal_point] = both - of_cause[What::turned];
   }
   // Against photographs that are alike; and against photographs that each differ, in no order.
   CameraChange change;

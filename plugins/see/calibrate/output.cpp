@@ -115,7 +115,7 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
         "those that the corners give, because photographs of a board usually scatter so much more than their corners",
         c.truth.empirical.photographs, fewest_to_scatter, c.truth.empirical.factor));
   }
-  if (!c.truth.change) add_parts(one.parts, warnings);
+  if (!c.truth.change && !one.aspect) add_parts(one.parts, warnings);
   if (c.rms > std::min(2.0, 1.5e-3 * std::max(selection.width, selection.height))) {
     warnings.push_back(
         fmt::format("The points fit to {:.1f} px only: the board file does not describe this board (lengths, columns "

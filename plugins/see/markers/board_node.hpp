@@ -83,10 +83,12 @@ struct AdjustMarkerBoard : Node {
     if (!distance->empty()) options.distance = parse_distance(*distance, input.block);
     MarkerResult result = adjust_lens_and_block(input.block, options);
     if (options.distance) check_distance(input.block, options, result);
+    const std::string print = stretched_print(input.block, options, result);
+    if (!print.empty()) tell_instead(print, result);
+    MarkerResult told_by_the_print = result;
     const std::vector<MarkerHalves> halves =
-        *compare ? halves_of(input.block, options, result) : std::vector<MarkerHalves>();
-    if (const std::string print = stretched_print(input.block, options, result); !print.empty())
-      result.warnings.insert(result.warnings.begin(), print);
+        *compare ? halves_of(input.block, options, print.empty() ? result : told_by_the_print)
+                 : std::vector<MarkerHalves>();
     for (const auto& text : result.left_out) context.warn("left out: " + text);
     for (const auto& text : result.warnings) context.warn(text);
     context.metric("rms", result.rms, "px");
@@ -130,6 +132,14 @@ struct AdjustMarkerBoard : Node {
     } catch (const std::runtime_error&) {
       return "";
     }
+  }
+
+  /// In the place of what the photographs seem to say of their cameras: it has the same cause.
+  static void tell_instead(const std::string& print, MarkerResult& result) {
+    for (const AdjustedMarkerCamera& camera : result.cameras)
+      for (const std::string& seeming : warnings_of(camera.truth))
+        std::erase_if(result.warnings, [&](const std::string& text) { return text.ends_with(seeming); });
+    result.warnings.insert(result.warnings.begin(), print);
   }
 
   /// Tags and cameras by three divisions of the photographs; the worst that contradicts is told, and a camera that

@@ -205,7 +205,7 @@ TEST(MarkerBoard, ACopyAtAnotherSizeIsLeftOut) {
 
 /// It was a rolling shutter.
 TEST(MarkerBoard, APrintThatIsWiderThanHighIsNamed) {
-  const auto said_with = [](double wider) {
+  const auto said_with = [](double wider, bool halves = false) {
     Scene s = scene(0.05, 3, 20);
     for (MarkerView& view : s.block.views)
       for (std::size_t q = 0; q < 4; ++q) {
@@ -216,10 +216,13 @@ TEST(MarkerBoard, APrintThatIsWiderThanHighIsNamed) {
       }
     test::NodeHarness node("adjust.marker_board");
     give(s, 1480, node);
-    node.set("tag_size", "0.12"), node.set("compare_halves", "false");
+    node.set("tag_size", "0.12"), node.set("compare_halves", halves ? "true" : "false");
     return said_by(node);
   };
   EXPECT_THAT(said_with(0.006), testing::ContainsRegex("the tags are 0\\.[56].* % wider than they are high"));
+  for (const bool halves : {false, true})  // one cause, one sentence
+    for (const char* const other : {"rows", "scatter", "two halves", "as two cameras", "either side"})
+      EXPECT_THAT(said_with(0.006, halves), Not(HasSubstr(other))) << halves;
   EXPECT_THAT(said_with(0), Not(HasSubstr("than they are high")));
 }
 

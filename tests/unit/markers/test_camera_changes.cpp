@@ -307,6 +307,23 @@ TEST(BoardAspect, IsToldFromACameraThatChanges) {
   EXPECT_FALSE(of_board(0, [](int, const Eigen::Vector2d& drawn) { return Own{1, {0, 0}, 5 * drawn}; })) << "rows";
 }
 
+/// A program had turned the pictures of a camera that was held upside down, in no order: the board lies in them as in
+/// the others, and only the lens is the other way round. It was a stabiliser, or a lens that is loose.
+TEST(CameraChange, PhotographsTurnedInNoOrderAreNamed) {
+  for (const unsigned seed : {3u, 8u}) {
+    auto views = photographs(24, seed);
+    const std::vector<int> turned = seed == 3 ? std::vector<int>{1, 2, 5, 6, 11, 12, 16, 21, 22}
+                                              : std::vector<int>{0, 3, 4, 7, 9, 13, 14, 15, 17, 19, 20, 23};
+    for (const int k : turned)
+      for (CalibrationPoint& point : views[k].points) point.pixel = Eigen::Vector2d(1599, 1199) - point.pixel;
+    const Calibration all = calibrate(views, 1600, 1200, {});
+    ASSERT_TRUE(all.truth.change) << seed << warnings_of(all.truth).size();
+    const std::string words = in_words(*all.truth.change, all.truth.evidence);
+    EXPECT_THAT(words, HasSubstr("pictures that a program turned by 180 degrees")) << seed;
+    EXPECT_THAT(words, HasSubstr(" photographs (IMG_")) << seed;
+  }
+}
+
 TEST(CameraChange, OfMirroredPhotographsOfAChessboardNamesTheMirror) {
   auto views = photographs(24, 7);
   for (std::size_t k = 1; k < views.size(); k += 2)
