@@ -94,6 +94,10 @@ class NodeHarness {
     inputs_[port].push_back(std::move(bytes));
   }
 
+  size_t input_count(const std::string& port) const { return inputs_.count(port) ? inputs_.at(port).size() : 0; }
+  /// An item that was added, to be changed.
+  std::vector<uint8_t>& input_bytes(const std::string& port, size_t index) { return inputs_.at(port).at(index); }
+
   void run() {
     outputs_.clear();
     error_.clear();

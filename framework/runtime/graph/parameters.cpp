@@ -43,6 +43,7 @@ class Checker {
 
   std::string check(const Scalar& value) {
     if (value.unresolved) return "";
+    if (is_default(value)) return value.text;
     switch (param_.kind) {
       case PLUMBLINE_NUMBER:
         return number(value);
@@ -61,6 +62,12 @@ class Checker {
   }
 
  private:
+  /// A default may be what nobody can give in another way (nan: not known); a variable has to have it.
+  bool is_default(const Scalar& value) const {
+    return param_.kind == PLUMBLINE_NUMBER && !param_.is_list && param_.default_text &&
+           value.text == param_.default_text;
+  }
+
   void refuse(const Scalar& value, const std::string& expected) {
     tell(value, " takes " + expected + ", found '" + value.text + "'");
   }

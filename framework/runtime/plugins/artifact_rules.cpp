@@ -77,6 +77,15 @@ std::string words_of(const std::vector<double>& values) {
   return values.size() == 1 ? text : "[" + text + "]";
 }
 
+/// Of a long list the first that is not known: "nan as number 4 of 45".
+std::string unknown_words(const std::vector<double>& values) {
+  constexpr size_t short_enough = 9;
+  const auto first = std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
+  if (values.size() <= short_enough || first == values.end()) return words_of(values);
+  return words_of({*first}) + " as number " + std::to_string(first - values.begin() + 1) + " of " +
+         std::to_string(values.size());
+}
+
 /// Walks an artifact along the path of one rule.
 class Check {
  public:
@@ -135,7 +144,7 @@ class Check {
         return fail(place, field, words_of(values), "no negative number");
     }
     const bool whole = rule_.kind == RuleKind::finite || rule_.kind == RuleKind::rotation;
-    if (whole && unknown > 0) return fail(place, field, words_of(values), "numbers only");
+    if (whole && unknown > 0) return fail(place, field, unknown_words(values), "numbers only");
     if (rule_.kind == RuleKind::some_known && !values.empty() && unknown == values.size())
       return fail(place, field, words_of(values), "at least one known component");
     if (rule_.kind != RuleKind::rotation || values.size() < 4) return;

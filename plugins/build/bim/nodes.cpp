@@ -1,5 +1,6 @@
 // bim.read_ifc and bim.write_ifc: the design in, the as-built state out; match.elements between them.
 #include <optional>
+#include <stdexcept>
 
 #include "artifacts.hpp"
 #include "artifacts/accuracy.hpp"
@@ -174,6 +175,11 @@ struct WriteIfc : Node {
     SurfacesT measured;
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
     const DeviationT judged = deviation.unpack();
+    for (const auto& anchor : judged.anchors)
+      if (!anchor->as_built.allFinite())
+        throw std::runtime_error("anchor '" + anchor->id +
+                                 "' has no as-built position in all of x, y and z, so it cannot be written: measure it "
+                                 "whole, or leave it out of plates.csv");
     options.surface_judgement = judged.surfaces.get();
     const AsBuiltIfc result = write_as_built(file, read, judged, accuracy.unpack(), options);
     for (const std::string& warning : result.warnings) context.warn(warning);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <stdexcept>
 
 #include "show/report/format.hpp"
 #include "show/report/page_style.hpp"
@@ -50,8 +51,13 @@ std::string heat_json(const std::string& guid, const std::optional<SurfacesT>& s
 std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
                        const std::map<std::string, std::size_t>& index, const std::optional<SurfacesT>& surfaces) {
   std::string anchors, corners, movements;
-  for (const auto& fixing : p.fixings)
-    anchors += (anchors.empty() ? "" : ",") + std::to_string(index.at(fixing->anchor));
+  for (const auto& fixing : p.fixings) {
+    const auto anchor = index.find(fixing->anchor);
+    if (anchor == index.end())
+      throw std::runtime_error("input 'deviation': panel '" + p.name + "' hangs on anchor '" + fixing->anchor +
+                               "', which is none of its anchors");
+    anchors += (anchors.empty() ? "" : ",") + std::to_string(anchor->second);
+  }
   for (const char* name : {"bottom_left", "bottom_right", "top_right", "top_left"}) {
     Eigen::Vector3d place = Eigen::Vector3d::Zero(), movement = Eigen::Vector3d::Constant(NAN);
     for (const auto& corner : p.corners)

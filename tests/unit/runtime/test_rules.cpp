@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "artifacts/camera.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
@@ -44,6 +45,17 @@ TEST(ArtifactRules, SoundPointsPassWhateverIsUnknown) {
   points.points[1]->sigma.setConstant(std::nan(""));
   EXPECT_EQ(broken<Points>(points), "");
   EXPECT_EQ(broken<Points>(PointsT()), "");
+}
+
+/// A node made covariances of nothing of it, without a word.
+TEST(ArtifactRules, OfALongListTheFirstThatIsUnknownIsNamed) {
+  CameraT camera;
+  camera.parameters.assign(9, 1), camera.covariance.assign(45, 0);
+  EXPECT_EQ(broken<Camera>(camera), "");
+  camera.covariance[3] = std::nan("");
+  EXPECT_EQ(broken<Camera>(camera), "covariance holds nan as number 4 of 45, expected numbers only");
+  camera.covariance[3] = 0, camera.parameters[8] = std::nan("");
+  EXPECT_EQ(broken<Camera>(camera), "parameters holds [1, 1, 1, 1, 1, 1, 1, 1, nan], expected numbers only");
 }
 
 TEST(ArtifactRules, TheFirstThatIsBrokenIsNamedWithItsPlace) {
