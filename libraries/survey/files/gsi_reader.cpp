@@ -27,7 +27,7 @@ SurveyObservations GsiReader::read() {
   const std::size_t blocks = all.size();
   plan_ = plan_gsi_stations(all, options_, options_.us_survey_foot ? kUsSurveyFoot : kFoot);
   for (std::size_t i = 0; i < all.size(); ++i) read_block(all[i], i);
-  level_.finish_position();
+  level_.finish();
   if (decoded_.encoding != text::Encoding::utf8)
     builder_.warn(std::string("text encoding taken as ") + text::name_of(decoded_.encoding));
   if (!other_codes_.empty()) {
@@ -116,11 +116,28 @@ void GsiReader::read_block(const GsiBlock& block, std::size_t number) {
     const auto other = plan_.renamed.find(number);
     if (other != plan_.renamed.end() && renamed_++ == 0)
       first_renamed_ = "'" + *id + "' in line " + std::to_string(line_);
-    read_sighting(block, other == plan_.renamed.end() ? *id : other->second);
+    const std::string target = other == plan_.renamed.end() ? *id : other->second;
+    const auto offset = plan_.offsets.find(number);
+    read_sighting(block, offset == plan_.offsets.end() ? target : sighted_beside(target, offset->second));
   } else {
     give_coordinates(*id, block, 81);
     describe_point(block, *id);
   }
+}
+
+// Words 81 to 83 hold the point that was meant, 21, 22 and 31 the reading to a target beside it.
+std::string GsiReader::sighted_beside(const std::string& id, const Eigen::Vector3d& offset) {
+  const std::string name = id + " (sighted)";
+  std::string by;
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(offset[axis]) > 5e-4)
+      by += std::string(by.empty() ? "" : ", ") + "ENH"[axis] + " " + (offset[axis] > 0 ? "+" : "") +
+            text::format_fixed(offset[axis], 3);
+  builder_.warn("line " + std::to_string(line_) + ": the coordinates of " + text::quoted(id) +
+                " are not those of what was sighted but lie beside it (" + by +
+                " m): an offset was keyed, or its coordinates. What was sighted is a point of its own here, " +
+                text::quoted(name) + "; add the offset to it");
+  return name;
 }
 
 // A line may be cut between two words, where each that is left is whole. It shows as the beginning of the sighting

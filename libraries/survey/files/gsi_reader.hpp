@@ -41,6 +41,7 @@ class GsiReader {
   void lose_station(const GsiBlock& block, const GsiWord& word, const std::string& expected);
   bool passes_cut_line(const GsiBlock& block, bool has_measurement);
   void read_sighting(const GsiBlock& block, const std::string& target);
+  std::string sighted_beside(const std::string& id, const Eigen::Vector3d& offset);
   void read_zenith_angle(const GsiWord& word, Sighting& sighting);
   void describe_point(const GsiBlock& block, const std::string& id);
   void warn_of_vertical_reference();

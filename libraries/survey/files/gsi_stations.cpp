@@ -11,10 +11,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSamePlace = 0.03;     // [m]: coordinates and readings are rounded to 1 mm and 1 mgon
-constexpr double kSameHeight = 0.006;   // [m]
-constexpr double kOtherPoint = 0.5;     // [m] between sightings of one number
-constexpr double kSameDistance = 0.05;  // [m] between a reading and coordinates that were measured before
+constexpr double kSamePlace = 0.03;      // [m]: coordinates and readings are rounded to 1 mm and 1 mgon
+constexpr double kSameHeight = 0.006;    // [m]
+constexpr double kOtherPoint = 0.5;      // [m] between sightings of one number
+constexpr double kLongestOffset = 5;     // [m]: what is keyed in for a point that cannot be sighted
+constexpr std::size_t kMostOffsets = 4;  // in a row: two points in both faces
+constexpr double kSameDistance = 0.05;   // [m] between a reading and coordinates that were measured before
 
 /// What one block is to the planning.
 struct Fact {
@@ -51,6 +53,9 @@ class Planner {
   void tell_numbers_apart();
   std::size_t last_of_repeated(std::size_t station) const;
   void follow_axis(std::size_t i, double station_height, double& axis);
+  std::size_t offsets_from(std::size_t first, const Vector2d& here) const;
+  bool axis_returns(std::size_t i, double axis, double tolerance) const;
+  void note_offset(std::size_t i, const Vector2d& here, double axis);
   std::size_t run_from(std::size_t first) const;
   GsiStart start_at(const Fact& first) const;
   void index_places();
@@ -246,6 +251,34 @@ GsiStart Planner::start_at(const Fact& first) const {
   return start;
 }
 
+/// Sightings whose coordinates come from other places than `here`, where those before and after them were measured: the
+/// instrument did not move twice for them. 0 if there are none, or if nothing comes back: that is another station.
+std::size_t Planner::offsets_from(std::size_t first, const Vector2d& here) const {
+  std::size_t count = 0;
+  for (std::size_t i = first; i < facts_.size(); i = next_sighting(i + 1)) {
+    const Fact& fact = facts_[i];
+    if (plan_.starts.contains(i) || !fact.is_polar() || !fact.has_coordinates()) return 0;
+    const double off = (fact.implied() - here).norm();
+    if (off < kSamePlace) return count;
+    if (!(off < kLongestOffset) || ++count > kMostOffsets || place_of(fact.implied())) return 0;
+  }
+  return 0;
+}
+
+/// The point that was meant and the one that was sighted are two. Where a point is known besides, its coordinates may
+/// be those, and a difference of centimetres is what the network is to find.
+void Planner::note_offset(std::size_t i, const Vector2d& here, double axis) {
+  const Fact& fact = facts_[i];
+  const auto given = [&](const Fact& f) {
+    return f.name == fact.name && (f.kind == Fact::Kind::station || f.kind == Fact::Kind::point);
+  };
+  if (std::any_of(facts_.begin(), facts_.end(), given)) return;
+  Eigen::Vector3d offset(kNotGiven, kNotGiven, kNotGiven);
+  offset.head<2>() = fact.implied() - here;
+  if (fact.has_target_height) offset.z() = fact.implied_axis() - axis;
+  plan_.offsets[i] = offset;
+}
+
 void Planner::follow_computed_coordinates() {
   Vector2d here = Vector2d::Constant(kNotGiven);  // of the current set-up
   double station_height = kNotGiven, axis = kNotGiven;
@@ -263,8 +296,11 @@ void Planner::follow_computed_coordinates() {
     if (here.array().isNaN().any() && has_station) here = fact.implied();
     if (!((fact.implied() - here).norm() < kSamePlace)) {
       const Fact* place = place_of(fact.implied());
-      const std::size_t length = run_from(i);
-      if (length < 2 && !place) continue;  // one odd sighting shows no station
+      const std::size_t length = run_from(i), offsets = place ? 0 : offsets_from(i, here);
+      if (offsets > 0 || (length < 2 && !place)) {  // one odd sighting shows no station
+        if ((fact.implied() - here).norm() < kLongestOffset) note_offset(i, here, axis);
+        continue;
+      }
       plan_.starts[i] = start_at(fact);
       here = fact.implied();
       station_height = place ? place->at.z() : kNotGiven;
@@ -277,6 +313,23 @@ void Planner::follow_computed_coordinates() {
   }
 }
 
+/// Within the next sightings of the set-up: one that stands alone was measured to a target beside the point.
+bool Planner::axis_returns(std::size_t i, double axis, double tolerance) const {
+  const Fact& fact = facts_[i];
+  std::size_t count = 0;
+  for (std::size_t k = next_sighting(i + 1); k < facts_.size() && count < kMostOffsets; k = next_sighting(k + 1)) {
+    const Fact& next = facts_[k];
+    if (plan_.starts.contains(k) || !std::isnan(next.instrument_height)) return false;
+    if (!next.has_target_height || std::isnan(next.implied_axis())) continue;
+    if ((next.implied() - fact.implied()).norm() > kSamePlace) continue;
+    ++count;
+    if (std::abs(next.implied_axis() - axis) < tolerance) return true;
+    const bool same_target = next.name == fact.name;  // in the other face
+    if (!same_target && std::abs(next.implied_axis() - fact.implied_axis()) < tolerance) return false;
+  }
+  return false;
+}
+
 /// The height of the target's coordinates shows where the tilting axis was.
 void Planner::follow_axis(std::size_t i, double station_height, double& axis) {
   const Fact& fact = facts_[i];
@@ -287,6 +340,10 @@ void Planner::follow_axis(std::size_t i, double station_height, double& axis) {
   }
   const double tolerance = kSameHeight + 7e-8 * fact.horizontal * fact.horizontal;  // curvature and refraction
   if (std::abs(fact.implied_axis() - axis) < tolerance) return;
+  if (axis_returns(i, axis, tolerance)) {
+    if (std::abs(fact.implied_axis() - axis) > kSamePlace) note_offset(i, fact.implied(), axis);
+    return;
+  }
   axis = fact.implied_axis();
   plan_.instrument_height[i] = axis - station_height;
 }

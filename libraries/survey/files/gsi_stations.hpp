@@ -29,6 +29,9 @@ struct GsiStations {
   std::set<std::size_t> oriented;                   ///< sightings whose circle reads azimuths
   std::map<std::size_t, std::string> renamed;       ///< sightings whose number was used before, for another place
   std::set<std::size_t> continued;                  ///< station blocks whose set-up began before them
+  /// Sightings beside the point that was meant, a tree's middle or a pillar's: from what was sighted to the coordinates
+  /// of their block [m]; NaN: not to be told.
+  std::map<std::size_t, Eigen::Vector3d> offsets;
 };
 
 /// Plans the set-ups of `blocks`, which are those of the whole file in order. `foot`: as gsi_length.

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "survey/files/jobxml.hpp"
 #include "survey/files/survey_builder.hpp"
@@ -12,6 +13,8 @@ namespace {
 
 using text::attribute;
 using text::child_text;
+
+constexpr double kLargestPrismConstant = 0.5;  // [m]
 
 /// Points that were typed in or taken over from another file or job. The schema (5.3) has the words in SurveyMethod
 /// beside Method "Coordinates"; other programs write them as the Method itself.
@@ -26,7 +29,7 @@ bool is_control(pugi::xml_node record) {
   return child_text(record, "Classification") == "Control" && is_keyed_in(record) && !text::child(record, "Circle");
 }
 
-/// Methods whose Circle is no reading but what was computed from several; those are read, or lie within the record.
+/// Methods whose Circle is no reading but what was computed from several. Where those are in the file they are read.
 bool is_mean(const std::string& method) {
   return method.starts_with("MeanTurnedAngle") || method.starts_with("MatchedPair");
 }
@@ -60,6 +63,8 @@ class JobXmlReader {
   void read_target(pugi::xml_node record);
   void read_back_bearing(pugi::xml_node record);
   void read_point(pugi::xml_node record);
+  void read_mean(pugi::xml_node record, const std::string& name);
+  void index_pointing(pugi::xml_node record);
   void read_circle(pugi::xml_node record, pugi::xml_node circle, const std::string& name);
   void read_coordinates(const std::string& name, pugi::xml_node grid, bool known = false);
   void correct_distance(pugi::xml_node record, Sighting& sighting);
@@ -73,12 +78,16 @@ class JobXmlReader {
   text::XmlFile xml_;
   SurveyBuilder builder_;
   std::map<std::string, pugi::xml_node> station_records_, control_records_;  // by ID, by name
+  using Pointing = std::pair<std::string, std::string>;                      // station ID and point
+  std::set<Pointing> sighted_;                                               // singly
+  std::map<Pointing, pugi::xml_node> best_means_;                            // of those that were not
   std::map<std::string, int> stations_;                                      // ID -> set-up
   std::map<std::string, double> atmospheres_;                                // ID -> ppm
   std::map<std::string, std::string> air_of_station_;                        // station ID -> atmosphere ID
   std::map<std::string, Target> targets_;
   std::string last_station_, last_atmosphere_;
-  std::size_t deleted_ = 0, means_ = 0, offsets_ = 0, levelled_ = 0, gnss_ = 0;
+  std::size_t deleted_ = 0, means_ = 0, means_alone_ = 0, means_besides_ = 0, means_without_reading_ = 0, offsets_ = 0,
+              levelled_ = 0, gnss_ = 0;
 };
 
 double JobXmlReader::number(pugi::xml_node parent, const char* name) {
@@ -115,6 +124,11 @@ void JobXmlReader::read_target(pugi::xml_node record) {
   Target& target = targets_[attribute(record, "ID")];
   target.height = number(record, "TargetHeight");
   target.prism_constant = number(record, "PrismConstant");
+  // Millimetres where the format has metres would be taken off each distance.
+  if (!(std::abs(target.prism_constant) > kLargestPrismConstant)) return;
+  reject(text::child(record, "PrismConstant"), child_text(record, "PrismConstant"),
+         "a prism constant in metres, of at most " + text::format_shortest(kLargestPrismConstant) + " m");
+  target.prism_constant = kNotGiven;
 }
 
 // What is added to the circle's readings to make them azimuths.
@@ -178,6 +192,36 @@ void JobXmlReader::read_circle(pugi::xml_node record, pugi::xml_node circle, con
   if (!builder_.add(sighting)) reject(record, "a Circle without values", "circle readings in decimal degrees");
 }
 
+/// A job may have been exported with its means alone: then these are what there is.
+void JobXmlReader::read_mean(pugi::xml_node record, const std::string& name) {
+  const Pointing pointing{child_text(record, "StationID"), name};
+  const auto best = best_means_.find(pointing);
+  if (sighted_.contains(pointing)) {
+    ++means_;
+  } else if (best == best_means_.end()) {
+    ++means_without_reading_;
+  } else if (best->second == record) {
+    ++means_alone_;
+    read_circle(record, text::child(record, "Circle"), name);
+  } else {
+    ++means_besides_;
+  }
+}
+
+/// What was sighted singly, and of the rest the mean of all sets rather than that of two faces, the last of several.
+void JobXmlReader::index_pointing(pugi::xml_node record) {
+  if (!text::child(record, "Circle") || child_text(record, "Deleted") == "true") return;
+  const std::string method = child_text(record, "Method");
+  const Pointing pointing{child_text(record, "StationID"), child_text(record, "Name")};
+  if (!is_mean(method)) {
+    sighted_.insert(pointing);
+    return;
+  }
+  pugi::xml_node& best = best_means_[pointing];
+  const auto of_all = [](const std::string& m) { return m.starts_with("MeanTurnedAngle"); };
+  if (!best || of_all(method) || !of_all(child_text(best, "Method"))) best = record;
+}
+
 void JobXmlReader::read_point(pugi::xml_node record) {
   const std::string name = child_text(record, "Name");
   if (child_text(record, "Deleted") == "true") {
@@ -186,10 +230,7 @@ void JobXmlReader::read_point(pugi::xml_node record) {
   }
   if (name.empty()) return reject(record, "a PointRecord", "its Name");
   const std::string method = child_text(record, "Method");
-  if (is_mean(method)) {
-    ++means_;
-    return;
-  }
+  if (is_mean(method)) return read_mean(record, name);
   levelled_ += method.ends_with("LevelObservation"), gnss_ += method.starts_with("Gps");
   const pugi::xml_node circle = text::child(record, "Circle");
   if (circle) {
@@ -210,6 +251,7 @@ void JobXmlReader::index(pugi::xml_node record) {
   const std::string_view kind = text::local_name(record);
   if (kind == "TargetRecord") return read_target(record);
   if (kind == "StationRecord") station_records_.emplace(attribute(record, "ID"), record);
+  if (kind == "PointRecord") index_pointing(record);
   if (kind == "PointRecord" && is_control(record)) control_records_.emplace(child_text(record, "Name"), record);
 }
 
@@ -219,6 +261,14 @@ void JobXmlReader::tell_what_was_left_out() {
   };
   tell(deleted_, "deleted point records were left out");
   tell(means_, "mean turned angles were left out; the single sightings are read");
+  tell(
+      means_alone_,
+      "mean turned angles are of points that were not sighted singly in this file: they are taken as one reading each, "
+      "though of how many sets they are is not said");
+  tell(means_besides_, "further means of the same were left out");
+  tell(means_without_reading_,
+       "mean turned angles are of points that were not sighted singly in this file, and have no Circle to read: these "
+       "sightings are lost");
   tell(offsets_,
        "sightings were computed from an offset that was measured or entered (AngleOffset, DistanceOffset, "
        "DualPrismOffset, CircularObject, RemoteObject); they are taken as read");

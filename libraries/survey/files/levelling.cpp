@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/text/text.hpp"
 
@@ -9,6 +10,8 @@ namespace plumbline::survey {
 namespace {
 
 constexpr double kLargestDoubleReading = 0.002;  // [m] between the two height differences of one position
+constexpr double kLineOfSight = 10.0;            // ["], what a level's may be off between two checks
+constexpr double kToldImbalance = 0.001;         // [m] in a height difference
 
 double mean(const std::vector<StaffReading>& readings, double StaffReading::*member) {
   double sum = 0;
@@ -25,9 +28,37 @@ std::string lines_of(const std::vector<StaffReading>& readings) {
 }  // namespace
 
 void LevelRun::begin_line(int readings) {
-  finish_position();
+  finish();
   readings_ = readings;
   last_back_ = {};
+}
+
+void LevelRun::finish() {
+  finish_position();
+  tell_balance();
+  balance_ = {};
+}
+
+void LevelRun::add_to_balance(const Observation& difference, double back_minus_ahead) {
+  if (std::isnan(back_minus_ahead)) return;
+  Balance& b = balance_;
+  if (b.at_least.empty()) b.at_least = b.at_most = difference.from;
+  b.sum += back_minus_ahead;
+  if (b.sum < b.least) b.least = b.sum, b.at_least = difference.to;
+  if (b.sum > b.most) b.most = b.sum, b.at_most = difference.to;
+}
+
+/// An error of the line of sight goes with the length of a sight. Where sights back and ahead are equally long it falls
+/// out; where they are not it is in the height difference, and a line forth and back closes all the same.
+void LevelRun::tell_balance() {
+  const double most = balance_.most - balance_.least;
+  const double effect = most * kLineOfSight / 3600 * std::numbers::pi / 180;
+  if (!(effect > kToldImbalance)) return;
+  builder_.warn("between " + text::quoted(balance_.at_least) + " and " + text::quoted(balance_.at_most) +
+                " the level's sights back and ahead differ by " + text::format_fixed(most, 0) +
+                " m in all: each 10\" that its line of sight is off are " + text::format_fixed(1e3 * effect, 1) +
+                " mm in their height difference, which no misclosure shows and no standard deviation here holds. "
+                "Level with equal sights, or check the line of sight and correct for it");
 }
 
 bool LevelRun::complete() const {
@@ -88,8 +119,9 @@ void LevelRun::emit(const std::vector<StaffReading>& back, const std::vector<Sta
   o.from = back.front().point;
   o.to = ahead.front().point;
   o.value = mean(back, &StaffReading::value) - mean(ahead, &StaffReading::value);
-  const double length = mean(back, &StaffReading::distance) + mean(ahead, &StaffReading::distance);
-  if (length > 0) o.levelling_length = length;
+  const double length_back = mean(back, &StaffReading::distance), length_ahead = mean(ahead, &StaffReading::distance);
+  if (const double length = length_back + length_ahead; length > 0) o.levelling_length = length;
+  if (ahead.front().kind == StaffReading::Kind::ahead) add_to_balance(o, length_back - length_ahead);
   o.source = ahead.front().source;
   if (back.size() > 1 && ahead.size() > 1) {
     o.corrections.push_back("mean of " + std::to_string(std::min(back.size(), ahead.size())) + " double readings");

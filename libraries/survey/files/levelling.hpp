@@ -25,6 +25,8 @@ class LevelRun {
   explicit LevelRun(SurveyBuilder& builder) : builder_(builder) {}
   /// A line begins; `readings` per staff of its method: 1 (BF), 2 (BFFB), 0 unknown.
   void begin_line(int readings);
+  /// The file ends.
+  void finish();
   void add(StaffReading reading);
   /// The instrument says that the position is complete (it writes a result), or the line ends.
   void finish_position();
@@ -36,11 +38,17 @@ class LevelRun {
  private:
   bool complete() const;
   void emit(const std::vector<StaffReading>& back, const std::vector<StaffReading>& ahead);
+  void add_to_balance(const Observation& difference, double back_minus_ahead);
+  void tell_balance();
 
   SurveyBuilder& builder_;
   int readings_ = 0;
   bool any_ = false;
   std::vector<StaffReading> back_, ahead_, intermediate_;
+  struct Balance {  // of a line: sights back minus sights ahead, summed up to a point [m]
+    double sum = 0, least = 0, most = 0;
+    std::string at_least, at_most;  // points
+  } balance_;
   StaffReading last_back_;  // intermediate sights after a finished position still hang on it
 };
 

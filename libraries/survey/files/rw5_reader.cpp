@@ -61,6 +61,7 @@ class Rw5Reader {
   void read_sighting(const Record& record);
   void read_point(const Record& record, const char* name_field);
   void begin_set_up(const std::string& station);
+  void tell_missing_height(const std::string& station);
   void read_backsight(const Record& record);
   double direction(const Record& record);
   double zenith_angle(const Record& record);
@@ -84,6 +85,8 @@ class Rw5Reader {
   bool gon_ = false, has_modes_ = false, absolute_ = false;
   double azimuth_origin_ = 0;  // AD1: azimuths count from the south
   double instrument_height_ = kNotGiven, rod_height_ = kNotGiven;
+  bool height_is_new_ = false;            // given since the last sighting
+  std::string station_of_last_sighting_;  // heights hold on as long as the instrument stands
   std::size_t observations_at_start_ = 0, records_ = 0;
   std::map<std::string, int> unread_;  // record types -> how many
 };
@@ -153,11 +156,23 @@ void Rw5Reader::begin_set_up(const std::string& station) {
   observations_at_start_ = builder_.survey.observations.size();
 }
 
+/// The first sighting from another station: LS may stand before OC or behind it, and before the backsight or not.
+void Rw5Reader::tell_missing_height(const std::string& station) {
+  const bool moved = !station_of_last_sighting_.empty() && station != station_of_last_sighting_;
+  if (moved && !height_is_new_ && !std::isnan(instrument_height_))
+    builder_.warn("line " + std::to_string(line_) + ": no record LS gives the instrument height of the set-up on " +
+                  text::quoted(station) + "; the one before (" + text::format_fixed(instrument_height_, 3) +
+                  " m) is taken to hold");
+  height_is_new_ = false;
+  station_of_last_sighting_ = station;
+}
+
 void Rw5Reader::read_heights(const Record& record) {
   const double rod = length(record, "HR"), instrument = length(record, "HI");
   if (!std::isnan(rod)) rod_height_ = rod;
   if (std::isnan(instrument)) return;
   instrument_height_ = instrument;
+  height_is_new_ = true;
   const int current = builder_.current_set_up();
   if (current >= 0 && builder_.survey.observations.size() == observations_at_start_)
     builder_.survey.set_ups[current].instrument_height = instrument;
@@ -258,6 +273,7 @@ void Rw5Reader::read_sighting(const Record& record) {
   const double height = builder_.survey.set_ups[builder_.current_set_up()].instrument_height;
   if (!std::isnan(instrument_height_) && instrument_height_ != height) sighting.instrument_height = instrument_height_;
   if (!builder_.add(sighting)) return builder_.skip(line_, 1, record.type, "at least one measured value");
+  tell_missing_height(station);
   Point& point = builder_.point(sighting.to, sighting.source);
   if (point.description.empty()) point.description = std::string(record.note);
 }

@@ -194,6 +194,7 @@ SurveyObservations TopconLevelReader::read() {
   }
   find_positions();
   if (!back_.empty() || !ahead_.empty()) add_position(std::move(back_), std::move(ahead_));
+  level_.finish();
   return builder_.finish(first ? "no head of a level" : "no reading", first ? understood_formats() : "staff readings");
 }
 

@@ -282,7 +282,7 @@ SurveyObservations ZeissReader::read() {
     else
       builder_.skip(line_, 1, text, "a record 'For M5|...', 'For R5|...' or 'For R4|...'");
   }
-  level_.finish_position();
+  level_.finish();
   return builder_.finish(std::to_string(records_) + " records without sightings, staff readings or coordinates",
                          records_ == 0 ? understood_formats() : "records with Hz, V1, SD, with Rb and Rf, or Y, X, Z");
 }

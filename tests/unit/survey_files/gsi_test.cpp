@@ -1,6 +1,10 @@
 #include "survey/files/gsi.hpp"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
 
 #include "survey_test_support.hpp"
 
@@ -220,6 +224,77 @@ TEST(GsiWriter, RealNetworkReadsBackTheSame) {
   const auto again = read_gsi(text, "again.gsi");
   expect_same(survey, again, 1e-12);
   EXPECT_EQ(write_gsi(again), text);
+}
+
+bool warns_of(const SurveyObservations& survey, const std::string& words) {
+  return std::any_of(survey.warnings.begin(), survey.warnings.end(),
+                     [&](const std::string& w) { return w.find(words) != std::string::npos; });
+}
+
+/// A station at E 100, N 200, H 10 with its axis 1.5 m above, and sights of 50 m to the points on a quarter of a
+/// circle.
+std::string computed_coordinates(const std::vector<std::pair<std::string, Eigen::Vector3d>>& targets) {
+  const auto word = [](const std::string& head, double value) {
+    return fmt::format("{}{}{:016d} ", head, value < 0 ? '-' : '+', std::llround(std::abs(value)));
+  };
+  std::string text = "*110001+00000000000000S1 " + word("84..10", 100000) + word("85..10", 200000) +
+                     word("86..10", 10000) + word("88..10", 1500) + "\n";
+  double gon = 0;
+  for (const auto& [name, offset] : targets) {
+    const double angle = gon * std::numbers::pi / 200;
+    const Eigen::Vector3d at = Eigen::Vector3d(100 + 50 * std::sin(angle), 200 + 50 * std::cos(angle), 11.5) + offset;
+    text += fmt::format("*110002+{:0>16} ", name) + word("21.322", gon * 1e5) + word("22.322", 100e5) +
+            word("31..00", 50000) + word("81..40", 1000 * at.x()) + word("82..40", 1000 * at.y()) +
+            word("83..40", 1000 * at.z()) + word("87..10", 0) + "\n";
+    gon += 10;
+  }
+  return text;
+}
+
+/// 81 to 83 have the middle of a tree, 21, 22 and 31 the prism in front of it. One such sighting was P3, two in a row
+/// made a station of their own, and one in height another instrument height from there on.
+TEST(Gsi, SightingsBesideTheirPointAreNotThePoint) {
+  using P = std::pair<std::string, Eigen::Vector3d>;
+  const Eigen::Vector3d none(0, 0, 0), east(0.4, 0, 0), down(0, 0, -0.4);
+  const auto read = [](const std::vector<P>& targets) { return read_gsi(computed_coordinates(targets), "o.gsi"); };
+  const auto names = [](const SurveyObservations& s) {
+    std::string all;
+    for (const Observation& o : s.observations)
+      if (o.kind == direction) all += (all.empty() ? "" : ", ") + o.to;
+    return all;
+  };
+  const auto sound = read({{"P1", none}, {"P2", none}, {"P3", none}, {"P4", none}});
+  EXPECT_TRUE(sound.warnings.empty());
+  const std::vector<std::vector<P>> cases = {{{"P1", none}, {"P2", none}, {"P3", east}, {"P4", none}},
+                                             {{"P1", none}, {"P2", east}, {"P3", east}, {"P4", none}},
+                                             {{"P1", none}, {"P2", none}, {"P3", down}, {"P4", none}},
+                                             {{"P1", none}, {"P2", none}, {"P3", none}, {"P4", east}}};
+  const char* const expected[] = {"P1, P2, P3 (sighted), P4", "P1, P2 (sighted), P3 (sighted), P4",
+                                  "P1, P2, P3 (sighted), P4", "P1, P2, P3, P4 (sighted)"};
+  for (size_t k = 0; k < cases.size(); ++k) {
+    const auto survey = read(cases[k]);
+    EXPECT_EQ(names(survey), expected[k]);
+    ASSERT_EQ(survey.set_ups.size(), 1u) << k;
+    EXPECT_TRUE(warns_of(survey, "an offset was keyed")) << k;
+    EXPECT_TRUE(std::all_of(survey.observations.begin(), survey.observations.end(), [](const Observation& o) {
+      return std::isnan(o.instrument_height);
+    })) << k;
+  }
+}
+
+/// Level with a line of sight that is off: forth and back it closes, and the height is wrong.
+TEST(Gsi, SightsOfUnequalLengthAreToldOfALevel) {
+  const auto line = [](int back, int ahead) {
+    std::string text = "410001+?......1\n110002+00000BM1 83...8+10000000\n";
+    for (int k = 0; k < 6; ++k)
+      text += fmt::format(
+          "11{:04d}+{:0>8} 32...8+{:08d} 331.08+00160000\n11{:04d}+{:0>8} 32...8+{:08d} 332.08+00040000\n", 2 * k + 3,
+          k == 0 ? "BM1" : fmt::format("T{}", k), back * 100000, 2 * k + 4, fmt::format("T{}", k + 1), ahead * 100000);
+    return read_gsi(text, "level.gsi");
+  };
+  EXPECT_EQ(line(30, 30).observations.size(), 6u);
+  EXPECT_FALSE(warns_of(line(30, 30), "sights back and ahead"));
+  EXPECT_TRUE(warns_of(line(40, 30), "between 'BM1' and 'T6' the level's sights back and ahead differ by 60 m in all"));
 }
 
 TEST(GsiWriter, AnySurveyReadsBackTheSame) {

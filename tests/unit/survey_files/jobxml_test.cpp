@@ -120,10 +120,37 @@ TEST(JobXml, WhatIsNoReadingIsSaidAndLeftOut) {
           sighting("B", "MatchedPair") + sighting("B", "MeanTurnedAngleHidden") + sighting("C", "DistanceOffset") +
           "<PointRecord><Name>L</Name><Method>LevelObservation</Method></PointRecord>"),
       "x.jxl");
-  EXPECT_EQ(survey.observations.size(), 6u) << "of A and C, three each";
-  EXPECT_TRUE(warns_of(survey, "2 mean turned angles"));
+  EXPECT_EQ(survey.observations.size(), 9u) << "of A, C and the mean of B, three each";
+  EXPECT_TRUE(warns_of(survey, "1 mean turned angles are of points that were not sighted singly"));
+  EXPECT_TRUE(warns_of(survey, "1 further means"));
   EXPECT_TRUE(warns_of(survey, "1 sightings were computed from an offset"));
   EXPECT_TRUE(warns_of(survey, "1 levelling records"));
+}
+
+/// They were "left out; the single sightings are read", where there were none, and a set-up of means alone was lost.
+TEST(JobXml, MeansCountWhereNothingSingleWasRead) {
+  const auto survey = read_jobxml(
+      job("<StationRecord ID=\"5\"><StationName>S</StationName></StationRecord>" + sighting("A", "DirectReading") +
+          sighting("A", "MeanTurnedAngle") + sighting("B", "MeanTurnedAngle") +
+          "<PointRecord><Name>C</Name><Method>MeanTurnedAngle</Method></PointRecord>"),
+      "x.jxl");
+  EXPECT_EQ(survey.observations.size(), 6u) << "of A and the mean of B, three each";
+  EXPECT_TRUE(warns_of(survey, "1 mean turned angles were left out; the single sightings are read"));
+  EXPECT_TRUE(warns_of(survey, "1 mean turned angles are of points that were not sighted singly"));
+  EXPECT_TRUE(warns_of(survey,
+                       "1 mean turned angles are of points that were not sighted singly in this file, and "
+                       "have no Circle"));
+}
+
+/// -17.5 was taken off as metres.
+TEST(JobXml, APrismConstantOfMetresIsRefused) {
+  const auto survey =
+      read_jobxml(job("<StationRecord ID=\"5\"><StationName>S</StationName></StationRecord><TargetRecord ID=\"1\">"
+                      "<PrismConstant>-17.5</PrismConstant></TargetRecord>" +
+                      sighting("A", "DirectReading")),
+                  "x.jxl");
+  ASSERT_EQ(survey.skipped.size(), 1u);
+  EXPECT_EQ(survey.skipped[0].found, "'-17.5'");
 }
 
 TEST(JobXml, PointsThatTheOfficeHandsOutAreRead) {

@@ -118,6 +118,25 @@ TEST(Rw5, AzimuthsFromTheSouthAndAnOffsetOfTheInstrument) {
   EXPECT_EQ(read("AD0,UN1,AU7").skipped.size(), 1u);
 }
 
+/// The instrument height of the station before was taken without a word, and all points were as much too low.
+TEST(Rw5, ASetUpWithoutInstrumentHeightIsTold) {
+  const auto read = [](const std::string& before, const std::string& second) {
+    return read_rw5(
+        "JB,NMx\nMO,AD0,UN1,SF1.0,AU0\nOC,OPA,N 0.0,E 0.0,EL0.0\nLS,HI1.5,HR1.5\n"
+        "SS,OPA,FP3,AR10.0000,ZE90.0000,SD50.0\nLS,HI1.5,HR1.7\nSS,OPA,FP4,AR20.0000,ZE90.0000,SD50.0\n" +
+            before + "OC,OPB,N 9.0,E 0.0,EL0.0\n" + second + "SS,OPB,FP3,AR10.0000,ZE90.0000,SD50.0\n" +
+            "SS,OPB,FP4,AR11.0000,ZE90.0000,SD50.0\n",
+        "h.rw5");
+  };
+  const auto missing = read("", "");
+  ASSERT_EQ(missing.warnings.size(), 1u);
+  EXPECT_NE(missing.warnings[0].find("line 9: no record LS gives the instrument height of the set-up on 'B'"),
+            std::string::npos)
+      << missing.warnings[0];
+  EXPECT_TRUE(read("LS,HI1.6,HR1.5\n", "").warnings.empty());
+  EXPECT_TRUE(read("", "LS,HI1.6,HR1.5\n").warnings.empty());
+}
+
 /// "HI1,55" would be an instrument height of 1 m and a field that nobody reads.
 TEST(Rw5, ADecimalCommaIsNoField) {
   const auto survey = read_rw5(
