@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 #include "building/judgement/figures.hpp"
 
@@ -48,16 +49,44 @@ std::map<std::string, KnownPlace> known_places(const SurveyNetwork& network) {
   return known;
 }
 
-/// Heights alone are no place, nor is a plan without them: what is not known is not compared. Its standard deviation
-/// says nothing here: what was measured is not copied for being in place.
-bool is_designed(const KnownPlace& known, const FrameLink& link, const Eigen::Vector3d& design) {
-  if (!known.position.allFinite() || !design.allFinite()) return false;
-  return ((link.apply(known.position) - design).cwiseAbs().array() <= kWritten).all();
+/// What of a known point is that of the design. Its standard deviation says nothing here: what was measured is not
+/// copied for being in place.
+struct Part {
+  bool plan_known = false, height_known = false;
+  bool plan = false, height = false;
+};
+
+Part part_of_design(const KnownPlace& known, const FrameLink& link, const Eigen::Vector3d& design) {
+  Part part;
+  if (!design.allFinite()) return part;
+  // The turn is about the vertical: a height that is not known changes nothing in plan.
+  const Eigen::Vector3d here = link.apply(known.position.array().isNaN().select(0, known.position));
+  const Eigen::Vector3d off = (here - design).cwiseAbs();
+  part.plan_known = known.position.head<2>().allFinite(), part.height_known = std::isfinite(known.position.z());
+  part.plan = part.plan_known && off.head<2>().maxCoeff() <= kWritten;
+  part.height = part.height_known && off.z() <= kWritten;
+  return part;
 }
+
+/// Of many anchors one is in place in plan or in height by itself. So where not all of a point is the design's, its
+/// plan or its height counts as copied if that of at least two points, and of more than two thirds of all, is.
+class Copied {
+ public:
+  void count(const Part& part) {
+    plans_ += part.plan, known_plans_ += part.plan_known;
+    heights_ += part.height, known_heights_ += part.height_known;
+  }
+  bool plan(const Part& part) const { return part.plan && (part.height || most(plans_, known_plans_)); }
+  bool height(const Part& part) const { return part.height && (part.plan || most(heights_, known_heights_)); }
+
+ private:
+  static bool most(int of_design, int known) { return of_design >= 2 && 3 * of_design > 2 * known; }
+  int plans_ = 0, known_plans_ = 0, heights_ = 0, known_heights_ = 0;
+};
 
 struct Designed {
   Eigen::Index at;         ///< in the model
-  Eigen::Matrix3d weight;  ///< of its known coordinates [1/m²]
+  Eigen::Matrix3d weight;  ///< of those of its known coordinates that were copied [1/m²]
 };
 
 /// Three shifts and a turn about the vertical through `middle`.
@@ -66,8 +95,32 @@ std::array<Eigen::Vector3d, 4> motions(const Eigen::Vector3d& p, const Eigen::Ve
           Eigen::Vector3d(middle.y() - p.y(), p.x() - middle.x(), 0)};
 }
 
+/// Covariance of two points as the survey gives it. What the link is uncertain by is in the model too, all points have
+/// it in common, and no known coordinate moves it.
+class OfSurvey {
+ public:
+  OfSurvey(const PointSet& model, const FrameLink& link) : model_(model), certain_(link.covariance.isZero(0)) {
+    graph_.add(link), link_ = &graph_.links().front();
+  }
+  Eigen::Matrix3d operator()(Eigen::Index a, Eigen::Index b) const {
+    const Eigen::Matrix3d whole = model_.covariance.block(a, b);
+    if (certain_) return whole;
+    const FramePoints exact{{link_->apply_inverse(model_.positions[a]), link_->apply_inverse(model_.positions[b])},
+                            Eigen::MatrixXd::Zero(6, 6)};
+    return whole - graph_.express(exact, link_->to, link_->from).covariance.topRightCorner<3, 3>();
+  }
+
+ private:
+  const PointSet& model_;
+  bool certain_;
+  FrameGraph graph_;
+  const FrameLink* link_;
+};
+
 /// Which share of a motion of them the anchors at `judged` follow; the largest of all motions.
-double followed(const std::vector<Designed>& designed, const std::vector<Eigen::Index>& judged, const PointSet& model) {
+double followed(const std::vector<Designed>& designed, const std::vector<Eigen::Index>& judged, const PointSet& model,
+                const FrameLink& link) {
+  const OfSurvey covariance(model, link);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Eigen::Index a : judged) middle += model.positions[a] / static_cast<double>(judged.size());
   std::array<double, 4> moved{}, all{};
@@ -75,7 +128,7 @@ double followed(const std::vector<Designed>& designed, const std::vector<Eigen::
     std::array<Eigen::Vector3d, 4> along;
     along.fill(Eigen::Vector3d::Zero());
     for (const Designed& d : designed) {
-      const Eigen::Matrix3d follows = model.covariance.block(a, d.at) * d.weight;
+      const Eigen::Matrix3d follows = covariance(a, d.at) * d.weight;
       const auto motion = motions(model.positions[d.at], middle);
       for (std::size_t k = 0; k < 4; ++k) along[k] += follows * motion[k];
     }
@@ -102,29 +155,38 @@ DesignedControl designed_control(const SurveyNetwork& network, const FrameLink& 
   for (std::size_t i = 0; i < model.ids.size(); ++i) places[model.ids[i]] = static_cast<Eigen::Index>(i);
   const double variance =
       network.scaled_with_sigma0() && network.statistics() ? std::pow(network.statistics()->sigma0(), 2) : 1;
-  std::vector<Designed> designed;
   std::vector<Eigen::Index> judged;
-  bool weighted = model.covariance.size() > 0 && variance > 0;
-  for (std::size_t i = 0; i < anchors.size(); ++i) {
-    const AnchorCase& anchor = anchors[i];
+  std::vector<std::tuple<std::string, Eigen::Index, Part, Eigen::Vector3d>> candidates;
+  Copied copied;
+  for (const AnchorCase& anchor : anchors) {
     const auto at = places.find(anchor.id);
     if (at == places.end() || !model.positions[at->second].allFinite() || !anchor.design.allFinite()) continue;
     judged.push_back(at->second);
     const auto found = known.find(anchor.id);
-    if (found == known.end() || !is_designed(found->second, link, anchor.design)) continue;
-    result.ids.push_back(anchor.id);
-    const Eigen::Vector3d& sigma = found->second.sigma;
-    weighted = weighted && sigma.minCoeff() > 0;
-    if (weighted)
-      designed.push_back({at->second, link.to_from_from.rotation.toRotationMatrix() *
-                                          (variance * sigma.cwiseAbs2()).cwiseInverse().asDiagonal() *
-                                          link.to_from_from.rotation.toRotationMatrix().transpose()});
+    if (found == known.end()) continue;
+    const Part part = part_of_design(found->second, link, anchor.design);
+    copied.count(part);
+    candidates.emplace_back(anchor.id, at->second, part, found->second.sigma);
+  }
+  std::vector<Designed> designed;
+  bool weighted = model.covariance.size() > 0 && variance > 0;
+  const Eigen::Matrix3d turn = link.to_from_from.rotation.toRotationMatrix();
+  for (const auto& [id, at, part, sigma] : candidates) {
+    const Eigen::Vector3d of_design(copied.plan(part), copied.plan(part), copied.height(part));
+    if (of_design.isZero(0)) continue;
+    result.ids.push_back(id);
+    result.plan = result.plan || of_design.x() > 0, result.height = result.height || of_design.z() > 0;
+    weighted = weighted && (of_design.array() == 0 || sigma.array() > 0).all();
+    if (!weighted) continue;
+    const Eigen::Vector3d weights =
+        (of_design.array() > 0).select(1 / (variance * sigma.array().square()), 0.0).matrix();
+    designed.push_back({at, turn * weights.asDiagonal() * turn.transpose()});
   }
   if (result.ids.empty()) return result;
   std::vector<Eigen::Index> looked;
   const std::size_t step = 1 + judged.size() / kLooked;
   for (std::size_t i = 0; i < judged.size(); i += step) looked.push_back(judged[i]);
-  result.hidden = weighted ? followed(designed, looked, model)
+  result.hidden = weighted ? followed(designed, looked, model, link)
                            : static_cast<double>(result.ids.size()) / static_cast<double>(known.size());
   return result;
 }
@@ -133,10 +195,13 @@ MeasurementDoubtT doubt_of(const DesignedControl& control) {
   constexpr std::size_t kNamed = 8;
   MeasurementDoubtT doubt;
   doubt.part = MeasurementPart::datum, doubt.grade = DoubtGrade::doubt;
+  const char* coordinates = control.plan && control.height ? "coordinates"
+                            : control.plan                 ? "plan coordinates"
+                                                           : "heights";
   doubt.reason = fmt::format(
-      "the survey hangs on anchors that are to be judged, at the coordinates of their design: {}; of a shift or turn "
+      "the survey hangs on anchors that are to be judged, at the {} of their design: {}; of a shift or turn "
       "of all anchors together {:.0f} % cannot be seen",
-      list_of(control.ids, kNamed), 100 * control.hidden);
+      coordinates, list_of(control.ids, kNamed), 100 * control.hidden);
   doubt.mend = "frames.with.datum_sigma=SIGMA";
   doubt.mend_note =
       "SIGMA: m, how well other measurements show that the whole stands as designed; 0: by agreement about the best "

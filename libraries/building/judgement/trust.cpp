@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -49,25 +48,19 @@ std::string words_of(const NetworkKnownPoint& k) {
   return text + " mm";
 }
 
-/// "control G2: left out before, ": what the run left out of the control, which one more command must not bring back.
-std::string left_out_before(const SurveyNetwork& network) {
-  if (!network.findings() || !network.points()) return "";
-  std::set<std::string> points;
-  for (const auto* point : *network.points()) points.insert(text_of(point->id()));
-  std::string items;
-  for (const auto* finding : *network.findings())
-    if (text_of(finding->subject()) == "exclusion" && finding->points() && finding->points()->size() == 1)
-      if (const std::string id = text_of(finding->points()->Get(0)); points.contains(id))
-        items += "control " + id + ": left out before, ";
-  return items;
+/// As an item of a list that is typed: one with a comma is quoted.
+std::string list_item(const std::string& text) {
+  if (text.find_first_of(",'\"") == std::string::npos) return text;
+  const char quote = text.find('\'') == std::string::npos ? '\'' : '"';
+  return quote + text + quote;
 }
 
-/// Whether lines or set-ups were left out: they are not known here by the words they were named with.
-bool excludes_more_than_control(const SurveyNetwork& network) {
-  if (!network.findings()) return false;
-  return std::any_of(network.findings()->begin(), network.findings()->end(), [](const auto* finding) {
-    return text_of(finding->subject()) == "exclusion" && (!finding->points() || finding->points()->size() != 1);
-  });
+/// The whole of the parameter `exclude` with one item more: what is typed stands in the place of what was there.
+std::string exclude_also(const SurveyNetwork& network, const std::string& item) {
+  std::string text = "network.with.exclude=[";
+  if (network.exclusions())
+    for (const auto* before : *network.exclusions()) text += list_item(text_of(before)) + ", ";
+  return text + item + "]";
 }
 
 /// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
@@ -92,11 +85,10 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
           (others.empty() ? ""
                           : "; as much, and the test does not tell which of them is wrong: " + text::join(others, 4)) +
           (less.empty() ? "" : "; less so, and perhaps because of it: " + text::join(less, 4)));
-  doubt.mend = "network.with.exclude=[" + left_out_before(network) + "control " + worst + ": contradicts the survey]";
+  doubt.mend = exclude_also(network, "control " + worst + ": contradicts the survey");
   doubt.mend_note =
       "if it has moved or its coordinates are wrong; else mend these or their standard deviations in the "
       "control file";
-  if (excludes_more_than_control(network)) doubt.mend_note += "; with the lines and set-ups that exclude has already";
   return doubt;
 }
 
@@ -139,12 +131,24 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
   return trust;
 }
 
-std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_survey) {
-  if (!design_from_survey.fitted_to_design() || std::isfinite(design_from_survey.datum_sigma())) return std::nullopt;
-  MeasurementDoubtT doubt = finding(MeasurementPart::datum, DoubtGrade::doubt,
-                                    "the measurement was " + text_of(design_from_survey.origin()) +
-                                        "; these are to be judged, and a shift or turn of all of them together cannot "
-                                        "be seen");
+std::optional<FittedDatumT> fitted_datum(const Points& model, const Transform* design_from_survey) {
+  FittedDatumT datum;
+  if (const FittedDatum* of_points = model.fitted_to_design()) {
+    of_points->UnPackTo(&datum);
+    return datum;
+  }
+  if (!design_from_survey || !design_from_survey->fitted_to_design()) return std::nullopt;
+  datum.origin = text_of(design_from_survey->origin());
+  datum.datum_sigma = design_from_survey->datum_sigma();
+  return datum;
+}
+
+std::optional<MeasurementDoubtT> doubt_of_datum(const FittedDatumT& datum) {
+  if (std::isfinite(datum.datum_sigma)) return std::nullopt;
+  MeasurementDoubtT doubt =
+      finding(MeasurementPart::datum, DoubtGrade::doubt,
+              "the measurement was " + datum.origin +
+                  "; these are to be judged, and a shift or turn of all of them together cannot be seen");
   doubt.mend = "frames.with.datum_sigma=SIGMA";
   doubt.mend_note =
       "SIGMA: m, how well other measurements show that the whole stands as designed; 0: by agreement about the best "
@@ -152,14 +156,14 @@ std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_sur
   return doubt;
 }
 
-std::string about_best_fit(const Transform& design_from_survey) {
-  if (!design_from_survey.fitted_to_design() || !std::isfinite(design_from_survey.datum_sigma())) return "";
-  if (design_from_survey.datum_sigma() == 0)
+std::string about_best_fit(const FittedDatumT& datum) {
+  if (!std::isfinite(datum.datum_sigma)) return "";
+  if (datum.datum_sigma == 0)
     return "Judged about the best fit of the anchors, as agreed (datum_sigma): where the whole stands is not judged.";
   return fmt::format(
       "Judged about the best fit of the anchors: that the whole stands as designed is taken as known to {:.1f} mm "
       "(datum_sigma), nothing here measures it.",
-      1e3 * design_from_survey.datum_sigma());
+      1e3 * datum.datum_sigma);
 }
 
 }  // namespace plumbline::judgement

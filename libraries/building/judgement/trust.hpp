@@ -7,6 +7,7 @@
 
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
+#include "artifacts/points.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/transform.hpp"
 
@@ -25,12 +26,15 @@ struct Trust {
 /// control or not: the network's own test of it counts. Null: there is none to ask.
 Trust trust_of(const Block* block, const SurveyNetwork* network);
 
-/// Of what brought the measurement to the design: fitted to the anchors themselves it shows where they stand to each
-/// other, not where the whole stands. A doubt, unless somebody said how well that is known by other means; then, and
-/// for a transform that comes from elsewhere, nothing.
-std::optional<MeasurementDoubtT> doubt_of_datum(const Transform& design_from_survey);
+/// The datum of a measurement that was fitted to the anchors themselves: by its points, which carry it wherever they
+/// go, or by the transform that brought it to the design (null: not known). Nothing of one that comes from elsewhere.
+std::optional<FittedDatumT> fitted_datum(const Points& model, const Transform* design_from_survey);
+
+/// Such a measurement shows where the anchors stand to each other, not where the whole stands. A doubt, unless somebody
+/// said how well that is known by other means.
+std::optional<MeasurementDoubtT> doubt_of_datum(const FittedDatumT& datum);
 
 /// What a reader must know where somebody said it, as a sentence; else empty.
-std::string about_best_fit(const Transform& design_from_survey);
+std::string about_best_fit(const FittedDatumT& datum);
 
 }  // namespace plumbline::judgement

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "artifacts/fitted_datum.hpp"
 #include "building/ifc/facade_artifact.hpp"
 
 namespace plumbline::ifc {
@@ -165,6 +166,7 @@ PointsT anchor_points(const Design& design) {
   for (const Element& element : design.elements)
     if (element.is_anchor) ++names[element.name];
   PointsT points;
+  mark_designed(points);
   for (const Element& element : design.elements) {
     if (!element.is_anchor) continue;
     auto point = std::make_unique<PointT>();

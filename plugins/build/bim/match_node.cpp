@@ -5,6 +5,7 @@
 #include <set>
 
 #include "artifacts.hpp"
+#include "artifacts/fitted_datum.hpp"
 #include "base/text/csv_table.hpp"
 
 namespace plumbline::ifc {
@@ -53,6 +54,7 @@ void MatchElements::run(Context& context) {
   ElementMatchesT result;
   std::vector<NotApplied> not_applied;
   PointsT designed;
+  mark_designed(designed);
   for (const MatchedElement& match : match_elements(read, anchors, options, result.warnings, &not_applied)) {
     auto entry = std::make_unique<ElementMatchT>();
     entry->anchor = match.anchor, entry->found_by = match.found_by, entry->note = match.note;

@@ -16,7 +16,7 @@ std::vector<MappingRow> mapping_rows(const FileT& file);
 
 struct MatchElements : Node {
   static constexpr Info info{
-      "match.elements", "", 1,
+      "match.elements", "", 2,
       "Finds the design element of every anchor: by GlobalId, tag, name, property or a mapping table"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design as read"};
   In<Plates> plates{"plates", frame("frame=?P"), "anchor table: the names as survey and model know them"};

@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "artifacts/fitted_datum.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/random.hpp"
 
@@ -31,6 +32,7 @@ std::vector<std::string> scattered_order(const PointsT& control, const std::map<
 /// Of the points with these indices, with their covariance.
 PointsT part_of(const PointsT& points, const std::vector<std::size_t>& indices) {
   PointsT part;
+  take_datum(points, part);
   std::vector<Eigen::Index> rows;
   for (const std::size_t i : indices) {
     part.points.push_back(std::make_unique<PointT>(*points.points[i]));

@@ -18,15 +18,10 @@ namespace plumbline::judgement {
 /// Whether control that was taken from the design holds the survey; then a doubt, unless somebody said how well the
 /// place of the whole is known by other means.
 bool EvaluateDeviation::hangs_on_the_design(DeviationInputs& inputs) const {
-  if (!network || (frames && frames->fitted_to_design())) return false;
+  if (!network || fitted_datum(*model, frames ? &*frames : nullptr)) return false;
   FrameLink link;
   if (frames) link = frame_link(frames.unpack(), "building", "survey");
-  // What the link is off by is in the covariance of all anchors, and no known coordinate moves it: then they count by
-  // number.
-  PointSet places{inputs.model.ids, inputs.model.positions, {}};
-  const bool of_the_survey = link.covariance.isZero(0);
-  const DesignedControl control =
-      designed_control(*network, link, inputs.anchors, of_the_survey ? inputs.model : places);
+  const DesignedControl control = designed_control(*network, link, inputs.anchors, inputs.model);
   if (!control.holds_the_datum()) return false;
   if (!frames || std::isnan(frames->datum_sigma())) inputs.doubts.push_back(doubt_of(control));
   return true;
@@ -47,8 +42,9 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model = point_set(*model, "model");
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
-  if (frames)
-    if (auto doubt = judgement::doubt_of_datum(*frames)) inputs.doubts.push_back(*std::move(doubt));
+  const auto fitted = judgement::fitted_datum(*model, frames ? &*frames : nullptr);
+  if (fitted)
+    if (auto doubt = judgement::doubt_of_datum(*fitted)) inputs.doubts.push_back(*std::move(doubt));
   const bool designed = hangs_on_the_design(inputs);
   std::string dropped;
   if (inputs.model.covariance.size() != 0 && !inputs.model.covariance.allFinite()) {
@@ -58,7 +54,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model.covariance *= inputs.misfit_factor;
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
-  if (frames) result.datum = judgement::about_best_fit(*frames);
+  if (fitted) result.datum = judgement::about_best_fit(*fitted);
   if (designed && frames && std::isfinite(frames->datum_sigma()))
     result.datum = judgement::about_designed_control(frames->datum_sigma());
   if (!result.datum.empty()) context.warn(result.datum);

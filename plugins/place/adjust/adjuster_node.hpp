@@ -105,7 +105,11 @@ struct Adjuster : TagAdjusterNode {
     TagBlockBuilder builder(camera.unpack(), plates.unpack(), poses.unpack());
     builder.set_prior(*self_calibration == "prior");
     for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
-    if (control) builder.set_control(control.unpack());
+    if (control)
+      builder.set_control(control.unpack());
+    else
+      builder.set_fitted("adjusted without control, and stands where its approximate poses have the anchors",
+                         std::nan(""));
     for (const auto& warning : builder.warnings()) context.warn(warning);
     TagBlockOptions chosen = options();
     if (control && *weighting == "lambda")

@@ -65,6 +65,9 @@ struct JointAdjuster : TagAdjusterNode {
     const auto network = adjusted_network(context);
     TagBlockBuilder builder(camera.unpack(), plates.unpack(), poses.unpack());
     builder.set_prior(*self_calibration == "prior");
+    if (frames && frames->fitted_to_design())
+      builder.set_fitted(frames->origin() ? frames->origin()->str() : "", frames->datum_sigma());
+    if (known) builder.set_fitted(known.unpack());
     for (size_t i = 0; i < observations.size(); ++i) builder.add_image(observations.unpack(i), *corner_sigma);
     for (const auto& warning : builder.warnings()) context.warn(warning);
     joint::JointOptions how;

@@ -110,6 +110,7 @@ void TagBlockBuilder::add_image(const ImageTagsT& image, double corner_sigma) {
 }
 
 void TagBlockBuilder::set_control(const PointsT& points) {
+  set_fitted(points);
   const Eigen::Index size = 3 * static_cast<Eigen::Index>(points.points.size());
   Eigen::MatrixXd covariance = unpack_symmetric(points.covariance, static_cast<size_t>(size), "the control points");
   if (covariance.size() == 0) {
@@ -170,6 +171,7 @@ PointsT TagBlockBuilder::points(const TagBlockResult& result) const {
   }
   if (result.anchor_covariance.size() > 0) points.covariance = pack_symmetric(result.anchor_covariance);
   points.statistics = statistics(result);
+  take_datum(datum_, points);
   return points;
 }
 

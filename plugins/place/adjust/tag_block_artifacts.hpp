@@ -8,6 +8,7 @@
 
 #include "artifacts/block.hpp"
 #include "artifacts/camera_artifact.hpp"
+#include "artifacts/fitted_datum.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
@@ -31,6 +32,10 @@ class TagBlockBuilder {
   /// Tags of known plates, with the detector's covariance or, lacking that, `corner_sigma` [px]. A tag that occurs
   /// twice in an image is left out both times.
   void add_image(const ImageTagsT& image, double corner_sigma);
+
+  /// The frame of what is given was fitted to the design, or that of the points was: adjusted points say so.
+  void set_fitted(const std::string& origin, double datum_sigma) { mark_fitted(datum_, origin, datum_sigma); }
+  void set_fitted(const PointsT& control) { take_datum(control, datum_); }
 
   /// Control are the points that have a plate, coordinates and a standard deviation, and are "check" neither here nor
   /// there.
@@ -57,6 +62,7 @@ class TagBlockBuilder {
   PlatesT plates_;
   PosesT poses_;
   TagBlock block_;
+  PointsT datum_;  ///< no points, only how the frame of all came about
   std::map<std::pair<std::string, int>, int> plate_of_tag_;
   std::map<std::string, const PoseT*> pose_of_image_;
   std::vector<std::string> warnings_;

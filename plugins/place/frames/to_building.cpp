@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "artifacts/fitted_datum.hpp"
 #include "artifacts/frame_artifact.hpp"
 #include "building/ifc/georeference.hpp"
 #include "geometry/geodesy/map_projection.hpp"
@@ -226,7 +227,12 @@ void ToBuilding::run(Context& context) {
     context.warn("survey and design name no anchor alike, so nothing shows that they share a frame");
   else
     context.metric("misfit_of_survey_and_design", misfit_of(common, link), "m");
-  building.commit(moved(survey, link));
+  PointsT in_building = moved(survey, link);
+  if (is_fitted(*use)) {
+    in_building.fitted_to_design.reset();  // where it lay before counts no more
+    mark_fitted(in_building, link.origin, *datum_sigma);
+  }
+  building.commit(in_building);
   PlatesT turned = plates.unpack();
   for (auto& plate : turned.plates)
     plate->nominal_rotation = (link.to_from_from.rotation * plate->nominal_rotation).normalized();
@@ -236,7 +242,7 @@ void ToBuilding::run(Context& context) {
   transform.commit(applied);
 }
 
-/// The anchors themselves, which are to be judged: evaluate.deviation is told by `transform`.
+/// The anchors themselves, which are to be judged: evaluate.deviation is told by `transform`, and by the points.
 FrameLink ToBuilding::fitted(const CommonPoints& common, Context& context) const {
   FrameLink link = fit_frame(common, *use == "fitted" ? Freedom::level : Freedom::space, *datum_sigma);
   const double left = misfit_of(common, link);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "artifacts/fitted_datum.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::registration {
@@ -123,6 +124,7 @@ PointsT points_artifact(const PointsT& from, const PointsT& to, const Matched& m
     points.points.push_back(std::move(point));
   }
   points.covariance = pack_symmetric(moved.covariance);
+  take_datum(to, points);
   return points;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <set>
 
+#include "artifacts/fitted_datum.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
@@ -207,12 +208,14 @@ void AdjustNode::run(Context& context) {
     note->severity = "note", note->text = result.findings.back().text;
     tables.findings.push_back(std::move(note));
   }
-  points.commit(to_points_artifact(result, joint));
+  PointsT adjusted = to_points_artifact(result, joint);
+  if (control && result.datum != DatumMode::inner) take_datum(control.unpack(), adjusted);
+  points.commit(adjusted);
   measured_control.commit(to_artifact(result.measured_control));
   tables.stochastic_model = stochastic_model(survey, o);
   tables.instrument = instruments_in_words(survey);
   tables.date = survey.info.date;
-  tables.files = survey.files;
+  tables.files = survey.files, tables.exclusions = *exclude;
   network.commit(tables);
 }
 

@@ -8,6 +8,7 @@
 #include "artifacts/block.hpp"
 #include "artifacts/camera_artifact.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/fitted_datum.hpp"
 #include "artifacts/image_block.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "node_harness.hpp"
@@ -66,6 +67,22 @@ TEST(AdjustCeresNode, CheckAnchorsAreNeverControl) {
   EXPECT_EQ(plain.output_bytes("points"), disturbed.output_bytes("points"));
   EXPECT_EQ(plain.output<Block>("block").control.size(), 7u);
   EXPECT_EQ(plain.output<Points>("points").points[2]->role, "check");
+}
+
+/// What control was fitted to cannot be seen in the block either, and without control nothing says where it stands.
+TEST(AdjustCeresNode, PointsCarryHowTheirDatumCameAbout) {
+  SyntheticFacade facade = make_facade(noisy);
+  const auto mark_of = [&](bool with_control) {
+    NodeHarness node("adjust.ceres");
+    connect(node, facade, with_control);
+    node.run();
+    const PointsT points = node.output<Points>("points");
+    return points.fitted_to_design ? points.fitted_to_design->origin : "none";
+  };
+  EXPECT_EQ(mark_of(true), "none");
+  EXPECT_EQ(mark_of(false).find("adjusted without control"), 0u);
+  mark_fitted(facade.control, "fitted to 24 anchors", 0.003);
+  EXPECT_EQ(mark_of(true), "fitted to 24 anchors");
 }
 
 /// Scripts must not build on a block that contradicts its survey: the exit code comes from this metric.

@@ -74,7 +74,7 @@ TEST(Trust, AListOfCoordinatesIsADoubtThatSaysHowItEnds) {
 }
 
 /// A network that is sound but for its known points; statistics of G1 to G4 against 14.3.
-Trust with_control(const std::vector<double>& statistics, const std::vector<std::string>& left_out = {}) {
+Trust with_control(const std::vector<double>& statistics, const std::vector<std::string>& excluded = {}) {
   SurveyNetworkT network;
   network.statistics = std::make_unique<StatisticsT>();
   network.statistics->degrees_of_freedom = 120, network.statistics->sigma0 = 1.02;
@@ -87,14 +87,7 @@ Trust with_control(const std::vector<double>& statistics, const std::vector<std:
     if (known->statistic > 14.3) network.validity = "doubtful";
     network.known_points.push_back(std::move(known));
   }
-  for (const std::string& id : left_out) {
-    auto point = std::make_unique<PointT>();
-    point->id = id, point->position.setZero(), point->sigma.setZero();
-    network.points.push_back(std::move(point));
-    auto finding = std::make_unique<NetworkFindingT>();
-    finding->severity = "note", finding->text = "excluded", finding->subject = "exclusion", finding->points = {id};
-    network.findings.push_back(std::move(finding));
-  }
+  network.exclusions = excluded;
   flatbuffers::FlatBufferBuilder made;
   made.Finish(SurveyNetwork::Pack(made, &network));
   return trust_of(nullptr, flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()));
@@ -114,8 +107,10 @@ TEST(Trust, AControlPointThatTheSurveyContradictsIsADoubtWithTheCommandThatMends
   EXPECT_EQ(trust.doubts[0].mend, "network.with.exclude=[control G1: contradicts the survey]");
   EXPECT_NE(with_control({17, 16.9, 2, 1}).doubts[0].reason.find("does not tell which of them is wrong: G2"),
             std::string::npos);
-  EXPECT_EQ(with_control({371, 40, 2, 1}, {"G7"}).doubts[0].mend,
-            "network.with.exclude=[control G7: left out before, control G1: contradicts the survey]")
+  EXPECT_EQ(
+      with_control({371, 40, 2, 1}, {"control G7: moved", "line job.gsi:57: read twice, once wrong"}).doubts[0].mend,
+      "network.with.exclude=[control G7: moved, 'line job.gsi:57: read twice, once wrong', control G1: contradicts "
+      "the survey]")
       << "one more command must not bring back what was left out before";
 }
 
@@ -145,16 +140,19 @@ struct OnDesign {
       network.observations.push_back(std::move(row));
     }
   }
-  DesignedControl found() {
+  DesignedControl found(const FrameLink& link = {}) {
     // Rigid readings: all anchors move with the mean of the known points, each of 0.5 mm.
     const auto n = static_cast<double>(network.known_points.size());
     Eigen::MatrixXd common(12, 12);
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) common.block<3, 3>(3 * i, 3 * j) = Eigen::Matrix3d::Identity() * 0.25e-6 / n;
+    if (!link.covariance.isZero(0))  // a shift that all have in common
+      common += link.covariance(3, 3) *
+                Eigen::MatrixXd::Ones(12, 12).cwiseProduct(Eigen::MatrixXd::Identity(3, 3).replicate(4, 4));
     model.covariance = common;
     flatbuffers::FlatBufferBuilder made;
     made.Finish(SurveyNetwork::Pack(made, &network));
-    return designed_control(*flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()), FrameLink(), anchors, model);
+    return designed_control(*flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()), link, anchors, model);
   }
 };
 
@@ -174,7 +172,8 @@ TEST(Trust, ControlWithTheCoordinatesOfTheDesignIsAFitToIt) {
   EXPECT_EQ(doubt.mend, "frames.with.datum_sigma=SIGMA");
 
   OnDesign measured("weighted");
-  for (int i : {0, 3}) measured.know(measured.anchors[i].id, measured.model.positions[i]);
+  for (int i : {0, 3})
+    measured.know(measured.anchors[i].id, measured.model.positions[i] + Eigen::Vector3d(0, 0.002, -0.002));
   EXPECT_TRUE(measured.found().ids.empty()) << "3 mm from the design at 0.5 mm: somebody measured it";
   OnDesign elsewhere("weighted");
   for (int i = 0; i < 4; ++i) elsewhere.know("G" + std::to_string(i), {0, -8.0 - i, 0});
@@ -198,6 +197,39 @@ TEST(Trust, WhereOtherControlHoldsTheDatumOneAnchorOfTheDesignIsNoDoubt) {
   EXPECT_LT(hidden(39), 0.1);
 }
 
+/// Plan from the drawing and heights from the level: once no word, and a building that stood 30 mm aside was ready.
+TEST(Trust, PlanAndHeightThatAreTheDesignsAreLookedAtApart) {
+  const auto known = [](int copied, const Eigen::Vector3d& off, int measured = 0) {
+    OnDesign made("weighted");
+    for (int i = 0; i < copied; ++i) made.know(made.anchors[i].id, made.anchors[i].design + off);
+    for (int i = copied; i < copied + measured; ++i)
+      made.know(made.anchors[i].id, made.anchors[i].design + Eigen::Vector3d(0.003, 0.002, 0.003));
+    return made.found();
+  };
+  const DesignedControl plan = known(3, {0.0004, 0, 0.004});
+  EXPECT_TRUE(plan.holds_the_datum());
+  EXPECT_NE(doubt_of(plan).reason.find("at the plan coordinates of their design: A1, A2, A3"), std::string::npos)
+      << doubt_of(plan).reason;
+  const DesignedControl height = known(3, {0.004, 0.003, 0.0004});
+  EXPECT_TRUE(height.holds_the_datum());
+  EXPECT_NE(doubt_of(height).reason.find("at the heights of their design"), std::string::npos);
+  EXPECT_TRUE(known(1, {0.004, 0.003, 0.0001}).ids.empty()) << "of one point a height may be right by itself";
+  EXPECT_TRUE(known(2, {0.004, 0.003, 0.0001}, 1).ids.empty()) << "and of two in three";
+  EXPECT_EQ(known(3, {0.0001, 0, 0.004}, 1).ids.size(), 3u);
+}
+
+/// What the link is uncertain by is in the covariance of all anchors: once control counted by number for that.
+TEST(Trust, WhatTheLinkIsUncertainByHidesNothingMore) {
+  FrameLink link;
+  link.to = "building", link.from = "survey";
+  for (int axis = 3; axis < 6; ++axis) link.covariance(axis, axis) = 0.003 * 0.003;
+  OnDesign made("weighted");
+  made.know("A1", made.anchors[0].design);
+  for (int i = 0; i < 39; ++i) made.know("G" + std::to_string(i), {0, -8.0 - i, 0});
+  EXPECT_NEAR(made.found(link).hidden, made.found().hidden, 1e-6);
+  EXPECT_FALSE(made.found(link).holds_the_datum());
+}
+
 TEST(Trust, HeldControlWithTheCoordinatesOfTheDesignCountsByNumber) {
   OnDesign made("fixed");
   for (const char* id : {"A1", "A2", "G1", "G2"}) made.network.datum_points.push_back(id);
@@ -217,7 +249,11 @@ TEST(Trust, AFrameThatIsFittedToTheAnchorsIsADoubtUntilSomebodySaysWhatElseShows
     transform.origin = "fitted to 24 anchors", transform.fitted_to_design = fitted, transform.datum_sigma = sigma;
     made.Finish(Transform::Pack(made, &transform));
     const auto* packed = flatbuffers::GetRoot<Transform>(made.GetBufferPointer());
-    return std::pair{doubt_of_datum(*packed), about_best_fit(*packed)};
+    flatbuffers::FlatBufferBuilder of_points;
+    of_points.Finish(Points::Pack(of_points, std::make_unique<PointsT>().get()));
+    const auto datum = fitted_datum(*flatbuffers::GetRoot<Points>(of_points.GetBufferPointer()), packed);
+    if (!datum) return std::pair{std::optional<MeasurementDoubtT>(), std::string()};
+    return std::pair{doubt_of_datum(*datum), about_best_fit(*datum)};
   };
   const double nan = std::nan("");
   const auto [doubt, silent] = about(true, nan);
@@ -232,6 +268,27 @@ TEST(Trust, AFrameThatIsFittedToTheAnchorsIsADoubtUntilSomebodySaysWhatElseShows
   EXPECT_NE(about(true, 0.003).second.find("known to 3.0 mm"), std::string::npos);
   EXPECT_FALSE(about(false, nan).first);
   EXPECT_EQ(about(false, nan).second, "");
+}
+
+/// Where a pipeline connects no transform the points say it themselves: once nobody did, and all passed.
+TEST(Trust, PointsCarryTheMarkOfAFit) {
+  PointsT points;
+  points.fitted_to_design = std::make_unique<FittedDatumT>();
+  points.fitted_to_design->origin = "fitted to 24 anchors";
+  const auto packed_datum = [&] {
+    flatbuffers::FlatBufferBuilder made;
+    made.Finish(Points::Pack(made, &points));
+    return fitted_datum(*flatbuffers::GetRoot<Points>(made.GetBufferPointer()), nullptr);
+  };
+  ASSERT_TRUE(packed_datum());
+  const auto doubt = doubt_of_datum(*packed_datum());
+  ASSERT_TRUE(doubt);
+  EXPECT_NE(doubt->reason.find("the measurement was fitted to 24 anchors"), std::string::npos);
+  points.fitted_to_design->datum_sigma = 0.003;
+  EXPECT_FALSE(doubt_of_datum(*packed_datum()));
+  EXPECT_NE(about_best_fit(*packed_datum()).find("known to 3.0 mm"), std::string::npos);
+  points.fitted_to_design.reset();
+  EXPECT_FALSE(packed_datum()) << "as points of before are read";
 }
 
 }  // namespace trust_test

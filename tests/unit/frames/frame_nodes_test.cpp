@@ -299,6 +299,12 @@ TEST(ToBuilding, TheUncertaintyOfTheDatumIsCommonToAllAnchors) {
       node.run();
       const TransformT transform = node.output<Transform>("transform");
       EXPECT_TRUE(transform.fitted_to_design);
+      const PointsT points = node.output<Points>("points");
+      EXPECT_TRUE(points.fitted_to_design);
+      if (points.fitted_to_design) {
+        EXPECT_EQ(points.fitted_to_design->origin, transform.origin);
+        EXPECT_EQ(std::isfinite(points.fitted_to_design->datum_sigma), *sigma != 0);
+      }
       EXPECT_EQ(std::isfinite(transform.datum_sigma), *sigma != 0);
       return unpack_symmetric(node.output<Points>("points").covariance, 60, "points");
     };

@@ -1,6 +1,7 @@
 // register.rigid as a node; what every registrar must do is in tests/conformance.
 #include <gmock/gmock.h>
 
+#include "artifacts/fitted_datum.hpp"
 #include "artifacts/transform.hpp"
 #include "node_harness.hpp"
 #include "synthetic_facade.hpp"
@@ -45,6 +46,23 @@ TEST(RegisterRigid, KeepsCheckPointsOutOfTheFitAndMovesThem) {
   const PointsT points = node.output<Points>("points");
   ASSERT_EQ(points.points.size(), facade.truth.points.size());
   EXPECT_LT((points.points[3]->position - facade.truth.points[3]->position).norm(), 0.005);
+}
+
+/// What a target was fitted to cannot be seen in what is registered on it either.
+TEST(RegisterRigid, CarriesTheMarkOfATargetThatWasFittedToTheDesign) {
+  const auto facade = test::make_facade({.floors = 2, .survey_sigma = 0.001, .seed = 2});
+  const auto mark_of = [&](bool fitted) {
+    PointsT target = copy_of(facade.control);
+    if (fitted) mark_fitted(target, "fitted to 24 anchors", 0.003);
+    NodeHarness node("register.rigid");
+    node.input<Points>("source", facade.truth);
+    node.input<Points>("target", target);
+    node.run();
+    const PointsT points = node.output<Points>("points");
+    return points.fitted_to_design ? points.fitted_to_design->origin : "none";
+  };
+  EXPECT_EQ(mark_of(true), "fitted to 24 anchors");
+  EXPECT_EQ(mark_of(false), "none");
 }
 
 /// Another program's least squares of equal weights: same transform, and the same statistics about it.
