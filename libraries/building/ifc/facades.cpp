@@ -1,6 +1,7 @@
 // What continues what: from the frames of anchors and panels to facades.
 #include "building/ifc/facades.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -145,7 +146,20 @@ std::vector<Facade> group_facades(const std::vector<Facing>& elements) {
   return facades;
 }
 
-void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out) {
+namespace {
+
+/// Where a plate faces if its azimuth is that of a compass.
+Eigen::Vector3d by_compass(const Eigen::Vector3d& out, double true_north) {
+  if (!std::isfinite(true_north)) return Eigen::Vector3d::Zero();
+  return Eigen::AngleAxisd(-true_north, Eigen::Vector3d::UnitZ()) * out;
+}
+
+/// Within 10 degrees what somebody read from a compass is the facade's own direction.
+const double kByCompass = std::cos(10 * std::numbers::pi / 180);
+
+}  // namespace
+
+void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out, double true_north) {
   // A plate that lies flat has no azimuth, and a table that gives none leaves it so.
   if (frame.source == FacadeSource::rule || !out.allFinite() || out.head<2>().norm() < 0.7 * out.norm()) return;
   const Eigen::Vector3d level = Eigen::Vector3d(out.x(), out.y(), 0).normalized();
@@ -157,6 +171,12 @@ void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out) {
   if (!frame.known()) return replace(level, true, "");
   const double along = frame.out.dot(level);
   if (along > kPlateAlike) return replace(frame.out, true, "");
+  if (by_compass(level, true_north).dot(frame.out) > kByCompass)
+    return replace(frame.out, false,
+                   "its plates face " + facing_words(level) + " by the plate table, which is " +
+                       facing_words(frame.out) +
+                       " if the table has azimuths from TrueNorth of the design, by a "
+                       "compass: there they count from its y axis");
   if (!frame.confirmed && along < -kPlateAlike) return replace(-frame.out, true, "");
   if (!frame.confirmed) return replace(level, true, "");
   replace(level, false,

@@ -60,8 +60,10 @@ std::vector<Facade> group_facades(const std::vector<Facing>& elements);
 void assign_facades(Design& design, const std::vector<FacadeRule>& rules, bool all_select = true);
 
 /// Takes what the plate at an anchor says into its frame: `out` of the plate, true to a few degrees. It goes before all
-/// but rules; what it contradicts is no longer confirmed.
-void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out);
+/// but rules; what it contradicts is no longer confirmed. Where it would not if its azimuth counted from `true_north`
+/// (that of the design, clockwise from y [rad]; nan: not said), it is that of a compass, and the frame stays as it was
+/// until somebody confirms it.
+void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out, double true_north = FacadeFrame::nan);
 
 /// An anchor or panel with the facade that it is in, for a rule that selects all of one facade.
 struct FacadeMember {

@@ -8,6 +8,7 @@
 
 #include "base/text/bare_name.hpp"
 #include "base/text/composed.hpp"
+#include "building/ifc/rule_use.hpp"
 #include "building/ifc/selection_rule.hpp"
 #include "plumbline/stop.hpp"
 
@@ -231,18 +232,21 @@ ReferencePoint parse_reference(const std::string& text) {
 namespace {
 
 /// Rules that no anchor was placed by.
-void add_idle_rules(const std::vector<MatchedElement>& matches, const MatchOptions& options,
+template <typename Rule>
+void add_idle_rules(const std::vector<MatchedElement>& matches, const std::vector<Rule>& rules, const char* by,
                     std::vector<NotApplied>& to) {
-  const auto idle = [&](const Selection& selection) {
-    return std::none_of(matches.begin(), matches.end(), [&](const MatchedElement& match) {
-      return match.element && selection.matches(facts_of(*match.element));
-    });
-  };
-  for (const TargetOffset& offset : options.offsets)
-    if (idle(offset.selection)) to.push_back({offset.text, "offset", "it selects no anchor of the plate table"});
-  for (const ReferencePoint& reference : options.references)
-    if (idle(reference.selection))
-      to.push_back({reference.text, "reference_point", "it selects no anchor of the plate table"});
+  RuleUse use(rules.size());
+  for (const MatchedElement& match : matches) {
+    if (!match.element) continue;
+    const std::vector<std::size_t> placed_by = selecting(rules, facts_of(*match.element));
+    use.select(placed_by, match.anchor);
+    use.apply(placed_by, last_of(placed_by));
+  }
+  const std::vector<std::string> texts = texts_of(rules);
+  for (std::size_t i = 0; i < rules.size(); ++i)
+    if (const std::string why = use.not_applied(i, texts, "anchors", "it selects no anchor of the plate table");
+        !why.empty())
+      to.push_back({rules[i].text, by, why});
 }
 
 }  // namespace
@@ -273,7 +277,10 @@ std::vector<MatchedElement> match_elements(const Design& design, const std::vect
     if (unmatched <= 10) warnings.push_back("anchor '" + match.anchor + "': " + match.note);
   }
   if (unmatched > 10) warnings.push_back(std::to_string(unmatched - 10) + " more anchors fit no element of the design");
-  if (not_applied) add_idle_rules(matches, options, *not_applied);
+  if (not_applied) {
+    add_idle_rules(matches, options.offsets, "offset", *not_applied);
+    add_idle_rules(matches, options.references, "reference_point", *not_applied);
+  }
   const std::set<std::string> known(anchors.begin(), anchors.end());
   for (const MappingRow& row : options.mapping)
     if (!known.contains(row.point))

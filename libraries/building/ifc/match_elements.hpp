@@ -59,7 +59,8 @@ struct MatchedElement {
 /// chosen and the note names them. Without any, the note names elements that come near (other case, separators, leading
 /// zeros, one or two letters; a name cut off at the 8 or 16 characters of a GSI file). Throws std::runtime_error if
 /// nothing at all fits, or an offset needs a facade and which way the element faces is not known or not confirmed.
-/// `not_applied` gets the rules for offsets and reference points that select no anchor.
+/// `not_applied` gets the rules for offsets and reference points that select no anchor, or hold nowhere because of a
+/// later, wider one.
 std::vector<MatchedElement> match_elements(const Design& design, const std::vector<std::string>& anchors,
                                            const MatchOptions& options, std::vector<std::string>& warnings,
                                            std::vector<NotApplied>* not_applied = nullptr);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -38,6 +39,17 @@ Eigen::Matrix3d Mounting::covariance(const ifc::ElementFacts& anchor, const std:
   if (chosen.isZero(0)) return Eigen::Matrix3d::Zero();
   const Eigen::Matrix3d turn = frame_from_plate.normalized().toRotationMatrix();
   return turn * chosen.cwiseAbs2().asDiagonal() * turn.transpose();
+}
+
+std::set<std::size_t> Mounting::that_hold(const std::vector<std::size_t>& selecting) const {
+  std::set<std::size_t> hold;
+  for (int axis = 0; axis < 3; ++axis)
+    for (auto rule = selecting.rbegin(); rule != selecting.rend(); ++rule)
+      if (!std::isnan(rules[*rule].sigma[axis])) {
+        hold.insert(*rule);
+        break;
+      }
+  return hold;
 }
 
 std::string Mounting::words(std::size_t from_table) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,8 @@ struct Mounting {
   /// are taken as mounted one by one: no correlation between anchors.
   Eigen::Matrix3d covariance(const ifc::ElementFacts& anchor, const std::vector<double>& of_plate,
                              const Eigen::Quaterniond& frame_from_plate) const;
+  /// Of the rules that select an anchor, in their order: those that give at least one of its axes.
+  std::set<std::size_t> that_hold(const std::vector<std::size_t>& selecting) const;
   /// What was put in, for the reader; empty if that is nothing. `from_table`: plates with values of their own.
   std::string words(std::size_t from_table) const;
 };

@@ -221,7 +221,7 @@ class StateReader {
       if (!read)
         return refuse(said.line, "the result of action " + said.action + " is " + said.result.substr(0, 80) +
                                      ", expected three numbers each for measured, sigma, setting");
-      if (job_.frame == "survey") bring_to_building(*actual, survey_);
+      bring_to_building(*actual, job_.frame == "survey" ? survey_ : SurveyLink());
       actual->note = result.contains("note") && result["note"].is_string() ? result["note"].get<std::string>() : "";
     } else {
       actual->note = said.result;

@@ -22,7 +22,7 @@ void check_steps(const BracketType& type, const std::string& where) {
 BracketRule parse_bracket_rule(const std::string& text) {
   auto [selection, lengths, whole] =
       ifc::parse_lengths(text, "class=IfcMechanicalFastener: right=20mm, up=15mm, out=25mm, step_out=1mm");
-  BracketRule rule{std::move(selection), {}};
+  BracketRule rule{std::move(selection), {}, text};
   rule.type.name = whole;
   std::set<std::string> said;
   for (const auto& [name, length, part] : lengths) {
@@ -90,7 +90,7 @@ std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules
 
 HookRule parse_hook_rule(const std::string& text) {
   auto [selection, word] = ifc::split_rule(text, "name~-R2$: slides_sideways");
-  HookRule rule{std::move(selection), {true, true, true}};
+  HookRule rule{std::move(selection), {true, true, true}, text};
   if (word == "slides_sideways") {
     rule.holds = {false, true, true};
   } else if (word == "slides_up") {

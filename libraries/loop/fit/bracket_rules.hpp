@@ -16,6 +16,7 @@ namespace plumbline::loop {
 struct BracketRule {
   ifc::Selection selection;
   BracketType type;
+  std::string text;
 };
 
 /// Throws std::runtime_error that quotes the rule and says what is expected.
@@ -29,6 +30,7 @@ std::optional<BracketType> bracket_type_of(const std::vector<BracketRule>& rules
 struct HookRule {
   ifc::Selection selection;
   std::array<bool, 3> holds;
+  std::string text;
 };
 HookRule parse_hook_rule(const std::string& text);
 

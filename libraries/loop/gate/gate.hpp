@@ -29,6 +29,7 @@ enum class Obstacle {
   one_bracket,   ///< how it turns is open
   not_told,      ///< its hooks do not tell how far its corners move
   not_judged,    ///< something was asked of it that nobody could judge (Panel::open)
+  assumed_sill,  ///< it is GO only if a sill that nobody measured is in place
 };
 
 struct PanelGate {

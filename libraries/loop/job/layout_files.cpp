@@ -191,13 +191,13 @@ namespace {
 
 /// Where the two frames differ nobody can tell which of them a place is in that does not say it.
 void bring_said_to_building(ActualT& actual, const Json& entry, const Json& file, const SurveyLink& survey) {
-  if (!survey || !actual.measured.allFinite()) return;
+  if (!survey || !actual.measured.allFinite()) return bring_to_building(actual, SurveyLink());
   const Json frame = entry.contains("frame") ? entry["frame"] : file.contains("frame") ? file["frame"] : Json();
   if (frame.is_null())
     throw std::runtime_error(
         "'measured' is in a frame that is not said, and survey and design have two here (" + survey->origin +
         "); expected \"frame\": \"survey\", that of the control and of the job, or \"building\", that of the design");
-  if (frame == "survey") bring_to_building(actual, survey);
+  bring_to_building(actual, frame == "survey" ? survey : SurveyLink());
 }
 
 /// Beside 'items'.

@@ -49,9 +49,11 @@ FrameLink link_about(const FrameLink& building_from_survey, const Eigen::Vector3
 }
 
 void bring_to_building(ActualT& actual, const SurveyLink& survey) {
-  if (!survey) return;
   if (!actual.measured.allFinite()) return;
   actual.step = step_of(actual.measured);
+  if (!survey) return;
+  const Eigen::Vector3d east = survey->to_from_from.rotation * Eigen::Vector3d::UnitX();
+  actual.written_turn = std::atan2(east.y(), east.x());
   actual.measured = survey->apply(actual.measured);
   actual.sigma = (survey->linear().cwiseAbs2() * actual.sigma.cwiseAbs2()).cwiseSqrt();
 }

@@ -23,7 +23,8 @@ SurveyLink survey_link(const TransformT& building_from_survey);
 FrameLink link_about(const FrameLink& building_from_survey, const Eigen::Vector3d& place);
 
 /// The place of a report from the survey's frame into that of the building, and its standard deviations along the axes
-/// there. What the link is uncertain by is not added: what was asked for went through the same one.
+/// there. What the link is uncertain by is not added: what was asked for went through the same one. Notes how it was
+/// written, also of one frame.
 void bring_to_building(ActualT& actual, const SurveyLink& survey);
 
 }  // namespace plumbline::loop

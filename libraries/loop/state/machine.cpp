@@ -13,6 +13,7 @@
 #include "base/text/bare_name.hpp"
 #include "base/text/words.hpp"
 #include "loop/fit/facade.hpp"
+#include "loop/state/copied_places.hpp"
 #include "loop/state/date.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/place_doubts.hpp"
@@ -106,9 +107,6 @@ constexpr double kSettingReach = 0.03;
 constexpr double kPanelReach = 0.05;
 /// A standard deviation above this shows of no place where it is, and one below that no instrument of a site has [m].
 constexpr double kLargestSigma = 0.05, kLeastSigma = 1e-5;
-/// What is nearer than this to the target is the target's own number, not a measurement: with all its digits, or as a
-/// file with four decimals has it [m].
-constexpr double kEcho = 6e-5;
 
 std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   if (actual.at.empty()) return {};
@@ -185,25 +183,17 @@ bool contradicts(const LoopItemT& item, const ActualT& actual) {
          (actual.outcome == "failed" || actual.outcome == "skipped");
 }
 
-/// The target's own number, also rounded: to millimetres here, or as its numbers were in the survey's frame.
-bool is_echo(const ActualT& actual, const Eigen::Vector3d& target) {
-  constexpr double kCorner = 0.867;  // of a cube of rounded places, from its middle, in steps
-  const Eigen::Vector3d rounded = 1e-3 * (1e3 * target).array().round(), off = actual.measured - target;
-  return off.cwiseAbs().maxCoeff() <= kEcho || (actual.measured - rounded).cwiseAbs().maxCoeff() < 1e-9 ||
-         off.norm() <= kCorner * actual.step;
-}
-
 /// Whether a report shows that its panel hangs: it was measured there, and not by copying the target.
-bool shows_panel(const LoopItemT& item, const ActualT& actual) {
+bool shows_panel(const LoopItemT& item, const ActualT& actual, const CopiedPlaces& copied) {
   if (!actual.measured.allFinite() || !item.expected.allFinite()) return false;
-  return !is_echo(actual, item.expected) && (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
+  return !copied.contains(actual) && (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
 }
 
 /// Why the place of a report that is taken does not show that its panel hangs; empty if it does, or there is none.
-std::string no_proof(const LoopItemT& item, const ActualT& actual) {
+std::string no_proof(const LoopItemT& item, const ActualT& actual, const CopiedPlaces& copied) {
   if (item.kind != "panel" || item.seen || !actual.measured.allFinite() || !item.expected.allFinite()) return {};
-  const std::string how = is_echo(actual, item.expected)
-                              ? std::string("is the number that was asked for")
+  const std::string how = copied.contains(actual)
+                              ? copied.words(actual)
                               : fmt::format("lies {:.0f} mm from where it should be, {:.0f} mm along an axis show it",
                                             1e3 * (actual.measured - item.expected).norm(), 1e3 * kPanelReach);
   return "taken as done, but its place does not show that it hangs: it " + how +
@@ -220,10 +210,11 @@ std::vector<double> place_with_sigma(const ActualT& actual) {
 
 /// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
 /// be of the time before it was taken down and hung again.
-bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual, const std::string& now) {
+bool shows_what_was_reported(const LoopItemT& item, const ActualT& actual, const CopiedPlaces& copied,
+                             const std::string& now) {
   return doubt_of_itself(actual, now).empty() && item.kind == "panel" && is_over(item) && item.hangs && !item.seen &&
          actual.outcome == "done" && (actual.revision == 0 || actual.revision == item.revision) &&
-         shows_panel(item, actual) && date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
+         shows_panel(item, actual, copied) && date_doubt(item, actual).empty() && release_doubt(item, actual).empty();
 }
 
 /// With the one whose name differs in case, separators or leading zeros alone.
@@ -291,6 +282,7 @@ LoopItemT* item_of(const LoopStateT& state, const std::string& name, int& named)
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals, std::vector<std::string>* doubted,
                                        const std::string& now) {
   std::vector<std::string> refused;
+  const CopiedPlaces copied(state, actuals);
   const auto may_count = [&](const ActualT& actual) {
     int named = 0;
     const LoopItemT* item = item_of(state, actual.item, named);
@@ -311,7 +303,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       take_knock(state, *item, *actual);
       continue;
     }
-    if (named == 1 && shows_what_was_reported(*item, *actual, now)) {
+    if (named == 1 && shows_what_was_reported(*item, *actual, copied, now)) {
       item->seen = true, item->place = place_with_sigma(*actual);
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
       continue;
@@ -333,9 +325,9 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its
       // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
-      item->seen = item->hangs && shows_panel(*item, *actual);
+      item->seen = item->hangs && shows_panel(*item, *actual, copied);
       item->place = item->seen ? place_with_sigma(*actual) : std::vector<double>();
-      if (const std::string doubt = no_proof(*item, *actual); doubted && !doubt.empty())
+      if (const std::string doubt = no_proof(*item, *actual, copied); doubted && !doubt.empty())
         doubted->push_back(report + doubt);
       item->at = actual->at;  // of the work, not of its release: none is none
     } else {

@@ -86,8 +86,9 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
                   : gate.obstacle == Obstacle::no_bracket   ? PanelObstacle::no_bracket
                   : gate.obstacle == Obstacle::not_measured ? PanelObstacle::not_measured
                   : gate.obstacle == Obstacle::one_bracket  ? PanelObstacle::one_bracket
-                  : gate.obstacle == Obstacle::not_judged   ? PanelObstacle::not_said  // held stays held
-                                                            : PanelObstacle::hooks_do_not_tell;
+                  : gate.obstacle == Obstacle::not_judged || gate.obstacle == Obstacle::assumed_sill
+                      ? PanelObstacle::not_said  // held stays held
+                      : PanelObstacle::hooks_do_not_tell;
   out->p_in = gate.p_in, out->reason = gate.reason;
   if (gate.decided_by >= 0) out->decided_by = fit.judged[gate.decided_by].words(facade);
   if (gate.measure.bracket >= 0) {

@@ -13,14 +13,6 @@ namespace {
 /// Places, or settings, that differ by less say the same [m].
 constexpr double kSaysTheSame = 0.001;
 
-/// "a.json" of "a.json:7" and "a.json items[4]".
-std::string report_file(const ActualT& report, const ActualsT& actuals) {
-  std::string file;
-  for (const std::string& source : actuals.sources)
-    if (report.source.starts_with(source) && source.size() > file.size()) file = source;
-  return file;
-}
-
 std::string read_at(const ActualT& report) { return report.source.empty() ? "" : " (" + report.source + ")"; }
 
 double difference_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -100,6 +92,13 @@ class ReportsOfItem {
 };
 
 }  // namespace
+
+std::string report_file(const ActualT& report, const ActualsT& actuals) {
+  std::string file;
+  for (const std::string& source : actuals.sources)
+    if (report.source.starts_with(source) && source.size() > file.size()) file = source;
+  return file;
+}
 
 std::vector<OrderedReport> in_order_of_time(const ActualsT& actuals,
                                             const std::function<bool(const ActualT&)>& may_count) {

@@ -14,6 +14,9 @@ struct OrderedReport {
   std::string why_not;  ///< another report of its item counts in its place, or contradicts it; empty: it counts
 };
 
+/// "a.json" of "a.json:7" and "a.json items[4]"; empty: not known.
+std::string report_file(const ActualT& report, const ActualsT& actuals);
+
 /// Reports of one item in the order of their dates, items in the order in which they came. Compared are those that
 /// `may_count`: one that says something else than a later one that says done is not taken; two that contradict each
 /// other at one time, or of different files without a date, are both not taken. Without dates the order of a file

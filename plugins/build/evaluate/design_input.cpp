@@ -11,6 +11,7 @@
 
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/grid.hpp"
+#include "building/ifc/rule_use.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/own_anchors.hpp"
 
@@ -131,8 +132,8 @@ class Builder {
       panel.tolerances = judgement::tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
       panel.refused = findings.refused;
       panel.held_below = held_below_.of(facts_of(*element, properties_), panel.refused);
-      held_by_.push_back(rules_that_select(held_below_.rules, facts_of(*element, properties_)));
-      for (const std::size_t rule : held_by_.back()) held_rules_[rule].selects.insert(element->guid);
+      held_by_.push_back(ifc::selecting(held_below_.rules, facts_of(*element, properties_)));
+      held_rules_.select(held_by_.back(), element->guid);
       said.emplace_back(element->anchor_guids.begin(), element->anchor_guids.end());
       panels.push_back(std::move(panel)), rules.push_back(std::move(findings));
     }
@@ -147,7 +148,7 @@ class Builder {
         continue;
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
-      note_held(held_by_[p]);
+      held_rules_.apply(held_by_[p], ifc::last_of(held_by_[p]));
       note(findings);
       inputs_.panels.push_back(std::move(panel));
     }
@@ -165,6 +166,7 @@ class Builder {
     group();
     add_rules();
     warn_of_storeys();
+    warn_of_compass();
     inputs_.design_file = design_.file_name;
     inputs_.mounting = mounting_.words(from_table_);
     return std::move(inputs_);
@@ -177,7 +179,8 @@ class Builder {
     if (plate) {
       anchor.element.batch = plate->batch;
       const ifc::FacadeFrame by_design = anchor.facade;
-      ifc::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ());
+      ifc::add_plate(anchor.facade, plate->nominal_rotation * Eigen::Vector3d::UnitZ(), design_.true_north);
+      by_plate_alone_ += anchor.facade.known() && !by_design.known();
       if (anchor.facade.source == ifc::FacadeSource::plate && by_design.known())
         sides_[by_design.facade].push_back(!anchor.facade.confirmed ? 0 : anchor.facade.out.dot(by_design.out));
       from_table_ += plate->mounting_sigma.size() == 3;
@@ -192,8 +195,9 @@ class Builder {
     anchor.refused = findings.refused;
     for (const std::size_t rule : findings.rules) ++rules_[rule].first;
     note(findings);
-    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
-      mounting_rules_[i] += mounting_.rules[i].selection.matches(anchor.element);
+    const std::vector<std::size_t> mounted_by = ifc::selecting(mounting_.rules, anchor.element);
+    mounting_rules_.select(mounted_by, element.guid);
+    mounting_rules_.apply(mounted_by, mounting_.that_hold(mounted_by));
     if (const auto* axis = ifc::axis_across(grid_, element.position, anchor.facade.out)) anchor.axis = axis->tag;
     anchor.element.properties = nullptr;
     anchor.instance = element.instance, anchor.storey_guid = element.storey_guid;
@@ -227,6 +231,18 @@ class Builder {
         inputs_.warnings.push_back(fmt::format(
             "Floor {} of the plate table is {} storeys of the design ({}): they are counted and listed as one.", floor,
             of.size(), judgement::list_of(of, 5)));
+  }
+
+  /// Nothing of the design says otherwise, so nobody could tell the two apart.
+  void warn_of_compass() {
+    constexpr double kNorth = 3;  // degrees: what a plate table is good for
+    const double north = design_.true_north * 180 / std::numbers::pi;
+    if (by_plate_alone_ == 0 || !(std::abs(north) > kNorth)) return;
+    inputs_.warnings.push_back(fmt::format(
+        "Which way {} anchors face is said by the plate table alone, whose azimuths count from the y axis of "
+        "the design; TrueNorth is {:.1f}° from it (clockwise): azimuths of a compass have to be larger by "
+        "that.",
+        by_plate_alone_, north));
   }
 
   static std::string name_of(const DesignElementT& element) {
@@ -263,37 +279,6 @@ class Builder {
     return (extent(a) - extent(b)).norm() < kOnePlace;
   }
 
-  static std::vector<std::size_t> rules_that_select(const std::vector<judgement::HeldBelowRule>& rules,
-                                                    const ifc::ElementFacts& panel) {
-    std::vector<std::size_t> found;
-    for (std::size_t i = 0; i < rules.size(); ++i)
-      if (rules[i].selection.matches(panel)) found.push_back(i);
-    return found;
-  }
-
-  /// The last of the rules that select a panel decides it.
-  void note_held(const std::vector<std::size_t>& rules) {
-    for (const std::size_t rule : rules) ++held_rules_[rule].judged;
-    if (rules.empty()) return;
-    ++held_rules_[rules.back()].decides;
-    for (const std::size_t rule : rules)
-      if (rule != rules.back()) held_rules_[rule].replaced_by.insert(rules.back());
-  }
-
-  /// Why a rule of held_below is not judged: it selects nothing, or a later one that selects its panels and others
-  /// stands in its place everywhere. Empty: it is.
-  std::string unheld(std::size_t i) const {
-    const HeldRule& rule = held_rules_[i];
-    if (rule.judged == 0) return "it selects no panel";
-    if (rule.decides > 0) return {};
-    for (const std::size_t later : rule.replaced_by)
-      if (std::any_of(held_rules_[later].selects.begin(), held_rules_[later].selects.end(),
-                      [&](const std::string& guid) { return !rule.selects.contains(guid); }))
-        return "it holds nowhere: '" + held_below_.rules[later].text +
-               "' stands after it and selects its panels and others; put the narrower rule last, or take it out";
-    return {};
-  }
-
   static std::string name_of(const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; }
 
   void note(const judgement::ToleranceFindings& findings) {
@@ -320,11 +305,14 @@ class Builder {
                              "' stands after it and is wider; put the narrower rule last, or take it out";
       inputs_.requests.push_back(std::move(request));
     }
-    for (std::size_t i = 0; i < mounting_.rules.size(); ++i)
-      inputs_.requests.push_back({mounting_.rules[i].text, "mounting", mounting_rules_[i], 0,
-                                  mounting_rules_[i] > 0 ? "" : "it selects no anchor of the plate table"});
-    for (std::size_t i = 0; i < held_rules_.size(); ++i)
-      inputs_.requests.push_back({held_below_.rules[i].text, "held_below", 0, held_rules_[i].decides, unheld(i)});
+    const std::vector<std::string> mounting = ifc::texts_of(mounting_.rules), held = ifc::texts_of(held_below_.rules);
+    for (std::size_t i = 0; i < mounting.size(); ++i)
+      inputs_.requests.push_back(
+          {mounting[i], "mounting", mounting_rules_.holds(i), 0,
+           mounting_rules_.not_applied(i, mounting, "anchors", "it selects no anchor of the plate table")});
+    for (std::size_t i = 0; i < held.size(); ++i)
+      inputs_.requests.push_back({held[i], "held_below", 0, held_rules_.holds(i),
+                                  held_rules_.not_applied(i, held, "panels", "it selects no panel")});
     for (std::size_t i = 0; i < sill_rules_.size(); ++i)
       inputs_.requests.push_back(
           {held_below_.sills[i].text(), "sills", sill_rules_[i], 0, sill_rules_[i] > 0 ? "" : "it selects no anchor"});
@@ -403,16 +391,10 @@ class Builder {
   std::vector<std::pair<int, int>> rules_;      // anchors and panels that each rule selects
   std::set<std::size_t> in_force_;              // rules that hold somewhere
   std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
-  std::vector<int> mounting_rules_;
-  struct HeldRule {
-    std::set<std::string> selects;      // GlobalIds of panels
-    int judged = 0, decides = 0;        // of these, panels that are judged; that no later rule selects
-    std::set<std::size_t> replaced_by;  // later rules that stand in its place somewhere
-  };
-  std::vector<HeldRule> held_rules_;
+  ifc::RuleUse mounting_rules_, held_rules_;
   std::vector<int> sill_rules_;                    // anchors that each selects
   std::vector<std::vector<std::size_t>> held_by_;  // by panel, rules that select it
-  std::size_t from_table_ = 0;
+  std::size_t from_table_ = 0, by_plate_alone_ = 0;
   std::map<std::string, const DesignElementT*> elements_;
   std::map<std::string, std::size_t> index_;
   std::map<std::string, std::vector<double>> sides_;  // by facade of the design: cosines of the plates to it

@@ -10,6 +10,7 @@
 #include "base/text/words.hpp"
 #include "build/loop/panel_limits.hpp"
 #include "build/loop/panel_order.hpp"
+#include "building/ifc/rule_use.hpp"
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "geometry/panel_fit.hpp"
@@ -38,6 +39,34 @@ std::string unconfirmed_words(const DeviationT& deviation) {
   return words + "; say it with facade_normal, or in the rules of facades";
 }
 
+/// Rules of brackets or hooks. Of one that holds nowhere nobody could see that another was planned with.
+template <typename Rule>
+class AppliedRules {
+ public:
+  explicit AppliedRules(const std::vector<Rule>& rules) : rules_(rules), use_(rules.size()) {}
+
+  void apply(const ifc::ElementFacts& anchor) {
+    const std::vector<std::size_t> rules = ifc::selecting(rules_, anchor);
+    use_.select(rules, anchor.guid.empty() ? anchor.name : anchor.guid);
+    use_.apply(rules, ifc::last_of(rules));
+  }
+
+  /// Throws std::runtime_error with all of them.
+  void refuse_idle(const std::string& parameter) const {
+    const std::vector<std::string> texts = ifc::texts_of(rules_);
+    std::string idle;
+    const auto refuse = [&](const std::string& text) { idle += (idle.empty() ? "" : "\n") + text; };
+    for (std::size_t i = 0; i < rules_.size(); ++i)
+      if (const std::string why = use_.not_applied(i, texts, "anchors", "it selects no bracket"); !why.empty())
+        refuse("'" + parameter + "': rule '" + texts[i] + "': " + why);
+    if (!idle.empty()) throw std::runtime_error(idle);
+  }
+
+ private:
+  const std::vector<Rule>& rules_;
+  ifc::RuleUse use_;
+};
+
 class Builder {
  public:
   Builder(const DeviationT& deviation, const DesignT& design, const LoopStateT* state, const FacadeRules& rules)
@@ -57,6 +86,8 @@ class Builder {
   void add_brackets() {
     std::vector<std::string> unknown;
     std::size_t facing = 0;
+    AppliedRules of_brackets(rules_.brackets);
+    AppliedRules of_hooks(rules_.hooks);
     for (const auto& anchor : deviation_.anchors) {
       if (!anchor->design.allFinite()) {
         in_.notes.push_back("anchor " + anchor->id + " has no place in the design: it is no bracket of any panel");
@@ -75,6 +106,7 @@ class Builder {
       bracket.is_sill = sills_.contains(anchor->id);
       const std::optional<BracketType> type =
           bracket.is_sill ? BracketType() : bracket_type_of(rules_.brackets, facts_of(*anchor));
+      if (!bracket.is_sill) of_brackets.apply(facts_of(*anchor)), of_hooks.apply(facts_of(*anchor));
       if (!type) unknown.push_back(anchor->id + " (" + anchor->class_ + ")");
       if (type) bracket.type = *type;
       bracket_at_[anchor->id] = in_.facade.brackets.size();
@@ -84,6 +116,7 @@ class Builder {
     }
     tell_names_alike();
     if (facing == 0) throw std::runtime_error(unconfirmed_words(deviation_));
+    of_brackets.refuse_idle("brackets"), of_hooks.refuse_idle("hooks");
     if (!unknown.empty())
       throw std::runtime_error("no rule of 'brackets' selects " + text::join(unknown, 8) +
                                "; say what they can be set by, such as '*: right=20mm, up=15mm, out=25mm'");

@@ -7,6 +7,7 @@
 
 #include "base/text/words.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "loop/gate/assumed_sills.hpp"
 #include "loop/gate/gate.hpp"
 #include "loop/gate/station_error.hpp"
 #include "loop/state/control_change.hpp"
@@ -151,8 +152,13 @@ void PlannerNode::run(Context& context) {
   RoundsEstimate rounds;
   if (!is_in_doubt) rounds = with_campaigns_before(input, state ? &before : nullptr, told);
   const Fit fit = settings(input.facade);
-  const std::vector<PanelGate> gates =
-      judge_plan(input.facade, fit, {*go_probability, *go_probability, *measurement_sigma});
+  const GateOptions how{*go_probability, *go_probability, *measurement_sigma};
+  std::vector<PanelGate> gates = judge_plan(input.facade, fit, how);
+  doubt_assumed_sills(input.facade, fit, how, gates);
+  if (const std::string assumed = assumed_sill_words(input.facade); !assumed.empty()) {
+    input.notes.push_back(assumed);
+    context.warn(assumed);
+  }
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
   result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
   result.control = std::move(told.control), result.readings = std::move(told.readings);

@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 5,
+  static constexpr Info info{"update.state", "", 6,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};

@@ -394,6 +394,24 @@ TEST(Facades, PlatesGoBeforeTheDesignAndMayContradictIt) {
   EXPECT_FALSE(frame.known());
 }
 
+/// Plates by compass on a design that is turned by 40 degrees: once an azimuth was offered that was wrong by these.
+TEST(Facades, AzimuthsOfACompassAreNamedByTrueNorth) {
+  const double degree = std::numbers::pi / 180, north = 40 * degree;
+  const Eigen::Vector3d compass(std::sin(140 * degree), std::cos(140 * degree), 0);  // of what faces 180 degrees
+  for (const bool confirmed : {true, false}) {
+    FacadeFrame frame = frame_facing({0, -1, 0}, FacadeSource::own_axes, confirmed);
+    add_plate(frame, compass, north);
+    EXPECT_FALSE(frame.confirmed);
+    EXPECT_LT((frame.out - Eigen::Vector3d(0, -1, 0)).norm(), 1e-9) << "what is offered to be confirmed";
+    EXPECT_NE(frame.note.find("which is 180° if the table has azimuths from TrueNorth of the design"),
+              std::string::npos)
+        << frame.note;
+  }
+  FacadeFrame plain = frame_facing({0, -1, 0}, FacadeSource::own_axes, true);
+  add_plate(plain, {0.05, -1, 0}, north);
+  EXPECT_TRUE(plain.confirmed) << plain.note;
+}
+
 TEST(Facades, WhatIsSetBackOrStandsOppositeIsAFacadeOfItsOwn) {
   const auto count = [](const char* name) {
     for (const Shape& shape : shapes())

@@ -57,6 +57,28 @@ TEST(MatchElements, AccentsMayBeWrittenEitherWay) {
   EXPECT_EQ(matches[1].element, &design.elements[4]) << matches[1].note;
 }
 
+/// Of rules the last one counts: one that a later, wider one replaces everywhere was dropped without a word.
+TEST(MatchElements, ARuleThatALaterWiderOneReplacesIsNotApplied) {
+  const Design design = tekla();
+  const auto not_applied = [&](const std::vector<std::string>& offsets) {
+    MatchOptions options;
+    for (const std::string& text : offsets) options.offsets.push_back(parse_offset(text));
+    std::vector<std::string> warnings;
+    std::vector<NotApplied> idle;
+    match_elements(design, {"A-0003", "A-0004"}, options, warnings, &idle);
+    return idle;
+  };
+  const std::string narrow = "tag=A-0003: x=1mm", wide = "*: x=2mm";
+  const auto replaced = not_applied({narrow, wide});
+  ASSERT_EQ(replaced.size(), 1u);
+  EXPECT_EQ(replaced[0].asked, narrow);
+  EXPECT_EQ(replaced[0].reason, "it holds nowhere: '" + wide +
+                                    "' stands after it and selects its anchors and others; put the narrower rule last, "
+                                    "or take it out");
+  EXPECT_TRUE(not_applied({wide, narrow}).empty()) << "from the general to the special";
+  EXPECT_EQ(not_applied({"tag=none: x=1mm"}).at(0).reason, "it selects no anchor of the plate table");
+}
+
 TEST(MatchElements, ANameThatManyBearSaysNothingAndTheNoteNamesThem) {
   const auto matches = match(tekla(), {"A-0003", "ANKER"});
   EXPECT_EQ(matches[1].element, nullptr);

@@ -253,6 +253,24 @@ TEST(DesignInput, ANarrowRuleOfHeldBelowThatALaterWideOneReplacesIsNotJudged) {
   EXPECT_EQ(requests({narrow, "name=PS-1: sigma=1mm"}), (std::vector<std::string>{"1", "1"}));
 }
 
+TEST(DesignInput, ANarrowRuleOfMountingThatALaterWideOneReplacesIsNotJudged) {
+  const Site site({0, -1, 0});
+  const auto requests = [&](const std::vector<std::string>& rules) {
+    Mounting mounting;
+    for (const std::string& rule : rules) mounting.rules.push_back(parse_mounting(rule));
+    std::vector<std::string> found;
+    for (const Request& one : deviation_inputs(site.design, site.matches, site.plates, {}, 0.3, mounting).requests)
+      if (one.by == "mounting") found.push_back(one.not_judged);
+    return found;
+  };
+  const std::string narrow = "name=S-11: out=3mm", wide = "*: out=1mm", beside = "*: right=1mm";
+  EXPECT_EQ(requests({narrow, wide}).at(0),
+            "it holds nowhere: '" + wide +
+                "' stands after it and selects its anchors and others; put the narrower rule last, or take it out");
+  EXPECT_EQ(requests({wide, narrow}), (std::vector<std::string>{"", ""}));
+  EXPECT_EQ(requests({narrow, beside}), (std::vector<std::string>{"", ""})) << "another axis replaces nothing";
+}
+
 /// The rule that is printed, by what a user would copy.
 std::string rule_in(const std::string& warning) {
   std::smatch found;

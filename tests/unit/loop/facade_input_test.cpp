@@ -488,5 +488,25 @@ TEST(FacadeInput, EdgesOfAJointReachAsFarAsBothPanels) {
   EXPECT_EQ(above.side_of_b, Side::bottom);
 }
 
+/// Brackets were planned with another range than was said of them.
+TEST(FacadeInput, ARuleOfBracketsOrHooksThatHoldsNowhereIsRefused) {
+  const Input input = two_facades();
+  const auto fault = [&](const std::vector<std::string>& brackets, const std::vector<std::string>& hooks) {
+    FacadeRules rules;
+    for (const std::string& text : brackets) rules.brackets.push_back(parse_bracket_rule(text));
+    for (const std::string& text : hooks) rules.hooks.push_back(parse_hook_rule(text));
+    return fault_of(input, rules);
+  };
+  const std::string wide = "*: right=20mm, up=15mm, out=25mm", narrow = "name~^South: out=5mm";
+  EXPECT_EQ(fault({wide, narrow}, {}), "");
+  EXPECT_EQ(fault({narrow, wide}, {}), "'brackets': rule '" + narrow + "': it holds nowhere: '" + wide +
+                                           "' stands after it and selects its anchors and others; put the narrower "
+                                           "rule last, or take it out");
+  EXPECT_EQ(
+      fault({}, {"name=South0: slides", "*: fixed"}).find("'hooks': rule 'name=South0: slides': it holds nowhere"), 0u);
+  EXPECT_EQ(fault({wide, "name=nobody: out=5mm"}, {}),
+            "'brackets': rule 'name=nobody: out=5mm': it selects no bracket");
+}
+
 }  // namespace facade_input_test
 }  // namespace plumbline::loop

@@ -8,6 +8,7 @@
 
 #include "geometry/panel_fit.hpp"
 #include "loop/fit/settings_program.hpp"
+#include "loop/gate/assumed_sills.hpp"
 #include "loop/gate/gate.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
@@ -215,6 +216,33 @@ TEST(Stack, APanelOnTwoBracketsIsGoWhereWhatHoldsItBelowIsKnownAndIn) {
     out.brackets[tower_bracket(options, 0, 0, bay)].deviation = 0.008 * out.panels[0].axes.col(2);
   const std::vector<PanelGate> gates = judge_plan(out, plan_settings(out));
   EXPECT_EQ(gates[0].verdict, GateVerdict::no_go) << gates[0].reason;
+}
+
+/// Once GO by a sill that nobody measured, and neither plan nor job said so.
+TEST(Stack, ASillThatNobodyMeasuredIsToldAndWhereItDecidesThePanelIsHeld) {
+  const TowerOptions options{3, 1};
+  const auto gates = [&](double sigma) {
+    Facade facade = stacked(options, 3, 0.001, 0.0002, 0, false);
+    facade.panels[0].below->sigma = sigma;
+    const Fit fit = plan_settings(facade);
+    std::vector<PanelGate> found = judge_plan(facade, fit);
+    EXPECT_EQ(found[0].verdict, GateVerdict::go) << found[0].reason;
+    doubt_assumed_sills(facade, fit, {}, found);
+    EXPECT_NE(assumed_sill_words(facade).find("the sill below F01-P01 was not measured: that it is in place to"),
+              std::string::npos);
+    return found;
+  };
+  const std::vector<PanelGate> sure = gates(0.0004), decided = gates(0.0015);
+  EXPECT_EQ(sure[0].verdict, GateVerdict::go);
+  EXPECT_NE(sure[0].reason.find("the sill below it was not measured: it is assumed to be in place to 0.4 mm"),
+            std::string::npos)
+      << sure[0].reason;
+  EXPECT_EQ(decided[0].verdict, GateVerdict::hold);
+  EXPECT_EQ(decided[0].obstacle, Obstacle::assumed_sill);
+  EXPECT_EQ(decided[0].reason.find("the sill below it was not measured, and that it is in place decides"), 0u)
+      << decided[0].reason;
+  const Facade measured = stacked(options, 3, 0.001, 0.0002);
+  EXPECT_EQ(assumed_sill_words(measured), "");
 }
 
 TEST(Stack, WhatStandsOnAPanelThatIsNotToldIsHeld) {

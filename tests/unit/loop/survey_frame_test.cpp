@@ -230,6 +230,42 @@ TEST(SurveyFrame, ACopiedTargetShowsNoPanel) {
   }
 }
 
+/// In whole millimetres a place that was measured is often the target's own number; once a good one was taken for a
+/// copy if it was within 0.87 mm. The report as a whole tells.
+TEST(SurveyFrame, InWholeMillimetresTheWholeReportTellsWhatWasCopied) {
+  const auto seen = [&](const std::vector<Eigen::Vector3d>& off, const SurveyLink& survey) {
+    LoopStateT state;
+    ActualsT reports;
+    reports.sources = {"a.csv"};
+    for (std::size_t i = 0; i < off.size(); ++i) {
+      state.items.push_back(std::make_unique<LoopItemT>());
+      LoopItemT& panel = *state.items.back();
+      panel.id = "p" + std::to_string(i), panel.kind = "panel", panel.status = ItemStatus::released, panel.revision = 1;
+      panel.expected = Eigen::Vector3d(1.23456789 + 2 * static_cast<double>(i), 2.3456789, 3.456789);
+      const Eigen::Vector3d target = survey ? survey->apply_inverse(panel.expected) : panel.expected;
+      auto report = std::make_unique<ActualT>();
+      report->item = panel.id, report->outcome = "done", report->revision = 1;
+      report->source = "a.csv:" + std::to_string(i);
+      report->sigma.setConstant(std::nan("")), report->setting.setConstant(std::nan(""));
+      report->measured = 1e-3 * (1e3 * (1e-3 * (1e3 * target).array().round().matrix() + off[i])).array().round();
+      bring_to_building(*report, survey);
+      reports.items.push_back(std::move(report));
+    }
+    std::vector<std::string> doubted;
+    apply_actuals(state, reports, &doubted);
+    for (const std::string& words : doubted)
+      EXPECT_NE(words.find("is the number that was asked for, in whole millimetres"), std::string::npos) << words;
+    return state.items.size() - doubted.size();
+  };
+  const Eigen::Vector3d same(0, 0, 0), beside(-0.001, 0, 0);
+  for (const SurveyLink& survey : {SurveyLink(), SurveyLink(links()[1])}) {
+    EXPECT_EQ(seen({same}, survey), 0u);
+    EXPECT_EQ(seen({beside}, survey), 1u) << "within a millimetre of the target, and no copy of it";
+    EXPECT_EQ(seen({same, same, beside}, survey), 1u) << "copied, but for one";
+    EXPECT_EQ(seen({same, beside, beside}, survey), 3u) << "measured, and one is just right";
+  }
+}
+
 TEST(SurveyFrame, OneFrameIsNoLinkAndOneThatLeansIsRefused) {
   EXPECT_FALSE(survey_link(transform_artifact(link_of({0, 0, 0}, 0, 1))));
   EXPECT_TRUE(survey_link(transform_artifact(links()[0])));
