@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "commands.hpp"
 #include "runtime/base/printable.hpp"
@@ -70,6 +71,25 @@ std::string named_pipeline(const fs::path& outputs) {
   return name;
 }
 
+/// How many warnings its nodes gave, by the record.
+std::size_t warnings_of(const fs::path& outputs) {
+  std::size_t count = 0;
+  std::ifstream stream(outputs / "run.jsonl");
+  for (std::string line; std::getline(stream, line);) {
+    const auto event = nlohmann::json::parse(line, nullptr, false);
+    if (event.is_object() && event.contains("warnings")) count += event["warnings"].size();
+  }
+  return count;
+}
+
+/// ", with the 2 warnings above": what is no problem is not forgotten for that either.
+std::string with_warnings(std::size_t count, bool german) {
+  if (count == 0) return "";
+  if (count == 1) return german ? ", mit der Warnung oben" : ", with the warning above";
+  return (german ? ", mit den " : ", with the ") + std::to_string(count) +
+         (german ? " Warnungen oben" : " warnings above");
+}
+
 }  // namespace
 
 int campaign_init(const Options& options) {
@@ -108,8 +128,9 @@ int campaign_check(const Options& options) {
   if (code != 0) return code;
   print(scratch.path() / "summary.txt");
   const bool german = is_german(options);
-  std::printf("%s: plumbline run %s folder=%s%s\n", german ? "Als Nächstes" : "Next",
-              named_pipeline(scratch.path()).c_str(), options.name.c_str(), german ? " language=de" : "");
+  std::printf("%s%s: plumbline run %s folder=%s%s\n", german ? "Als Nächstes" : "Next",
+              with_warnings(warnings_of(scratch.path()), german).c_str(), named_pipeline(scratch.path()).c_str(),
+              options.name.c_str(), german ? " language=de" : "");
   return 0;
 }
 

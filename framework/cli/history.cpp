@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.hpp"
 #include "runtime/base/printable.hpp"
@@ -20,17 +21,26 @@ void print_json(const Json& json) {
   std::printf("%s\n", json.dump(1, ' ', false, Json::error_handler_t::replace).c_str());
 }
 
-/// The record that was written last below out/.
-fs::path newest_record() {
-  fs::path newest;
+/// The run below out/ that began last, by what its record says: the time of a file is that of whoever copied it. Of two
+/// that began at once the last by name.
+runtime::RecordedRun newest_run() {
+  std::optional<runtime::RecordedRun> newest;
+  std::string unread;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator("out", error)) {
     const fs::path record = entry.path() / "run.jsonl";
-    if (fs::is_regular_file(record) && (newest.empty() || fs::last_write_time(record) > fs::last_write_time(newest)))
-      newest = record;
+    if (!fs::is_regular_file(record)) continue;
+    try {
+      runtime::RecordedRun run = runtime::read_run(record);
+      const auto began = [](const runtime::RecordedRun& of) { return std::pair(of.start, of.file.string()); };
+      if (!newest || began(run) > began(*newest)) newest = std::move(run);
+    } catch (const std::runtime_error& why) {
+      unread = why.what();
+    }
   }
-  if (newest.empty()) throw UsageError("there is no out/*/run.jsonl here; say which run: plumbline why NODE RUN");
-  return newest;
+  if (!unread.empty()) std::fprintf(stderr, "warning: a record is not looked at: %s\n", unread.c_str());
+  if (!newest) throw UsageError("there is no out/*/run.jsonl here; say which run: plumbline why NODE RUN");
+  return *std::move(newest);
 }
 
 std::vector<std::string> reasons(const runtime::RecordedNode& node) {
@@ -45,8 +55,7 @@ std::vector<std::string> reasons(const runtime::RecordedNode& node) {
 }  // namespace
 
 int why(const Options& options) {
-  const runtime::RecordedRun run =
-      runtime::read_run(options.runs.empty() ? newest_record() : fs::path(options.runs[0]));
+  const runtime::RecordedRun run = options.runs.empty() ? newest_run() : runtime::read_run(options.runs[0]);
   const runtime::RecordedNode* node = run.find(options.name);
   if (!node) {
     std::vector<std::string> names;

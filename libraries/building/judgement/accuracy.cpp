@@ -185,12 +185,28 @@ std::string evidence_note(AnchorUse use, AccuracyReference reference) {
                                                  "wrong the model is in between.";
 }
 
+/// Control that the model was adjusted without: photographs and other control contradict what the survey says of it.
+bool is_left_out(const Evaluation& evaluation, const AnchorEntry& anchor) {
+  return anchor.use == AnchorUse::control && evaluation.inputs.not_adjusted_to.contains(anchor.id);
+}
+
+/// Its height may agree by chance. How far it is off stays to be read; what of it is right nobody knows.
+void take_back_verdict(AnchorAccuracyT& anchor) {
+  anchor.note = "left out of the adjustment as control: the photographs contradict its survey";
+  if (!anchor.survey) return;
+  anchor.survey->verdict = anchor.survey->verdict_distance = ToleranceVerdict::undecided;
+  anchor.survey->conformance_probability = std::nan("");
+}
+
 void add_comparison(Evaluation& evaluation, const DifferenceSet& all, AnchorUse use, AccuracyReference reference) {
   const auto& table = evaluation.inputs.anchors;
   const auto listed = std::count_if(table.begin(), table.end(), [use](const AnchorEntry& a) { return a.use == use; });
   if (listed == 0) return;
   const bool check = use == AnchorUse::check;
-  const DifferenceSet set = all.subset(positions_of_use(all, table, use));
+  std::vector<std::size_t> positions = positions_of_use(all, table, use);
+  if (reference == AccuracyReference::survey)
+    std::erase_if(positions, [&](std::size_t i) { return is_left_out(evaluation, table[all.anchors[i]]); });
+  const DifferenceSet set = all.subset(positions);
   auto comparison = std::make_unique<AccuracyComparisonT>(
       compare(set, table, evaluation.options, check || evaluation.options.drift_on_control));
   comparison->use = use;
@@ -353,6 +369,8 @@ AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
     evaluation.survey.covariance = {};
     if (!inputs.truth) evaluation.model.covariance = {};
     attach(evaluation, survey, &AnchorAccuracyT::survey);
+    for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
+      if (is_left_out(evaluation, inputs.anchors[i])) take_back_verdict(*result.anchors[i]);
     add_comparisons(evaluation, survey, AccuracyReference::survey);
   }
   if (inputs.truth) {

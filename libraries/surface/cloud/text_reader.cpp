@@ -97,6 +97,7 @@ class TextPoints {
       point(static_cast<Eigen::Index>(axis)) = *value;
       steps_.take(static_cast<Eigen::Index>(axis), *value, step_of_text(words_[columns_[axis]]));
     }
+    look_at_index();
     if (counted_ && left_ == 0)
       stream_.fail_at_line("more points than the " + std::to_string(announced_) + " that were announced");
     if (counted_) --left_;
@@ -105,12 +106,30 @@ class TextPoints {
   }
   Eigen::Vector3d resolution() const { return steps_.found(); }
   void end() const {
+    if (is_index_ && taken_ >= 10) refuse_index();
     if (counted_ && left_ > 0)
       stream_.fail_at_line(std::to_string(announced_) + " points are announced, the file ends after " +
                            std::to_string(announced_ - left_) + "; it was cut short");
   }
 
  private:
+  /// A first column that nobody named and that counts the points is no coordinate: the scan would seem to lie
+  /// elsewhere.
+  void look_at_index() {
+    constexpr std::uint64_t kSure = 100;  // points
+    if (!is_index_) return;
+    const auto first = number_of(words_[0]);
+    if (taken_ == 0 && first) index_ = *first;
+    is_index_ = !headed_ && words_.size() >= 4 && first && (index_ == 0 || index_ == 1) &&
+                *first == index_ + static_cast<double>(taken_);
+    if (is_index_ && taken_ == kSure) refuse_index();
+  }
+  [[noreturn]] void refuse_index() const {
+    stream_.fail_at_line(
+        "the first column counts the points, and columns without names are x, y and z; take it out, or name the "
+        "columns "
+        "in a first line, such as 'index x y z'");
+  }
   /// Names of columns in the first line; where x, y and z are not named, nobody knows which columns they are.
   std::optional<Eigen::Vector3d> take_names(std::string_view text) {
     const auto columns = columns_of(words_);
@@ -150,7 +169,8 @@ class TextPoints {
   std::vector<std::string_view> words_;
   std::array<size_t, 3> columns_ = {0, 1, 2};
   Steps steps_;
-  bool counted_ = false, headed_ = false;
+  bool counted_ = false, headed_ = false, is_index_ = true;  // until a point says otherwise
+  double index_ = 0;
   std::uint64_t announced_ = 0, left_ = 0, taken_ = 0;
 };
 

@@ -78,7 +78,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 }  // namespace
 
 struct EvaluateAccuracy : Node {
-  static constexpr Info info{"evaluate.accuracy", "metric", 4,
+  static constexpr Info info{"evaluate.accuracy", "metric", 5,
                              "Anchor, floor and column accuracy of a model: (1)-(3) and (9)-(13); the metrics files"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};

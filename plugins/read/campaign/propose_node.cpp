@@ -51,41 +51,49 @@ void warn_of_copies(const InputFilesT& read, Context& context) {
                  "; take one of each away");
 }
 
-/// A table whose names are in no other file is whole by itself, and the run finds nothing of it, or goes on without it.
-bool names_fit(const survey::SurveyObservations& survey, const PointsT& control, const PlatesT& plates,
-               Context& context) {
+/// Known points that nothing measured, or whose names are written otherwise there: what the run would miss of them.
+void hold_control(const survey::SurveyObservations& survey, const std::vector<std::string>& known,
+                  std::vector<std::string>& problems) {
   const std::set<std::string> measured = survey::measured_names(survey);
-  std::vector<std::string> known, anchors;
-  for (const auto& point : control.points) known.push_back(point->id);
   const auto is_measured = [&](const std::string& id) { return measured.contains(id); };
   if (!known.empty() && std::none_of(known.begin(), known.end(), is_measured))
-    throw BadInput("none of the control points (" + text::join(known, 8) + ") is in the readings, which have " +
-                   text::join({measured.begin(), measured.end()}, 8) +
-                   ": is the control that of this site? Names have to be the same, or nothing holds the survey");
-  bool fit = true;
+    problems.push_back("none of the control points (" + text::join(known, 8) + ") is in the readings, which have " +
+                       text::join({measured.begin(), measured.end()}, 8) +
+                       ": is the control that of this site? Names have to be the same, or nothing holds the survey");
   for (const survey::Finding& finding : survey::examine_known_names(survey, known))
-    if (finding.severity == survey::Finding::Severity::warning) fit = false, context.warn(finding.text);
-  known.insert(known.end(), measured.begin(), measured.end());
+    if (finding.severity == survey::Finding::Severity::warning) problems.push_back(finding.text);
+}
+
+/// A table whose names are in no other file is whole by itself, and the run goes on without them.
+void hold_anchors(const PlatesT& plates, const std::set<std::string>& surveyed, const std::set<std::string>& designed,
+                  Context& context, std::vector<std::string>& problems) {
+  std::vector<std::string> nowhere, unsurveyed;
   for (const auto& plate : plates.plates)
-    if (plate->role != "tie" && std::find(known.begin(), known.end(), plate->anchor) == known.end())
-      anchors.push_back(plate->anchor);
-  if (anchors.empty()) return fit;
-  context.warn("neither the readings nor the control have these anchors of the plate table: " + text::join(anchors, 8) +
-               "; they hold and check nothing. Measure them, or write their names the same way");
-  return false;
+    if (plate->role != "tie" && !surveyed.contains(plate->anchor))
+      (designed.contains(plate->anchor) ? unsurveyed : nowhere).push_back(plate->anchor);
+  if (!nowhere.empty())
+    problems.push_back("neither the readings, nor the control, nor the design have these anchors of the plate table: " +
+                       text::join(nowhere, 8) +
+                       "; they hold nothing, and nothing can be said of them. Measure them, or write their names the "
+                       "same way; marks that only tie photographs have the role 'tie'");
+  if (!unsurveyed.empty())
+    context.warn("neither the readings nor the control have these anchors of the plate table: " +
+                 text::join(unsurveyed, 8) + "; photographs alone measure them, and nothing checks that");
 }
 
 /// Detectors look for one family unless they are told.
-bool families_fit(const PlatesT& plates, Context& context) {
-  const std::string looked_for = "tag36h11";
+void hold_families(const PlatesT& plates, const std::vector<std::string>& looked_for,
+                   std::vector<std::string>& problems) {
   std::set<std::string> others;
   for (const auto& plate : plates.plates)
-    if (!plate->tag_family.empty() && plate->tag_family != looked_for) others.insert(plate->tag_family);
-  if (others.empty()) return true;
+    if (!plate->tag_family.empty() &&
+        std::find(looked_for.begin(), looked_for.end(), plate->tag_family) == looked_for.end())
+      others.insert(plate->tag_family);
+  if (others.empty()) return;
   const std::string list = text::join({others.begin(), others.end()}, 8);
-  context.warn("the plate table has tags of " + list + ", and a run looks for " + looked_for +
-               " alone: correct the table, or tell the detector (tags.with.families=[" + list + "])");
-  return false;
+  problems.push_back("the plate table has tags of " + list + ", and a run looks for " + text::join(looked_for, 8) +
+                     " alone: correct the table, or tell the run (tags.with.families=[" + list +
+                     "]) and this check (account.with.families=[" + list + "])");
 }
 
 }  // namespace
@@ -111,21 +119,31 @@ void ProposeCampaign::run(Context& context) {
 
 void AccountForCampaign::run(Context& context) {
   if (survey) warn_of_instruments(survey.unpack(), context);
-  const PointsT known = control ? control.unpack() : PointsT();
   const PlatesT hung = plates ? plates.unpack() : PlatesT();
-  bool fit = true;
+  std::vector<std::string> known, problems;
+  if (control)
+    for (const auto* point : *control->points()) known.push_back(point->id()->str());
   if (survey)
     if (const survey::SurveyObservations readings = survey::from_artifact(survey.unpack());
-        !survey::measured_names(readings).empty())
-      fit = names_fit(readings, known, hung, context);
+        !survey::measured_names(readings).empty()) {
+      hold_control(readings, known, problems);
+      std::set<std::string> surveyed = survey::measured_names(readings), designed;
+      surveyed.insert(known.begin(), known.end());
+      if (matches)
+        for (const auto* match : *matches->matches())
+          if (match->guid() && match->guid()->size() > 0) designed.insert(match->anchor()->str());
+      hold_anchors(hung, surveyed, designed, context, problems);
+    }
   const InputFilesT read = inputs.unpack(), left = unread.unpack();
   warn_of_copies(read, context);
   std::map<std::string, long> uses;
   for (const auto& file : read.files)
     if (file->read) ++uses[file->use];
-  if (!uses.contains("observations")) fit = families_fit(hung, context) && fit;
-  std::string text =
-      fit ? "The folder is whole.\n" : "Every file can be read, and they do not fit together: see the warnings.\n";
+  if (!uses.contains("observations")) hold_families(hung, *families, problems);
+  std::string wrong;
+  for (const std::string& problem : problems) wrong += (wrong.empty() ? "" : "\n") + problem;
+  if (!wrong.empty()) throw BadInput(wrong);
+  std::string text = "The folder is whole.\n";
   for (const auto& [use, count] : uses)
     text += "  " + use + ": " + std::to_string(count) + (count == 1 ? " file\n" : " files\n");
   summary.commit(text_file("summary.txt", "text/plain", text + words_of_inputs(&read, &left)));

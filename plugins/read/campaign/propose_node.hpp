@@ -1,6 +1,7 @@
 // campaign.propose and campaign.account: what `plumbline campaign init` and `check` say.
 #pragma once
 
+#include "artifacts/element_matches.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/input_files.hpp"
@@ -26,7 +27,7 @@ struct ProposeCampaign : Node {
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 4,
+  static constexpr Info info{"campaign.account", "", 5,
                              "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};
@@ -36,6 +37,11 @@ struct AccountForCampaign : Node {
                            "the control points as given: what they are called is "
                            "held against the readings"};
   Optional<Plates> plates{"plates", frame("frame=building"), "the plates: likewise their anchors, and their tags"};
+  Optional<ElementMatches> matches{"matches", frame("frame=building"),
+                                   "which anchor is which element of the design: what neither the readings nor the "
+                                   "design know is wrong"};
+  Param<std::vector<std::string>> families{"families", std::vector<std::string>{"tag36h11"},
+                                           "tags that the run looks for: others in the plate table are wrong"};
   Out<File> summary{"summary", "a few lines of text"};
   Out<File> pipeline{"pipeline", "name of the pipeline that takes the folder"};
   void run(Context& context) override;

@@ -97,6 +97,12 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                              ", " + std::to_string(most) + " if they are in " + better->name + "; " +
                              (unit_stated ? "is the stated unit wrong? " : "") + advice(*better, file));
   if (!none) return;
+  constexpr double kOffTheFaces = 0.005;  // [m]
+  if (const double step = file.resolution.maxCoeff() * to_faces.unit * to_faces.scale; step > kOffTheFaces)
+    throw std::runtime_error(
+        "no point of the scan lies on a face: its coordinates are written in steps of " + in_millimetres(step) +
+        ", which takes them off it; write doubles, more decimals or a finer scale of LAS, or shift "
+        "the cloud to smaller coordinates before it is written");
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low, face_low = low, face_high = high;
   for (const auto& point : sample.points()) low = low.cwiseMin(to_faces(point)), high = high.cwiseMax(to_faces(point));
   for (const PanelFace& face : faces)

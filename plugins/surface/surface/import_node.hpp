@@ -22,7 +22,7 @@ struct WhichPanels {
 
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "depth", 6,
+      "dense.import", "depth", 7,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
   Param<FilePath> file{"file", FilePath{}, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<File> by_reference{"scan", "the cloud by reference, in the place of 'file'"};

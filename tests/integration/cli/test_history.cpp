@@ -227,19 +227,21 @@ TEST(History, WhySaysWhichPartOfTheKeyChanged) {
   EXPECT_TRUE(contains(answer.err, "did you mean 'b'?")) << answer.err;
 }
 
-/// Without a run it is the newest one below out/, whatever the folders are called.
-TEST(History, WhyAsksTheRunThatWasWrittenLast) {
+/// Without a run it is the one below out/ that began last, whatever the folders are called and whoever copied or
+/// touched their files.
+TEST(History, WhyAsksTheRunThatBeganLastByItsRecord) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);
-  for (const std::string name : {"m", "z", "a"}) {
+  for (const std::string name : {"m", "z", "a"})
     ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "out/" + name}).code, 0);
-    // A file system may tell times no finer than seconds.
-    const auto now = fs::last_write_time(plumbline.work() / "out/m/run.jsonl");
-    const int age = name == "m" ? 0 : name == "z" ? 20 : 10;
-    fs::last_write_time(plumbline.work() / "out" / name / "run.jsonl", now + std::chrono::seconds(age));
-  }
+  const auto now = fs::last_write_time(plumbline.work() / "out/a/run.jsonl");
+  for (const std::string name : {"m", "z"})
+    fs::last_write_time(plumbline.work() / "out" / name / "run.jsonl", now + std::chrono::hours(1));
+  fs::create_directory(plumbline.work() / "out/broken");
+  plumbline.write("out/broken/run.jsonl", "no record\n");
   const Answer answer = plumbline({"why", "b"});
-  EXPECT_TRUE(contains(answer.out, " in out/z/run.jsonl")) << answer.out << answer.err;
+  EXPECT_TRUE(contains(answer.out, " in out/a/run.jsonl")) << answer.out << answer.err;
+  EXPECT_TRUE(contains(answer.err, "warning: a record is not looked at: ")) << answer.err;
 }
 
 TEST(History, DiffComparesNumberByNumber) {

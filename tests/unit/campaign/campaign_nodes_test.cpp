@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "artifacts/camera.hpp"
+#include "artifacts/element_matches.hpp"
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
 #include "artifacts/image.hpp"
@@ -145,7 +146,8 @@ TEST_F(ReadCampaignTest, APhotographThatIsThereTwiceIsToldBeforeTheRun) {
 }
 
 /// Of a folder as simulated, `change`d: the first line, all warnings or the error.
-std::string account_of(const FolderT& folder, const std::function<void(PointsT&, PlatesT&)>& change) {
+std::string account_of(const FolderT& folder, const std::function<void(PointsT&, PlatesT&)>& change,
+                       const std::vector<std::string>& designed = {}, const std::string& families = "") {
   NodeHarness read("read.campaign"), node("campaign.account");
   read.input<Folder>("folder", folder);
   read.run();
@@ -157,6 +159,14 @@ std::string account_of(const FolderT& folder, const std::function<void(PointsT&,
   node.input<SurveyObservations>("survey", read.output<SurveyObservations>("survey"));
   node.input<Points>("control", control);
   node.input<Plates>("plates", plates);
+  if (!families.empty()) node.set("families", families);
+  ElementMatchesT matches;
+  for (const std::string& anchor : designed) {
+    matches.matches.push_back(std::make_unique<ElementMatchT>());
+    matches.matches.back()->anchor = anchor, matches.matches.back()->guid = "0aBcDeFgHiJkLmNoPqRsTu";
+    matches.matches.back()->position.setZero(), matches.matches.back()->target_offset.setZero();
+  }
+  node.input<ElementMatches>("matches", matches);
   try {
     node.run();
   } catch (const NodeFailed& error) {
@@ -178,13 +188,26 @@ TEST_F(ReadCampaignTest, NamesAreHeldAgainstEachOther) {
     for (auto& point : points.points) point->id[0] = 'H';
   });
   EXPECT_NE(control.find("none of the control points (H1, H2"), std::string::npos) << control;
-  const std::string anchor = told([](PointsT&, PlatesT& plates) { plates.plates[1]->anchor = "F01-K9"; });
-  EXPECT_EQ(anchor.find("Every file can be read, and they do not fit together"), 0u) << anchor;
-  EXPECT_NE(anchor.find("these anchors of the plate table: F01-K9;"), std::string::npos) << anchor;
-  const std::string family = told([](PointsT&, PlatesT& plates) {
+  const auto rename = [](PointsT&, PlatesT& plates) { plates.plates[1]->anchor = "F01-K9"; };
+  const std::string anchor = told(rename);
+  EXPECT_NE(anchor.find("nor the design have these anchors of the plate table: F01-K9;"), std::string::npos) << anchor;
+  const std::string designed = account_of(folder, rename, {"F01-K9"});
+  EXPECT_EQ(designed.find("The folder is whole.\nneither the readings nor the control have these anchors of the plate "
+                          "table: F01-K9; photographs alone measure them"),
+            0u)
+      << designed;
+  const auto other_family = [](PointsT&, PlatesT& plates) {
     for (auto& plate : plates.plates) plate->tag_family = "tag36h10";
-  });
+  };
+  const std::string family = told(other_family);
   EXPECT_NE(family.find("tags of tag36h10, and a run looks for tag36h11 alone"), std::string::npos) << family;
+  const std::string both = told([&](PointsT& points, PlatesT& plates) {
+    for (auto& point : points.points) point->id[0] = 'H';
+    other_family(points, plates);
+  });
+  EXPECT_NE(both.find("none of the control points"), std::string::npos) << both;
+  EXPECT_NE(both.find("tags of tag36h10"), std::string::npos) << "all that is wrong at once: " << both;
+  EXPECT_EQ(account_of(folder, other_family, {}, "tag36h10"), "The folder is whole.");
 }
 
 TEST_F(ReadCampaignTest, WhatIsAssumedOfControlGoesWithTheReadings) {

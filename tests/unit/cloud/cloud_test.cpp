@@ -241,6 +241,27 @@ TEST(Cloud, XyzByTheNamesOfItsColumns) {
     expect_near(read_bytes("a.xyz", text).points, one, 1e-12);
 }
 
+/// Numbers of points taken for x: once the scan was said to be in another frame.
+TEST(Cloud, AFirstColumnThatCountsThePointsIsNoCoordinate) {
+  const auto numbered = [](int count, const char* head, double step) {
+    std::string text = head;
+    for (int i = 0; i < count; ++i)
+      text += std::to_string(step * i) + " " + std::to_string(1.5 + 0.01 * (i % 7)) + " 2.5 3.5\n";
+    return text;
+  };
+  for (const int count : {12, 500}) {
+    try {
+      read_bytes("a.xyz", numbered(count, "", 1));
+      ADD_FAILURE() << count;
+    } catch (const CloudError& error) {
+      EXPECT_NE(std::string(error.what()).find("the first column counts the points"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_EQ(read_bytes("a.xyz", numbered(500, "index x y z\n", 1)).points.at(0), Eigen::Vector3d(1.5, 2.5, 3.5));
+  EXPECT_EQ(read_bytes("a.xyz", numbered(500, "", 0.5)).points.size(), 500U) << "a row of points, and its colour";
+}
+
 TEST(Cloud, PointsWithoutPlaceAreLeftOutAndCounted) {
   const Read read = read_bytes("a.xyz", "1 2 3\nnan nan nan\n4 5 6\ninf 0 0\n");
   EXPECT_EQ(read.points.size(), 2U);

@@ -73,6 +73,23 @@ TEST(Formulas, ControlThatWasLeftOutIsIndependentOfTheModel) {
     EXPECT_NEAR(accuracy.anchors[i]->survey->u_dz, (i == 2 ? 0.5 : std::sqrt(0.16 - 0.09)) * mm, 1e-12) << i;
 }
 
+/// Once "pass 1.0000" beside 10 mm, because its height agreed, and one of "control 14, pass 14".
+TEST(Formulas, ControlThatWasLeftOutHasNoVerdictAndIsNoneOfTheControl) {
+  Inputs inputs = test::small_building(AnchorUse::control);
+  const auto control = [](const AccuracyT& accuracy) {
+    return test::find(accuracy, AnchorUse::control, AccuracyReference::survey)->anchors;
+  };
+  const int all = control(evaluate_accuracy(inputs, {}));
+  inputs.not_adjusted_to = {inputs.anchors[2].id};
+  const AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_EQ(control(accuracy), all - 1);
+  const AnchorAccuracyT& anchor = *accuracy.anchors[2];
+  EXPECT_EQ(anchor.survey->verdict, ToleranceVerdict::undecided);
+  EXPECT_TRUE(std::isnan(anchor.survey->conformance_probability));
+  EXPECT_EQ(anchor.note, "left out of the adjustment as control: the photographs contradict its survey");
+  EXPECT_NE(accuracy.anchors[1]->survey->verdict, ToleranceVerdict::undecided);
+}
+
 TEST(Formulas, SlopeOfFloorMeans) {
   const AccuracyT accuracy = evaluate_small();
   const DriftSlopeT& slope = *test::find(accuracy, AnchorUse::check, AccuracyReference::survey)->slope;

@@ -137,6 +137,17 @@ TEST(ImportNode, AnotherFrameIsNamedWithBothPlaces) {
   expect_refused(import, "is it in another frame?");
 }
 
+/// Floats five thousand kilometres from the origin are half a metre apart: no other frame mends that.
+TEST(ImportNode, StepsThatTakeAScanOffItsFacesAreNamed) {
+  std::string text;
+  for (const auto& point : scan())
+    text += std::to_string(std::lround(2 * point.x()) * 0.5) + " " + std::to_string(40 + std::lround(point.y())) +
+            ".5 " + std::to_string(std::lround(2 * point.z()) * 0.5) + "\n";
+  Import import("scan.xyz", text);
+  import.node.set("unit", "m");
+  expect_refused(import, "its coordinates are written in steps of");
+}
+
 TEST(ImportNode, ARegistrationMovesTheScanAndItsCovarianceIsCommonToAllPoints) {
   TransformT registration;
   registration.to_from_from = {quaternion_from_rotation_vector({0, 0, 0.3}), {120, 80, 0}};
