@@ -6,16 +6,20 @@
 #include <complex>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "artifacts/fitted_datum.hpp"
 #include "artifacts/frame_artifact.hpp"
+#include "base/text/words.hpp"
 #include "building/ifc/georeference.hpp"
 #include "geometry/geodesy/map_projection.hpp"
 #include "geometry/median.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "place/frames/fitted_frame.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::frames {
 namespace {
@@ -215,12 +219,61 @@ double misfit_of(const CommonPoints& common, const FrameLink& link) {
   return median(distances);
 }
 
+/// The points at those indices, with their covariance.
+PointsT only(const PointsT& points, const std::vector<Eigen::Index>& kept) {
+  PointsT out = points;
+  out.points.clear();
+  for (const Eigen::Index i : kept) out.points.push_back(std::make_unique<PointT>(*points.points[i]));
+  if (points.covariance.empty()) return out;
+  const Eigen::MatrixXd all = unpack_symmetric(points.covariance, 3 * points.points.size(), "input 'points'");
+  std::vector<Eigen::Index> rows;
+  for (const Eigen::Index i : kept)
+    for (Eigen::Index c = 0; c < 3; ++c) rows.push_back(3 * i + c);
+  out.covariance = pack_symmetric(Eigen::MatrixXd(all(rows, rows)));
+  return out;
+}
+
+/// "3 points (A, B, C)"
+std::string counted(const std::vector<std::string>& names) {
+  return std::to_string(names.size()) + (names.size() == 1 ? " point (" : " points (") + text::join(names, 5) + ")";
+}
+
+/// Points of a plan network have no height, bench marks that were levelled only no plan: the frame of the design cannot
+/// be had of them. Throws where no anchor is left, else names them.
+PointsT with_all_coordinates(const PointsT& survey, const PointsT& designed, Context& context) {
+  std::set<std::string> anchors;
+  for (const auto& point : designed.points) anchors.insert(point->id);
+  std::vector<Eigen::Index> kept;
+  std::vector<std::string> flat, without_plan;
+  std::size_t anchors_kept = 0, anchors_left_out = 0;
+  for (std::size_t i = 0; i < survey.points.size(); ++i) {
+    const PointT& point = *survey.points[i];
+    const bool anchor = anchors.count(point.id) > 0;
+    if (point.position.allFinite()) {
+      kept.push_back(static_cast<Eigen::Index>(i));
+      anchors_kept += anchor;
+      continue;
+    }
+    (std::isfinite(point.position.z()) ? without_plan : flat).push_back(point.id);
+    anchors_left_out += anchor;
+  }
+  std::vector<std::string> told;
+  if (!flat.empty()) told.push_back(counted(flat) + " without a height (a network in plan alone has none)");
+  if (!without_plan.empty()) told.push_back(counted(without_plan) + " without east and north");
+  if (anchors_left_out > 0 && anchors_kept == 0)
+    throw BadInput("no anchor has all of east, north and height: " + text::join(told) +
+                   ". Anchors are judged in space: measure what is missing, too");
+  for (const std::string& what : told) context.warn("left out: " + what);
+  return flat.empty() && without_plan.empty() ? survey : only(survey, kept);
+}
+
 }  // namespace
 
 void ToBuilding::run(Context& context) {
-  const PointsT survey = points.unpack();
+  const PointsT design_points = designed.unpack();
+  const PointsT survey = with_all_coordinates(points.unpack(), design_points, context);
   const DesignT read = design.unpack();
-  const CommonPoints common = common_points(survey, designed.unpack());
+  const CommonPoints common = common_points(survey, design_points);
   FrameLink link = is_fitted(*use) ? fitted(common, context) : told(common, read, context);
   if (!is_fitted(*use)) add_datum(common, Freedom::level, *datum_sigma, link);
   if (common.ids.empty())

@@ -15,7 +15,7 @@ namespace plumbline::frames {
 
 struct ToBuilding : Node {
   static constexpr Info info{
-      "frames.to_building", "", 4,
+      "frames.to_building", "", 5,
       "Brings surveyed points into the frame of the design, and refuses a survey that is not there"};
   In<Points> points{"points", frame("frame=?S"), "surveyed points with their covariance"};
   In<Points> designed{"designed", frame("frame=building"), "where the same points are by the design (match.elements)"};

@@ -199,6 +199,44 @@ TEST(ToBuilding, AScaleOfAnotherHeightIsSaidWhereItAmountsToSomething) {
   }
 }
 
+/// Once all three coordinates of such a point were lost without a word, and of a plan network the output was blamed.
+TEST(ToBuilding, PointsWithoutAHeightOrAPlanAreLeftOutByName) {
+  PointsT survey = points_at(in_building);
+  auto levelled = std::make_unique<PointT>();
+  levelled->id = "BM", levelled->position = {NAN, NAN, 12}, levelled->sigma = {NAN, NAN, 1e-3};
+  survey.points.insert(survey.points.begin(), std::move(levelled));
+  survey.points[2]->position.z() = NAN;  // A1
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(15, 15);
+  for (int i = 0; i < 15; ++i) covariance(i, i) = 1e-6 * (i + 1);
+  survey.covariance = pack_symmetric(covariance);
+  NodeHarness node("frames.to_building");
+  node.input<Points>("points", survey);
+  node.input<Points>("designed", points_at(in_building));
+  node.input<Design>("design", DesignT());
+  node.input<Plates>("plates", PlatesT());
+  node.run();
+  const PointsT out = node.output<Points>("points");
+  ASSERT_EQ(out.points.size(), 3u);
+  EXPECT_EQ(out.points[1]->id, "A2");
+  EXPECT_NEAR(out.points[1]->sigma.x(), std::sqrt(1e-6 * 10), 1e-12);  // its own row of the covariance
+  EXPECT_THAT(node.warnings(), testing::IsSupersetOf({HasSubstr("left out: 1 point (A1) without a height"),
+                                                      HasSubstr("left out: 1 point (BM) without east and north")}));
+  for (auto& point : survey.points) point->position.z() = NAN;
+  survey.points.erase(survey.points.begin()), survey.covariance.clear();
+  NodeHarness flat("frames.to_building");
+  flat.input<Points>("points", survey);
+  flat.input<Points>("designed", points_at(in_building));
+  flat.input<Design>("design", DesignT());
+  flat.input<Plates>("plates", PlatesT());
+  try {
+    flat.run();
+    FAIL() << "a plan network was taken for one in space";
+  } catch (const NodeFailed& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("no anchor has all of east, north and height: 4 points (A0, A1, A2, A3) without"));
+  }
+}
+
 TEST(ToBuilding, ASurveyElsewhereIsRefusedWithWhatWouldExplainIt) {
   NodeHarness node("frames.to_building");
   node.input<Points>("points", surveyed_in_map());
