@@ -63,6 +63,14 @@ std::string exclude_also(const SurveyNetwork& network, const std::string& item) 
   return text + item + "]";
 }
 
+std::optional<MeasurementDoubtT> doubt_of_control_as_a_whole(const SurveyNetwork& network) {
+  if (!network.findings()) return std::nullopt;
+  for (const auto* f : *network.findings())
+    if (text_of(f->subject()) == "control")
+      return finding(MeasurementPart::survey, DoubtGrade::doubt, text_of(f->text()));
+  return std::nullopt;
+}
+
 /// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
 /// no standard deviation, and which of two points is the wrong one is often not to be told. So nothing is decided until
 /// it is mended, left out, or the standard deviations of the control say that it may differ by so much.
@@ -71,7 +79,7 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
   std::vector<const NetworkKnownPoint*> wrong;
   for (const auto* k : *network.known_points())
     if (k->rank() > 0 && k->statistic() > k->critical()) wrong.push_back(k);
-  if (wrong.empty()) return std::nullopt;
+  if (wrong.empty()) return doubt_of_control_as_a_whole(network);
   std::stable_sort(wrong.begin(), wrong.end(),
                    [](const auto* a, const auto* b) { return a->statistic() > b->statistic(); });
   constexpr double kNoWorse = 6.6;  // of the statistic, 99 %: the test does not tell which of the two it is

@@ -23,12 +23,13 @@ using least_squares::Solution;
 NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
   if (options_.robust_start && options_.remove_blunders) remove_by_robust_weights();
   Pass pass = adjust();
-  const MeasuredControl measured = options_.measure_control ? measured_control(pass) : MeasuredControl{};
   if (options_.remove_blunders) snoop(pass);
   if (options_.estimate_variance_components) {
     estimate_variance_components(pass);
     if (options_.remove_blunders) mend(pass);
   }
+  // Of the readings as they are taken in the end: what was mended is no contradiction any more, what was not still is.
+  const MeasuredControl measured = options_.measure_control ? measured_control(pass) : MeasuredControl{};
   NetworkResult result = report(pass);
   result.measured_control = measured;
   if (kept)

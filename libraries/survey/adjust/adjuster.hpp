@@ -26,14 +26,32 @@ struct Pass {
 
 /// An error that many observations have in common, as the hypothesis that explains most of the misfit.
 struct CommonError {
-  enum class Kind { constant, scale, index, height, target, face_index, collimation, circle } kind = Kind::constant;
+  enum class Kind {
+    constant,
+    scale,
+    index,
+    height,
+    target,
+    face_index,
+    collimation,
+    reflector,
+    circle
+  } kind = Kind::constant;
   int set_up = -1;           ///< -1: all set-ups
   int first = -1;            ///< circle: row of the first direction after it was turned
   double target_height = 0;  ///< target: of the sights with this height noted [m]
+  std::vector<int> sights;   ///< reflector: rows of the model, ascending
+  std::string set;           ///< reflector: which these are, in words
+  double penalty = 0;        ///< on w^2: it is the best of many of its family, one of which explains that by chance
+  std::string rival;         ///< another kind of error that explains as much, in words; empty: none
   int observations = 0;      ///< that share it; 0: no such error
   double w = 0;              ///< of the test, standard normal
   double size = 0;           ///< by which the observations are too large: [m], [1] or [rad]
   double sigma = 0;          ///< of the size
+
+  std::tuple<Kind, int, int, double, std::vector<int>> key() const {
+    return {kind, set_up, first, target_height, sights};
+  }
 };
 
 class Adjuster {
@@ -49,8 +67,7 @@ class Adjuster {
   /// RankDefect becomes words.
   Pass adjust(bool statistics = true, const Pass* before = nullptr);
   /// What the readings of a pass say of the known points without what holds these: from the same equations, with the
-  /// same factor. Empty where that is not what a free network would say: something else than a datum is left open, or
-  /// readings were removed.
+  /// same factor. Empty where that is not what a free network would say: something else than a datum is left open.
   MeasuredControl measured_control(Pass& pass) const;
   [[noreturn]] static void fail_with(const std::vector<Finding>& defects, const std::string& advice);
 
@@ -67,6 +84,8 @@ class Adjuster {
   /// Baarda's iterated data snooping: the worst goes, the rest is adjusted again, what was removed is tested again.
   void snoop(Pass& pass);
   int worst_row(const Pass& pass, const std::set<int>& kept) const;
+  /// Readings of known points that explain more by themselves: such a point is wrong, and its readings are not.
+  std::set<int> rows_of_wrong_points(const Pass& pass) const;
   std::pair<double, double> row_test(const Pass& pass, int row) const;
 
   /// Takes out what the check of the set-ups holds for wrong, and lets back in what proves innocent.
@@ -95,11 +114,14 @@ class Adjuster {
   std::vector<CommonError> common_errors(const Pass& pass) const;
   std::vector<Hypothesis> target_heights(const Pass& pass) const;
   std::vector<Hypothesis> circles(const Pass& pass) const;
+  /// One constant of some of the distances: another reflector stood there.
+  std::vector<CommonError> reflectors(const Pass& pass) const;
   /// Index and collimation where a set-up was read in both faces and (almost) no target in both.
   std::vector<Hypothesis> face_errors(const Pass& pass) const;
   /// By how much a reading in face 1 is larger than without such an error of 1; 0 where it has none.
   double effect_of_face(const Pass& pass, int row, CommonError::Kind kind) const;
-  void tell_faces_apart(NetworkResult& result) const;
+  /// Set-ups that were read in both faces and no target in both; empty: none.
+  std::string tell_faces_apart(NetworkResult& result) const;
   std::vector<CommonError> test(const Pass& pass, const std::vector<Hypothesis>& hypotheses) const;
   std::string describe(const CommonError& error) const;
   /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
@@ -137,8 +159,9 @@ class Adjuster {
   StochasticState state_;
   std::vector<SnoopingAction> actions_;
   std::vector<int> set_up_of_row_;  ///< number; -1: none
-  std::set<std::tuple<CommonError::Kind, int, int, double>>
-      refused_;  ///< common errors that could not be estimated after all
+  /// Common errors that could not be estimated after all.
+  std::set<std::tuple<CommonError::Kind, int, int, double, std::vector<int>>> refused_;
+  std::string undecided_;  ///< of an error that was taken off, what explains the readings as well; empty: none
 };
 
 }  // namespace plumbline::survey

@@ -83,18 +83,25 @@ std::vector<Adjuster::Hypothesis> Adjuster::face_errors(const Pass& pass) const 
   return all;
 }
 
-void Adjuster::tell_faces_apart(NetworkResult& result) const {
+std::string Adjuster::tell_faces_apart(NetworkResult& result) const {
+  const auto taken_off = [&](ObservationKind kind, int set_up) {
+    const auto error =
+        kind == ObservationKind::direction ? ExtraUnknown::Kind::collimation : ExtraUnknown::Kind::face_index;
+    return std::any_of(state_.extra.begin(), state_.extra.end(),
+                       [&](const ExtraUnknown& e) { return e.kind == error && (e.set_up < 0 || e.set_up == set_up); });
+  };
   std::set<std::string> set_ups;
   for (const ObservationKind kind : {ObservationKind::zenith_angle, ObservationKind::direction})
     for (const auto& [set_up, faces] : faces_of(m_, kind))
-      if (faces.apart() && faces.pairs == 0) set_ups.insert(m_.survey.set_ups[set_up].id);
-  if (set_ups.empty()) return;
+      if (faces.apart() && faces.pairs == 0 && !taken_off(kind, set_up)) set_ups.insert(m_.survey.set_ups[set_up].id);
+  if (set_ups.empty()) return "";
+  const std::string names = text::join({set_ups.begin(), set_ups.end()}, 8);
   result.findings.push_back({Finding::Severity::warning,
-                             "read in both faces, but no target in both, at " +
-                                 text::join({set_ups.begin(), set_ups.end()}, 8) +
+                             "read in both faces, but no target in both, at " + names +
                                  ": index and collimation of the instrument stay in the readings, with opposite signs "
                                  "in the two faces; read targets in both",
                              {}});
+  return names;
 }
 
 }  // namespace plumbline::survey

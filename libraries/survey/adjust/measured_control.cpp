@@ -63,7 +63,7 @@ bool is_a_datum(const MatrixXd& null_space, const std::vector<least_squares::Nam
 MeasuredControl Adjuster::measured_control(Pass& pass) const {
   MeasuredControl result;
   const std::set<std::string> known = known_ids(m_);
-  if (known.size() < 3 || known.size() > kMost || removed() > 0) return result;
+  if (known.size() < 3 || known.size() > kMost) return result;
   if (m_.datum == DatumMode::inner || pass.solution.datum.defect() > 0) return result;
   std::vector<least_squares::Component> components;
   std::vector<least_squares::NamedPoint> points;

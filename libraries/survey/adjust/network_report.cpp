@@ -114,6 +114,43 @@ void Adjuster::report_pointings(const Pass& pass, NetworkResult& result) const {
   }
 }
 
+void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonError>& common,
+                                   NetworkResult& result) const {
+  const CommonError error = largest_common_error(pass, common);
+  if (error.observations == 0) return;
+  result.common_error = describe(error) + (error.rival.empty() ? "" : ", or " + error.rival);
+  result.findings.push_back({Finding::Severity::warning,
+                             result.common_error +
+                                 ". This explains the misfit better than any single observation; mend it "
+                                 "first, others may follow from it",
+                             {}});
+}
+
+void Adjuster::report_common_estimates(const Pass& pass, const std::vector<CommonError>& common,
+                                       NetworkResult& result) const {
+  using Kind = CommonError::Kind;
+  const double factor = std::sqrt(result.variance_factor);
+  const auto put = [](ResultSetUp& s, Kind kind, const CommonEstimate& estimate) {
+    if (kind == Kind::index) s.index = estimate;
+    if (kind == Kind::constant) s.constant = estimate;
+    if (kind == Kind::scale) s.scale = estimate;
+    if (kind == Kind::height) s.instrument_height_correction = estimate.value;
+  };
+  for (const CommonError& e : common)
+    if (e.set_up >= 0 && e.sigma > 0 && e.kind < Kind::height)
+      put(result.set_ups[e.set_up], e.kind, {e.size, factor * e.sigma});
+  for (size_t k = 0; k < state_.extra.size(); ++k) {
+    const auto& [kind, set_up, target_height, sights] = state_.extra[k];
+    const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
+    const CommonEstimate estimate{pass.problem.problem.parameters[block].value[0],
+                                  std::sqrt(result.cofactors(unknown, unknown))};
+    static constexpr Kind kinds[] = {Kind::constant, Kind::scale,      Kind::index,       Kind::height,
+                                     Kind::target,   Kind::face_index, Kind::collimation, Kind::reflector};
+    for (size_t s = 0; s < result.set_ups.size(); ++s)
+      if (set_up < 0 || set_up == static_cast<int>(s)) put(result.set_ups[s], kinds[static_cast<int>(kind)], estimate);
+  }
+}
+
 static CommonEstimate scale_of_all(const std::vector<CommonError>& common) {
   for (const CommonError& e : common)
     if (e.kind == CommonError::Kind::scale && e.set_up < 0 && e.sigma > 0) return {e.size, e.sigma};
@@ -152,8 +189,8 @@ NetworkResult Adjuster::report(Pass& pass) {
   report_rows(pass, result);
   const std::vector<CommonError> common = common_errors(pass);
   report_common_error(pass, common, result);
-  if (m_.datum == DatumMode::weighted || m_.datum == DatumMode::file)
-    result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors);
+  result.undecided = undecided_;
+  result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors, scale);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors.multiply(result.variance_factor);
   report_points(pass, result);
@@ -166,7 +203,7 @@ NetworkResult Adjuster::report(Pass& pass) {
         places.emplace_back(p.position.x(), p.position.y(), or_else(p.position.z(), m_.mean_height));
     result.frame = m_.map->in_words(places);
   }
-  tell_faces_apart(result);
+  const std::string apart = tell_faces_apart(result);
   report_set_ups(pass, result);
   report_common_estimates(pass, common, result);
   report_pointings(pass, result);
@@ -175,6 +212,8 @@ NetworkResult Adjuster::report(Pass& pass) {
   const std::vector<Finding> examined = examine(m_, options_, result);
   result.findings.insert(result.findings.end(), examined.begin(), examined.end());
   judge(m_, options_, critical_removal(), result);
+  if (!apart.empty() && result.validity == Validity::sound)
+    result.verdict += "; index and collimation of the instrument stay in what was read in one face at " + apart;
   if (tell_missing_map(m_, options_, scale_of_all(common), result) && result.validity == Validity::sound)
     result.verdict += "; lengths are those of a plane, though the coordinates look like a map's";
   return result;

@@ -31,7 +31,8 @@ void Adjuster::snoop(Pass& pass) {
   const StochasticState before = state_;
   const std::vector<SnoopingAction> actions = actions_;
   mend(pass);
-  if (clean(pass) || options_.robust_start) return;
+  // What a wrong known point contradicts is not to be mended by taking its readings out.
+  if (clean(pass) || options_.robust_start || !rows_of_wrong_points(pass).empty()) return;
   // Blunders may mask each other: once more, with the suspects of a robust adjustment out from the start.
   const NetworkModel mended = m_;
   const StochasticState after = state_;
@@ -79,9 +80,11 @@ void Adjuster::mend(Pass& pass) {
   std::set<int> restored;  // came back once already
   for (;;) {
     if (const CommonError error = largest_common_error(pass); error.observations > 0) {
-      if (!estimate(pass, error)) refused_.insert({error.kind, error.set_up, error.first, error.target_height});
+      if (!estimate(pass, error)) refused_.insert(error.key());
       continue;
     }
+    if (worst_row(pass, kept) < 0) return;
+    kept.merge(rows_of_wrong_points(pass));
     const std::vector<int> worst = worst_rows(pass, kept, most - removed());
     if (worst.empty()) return;
     if (worst.size() == 1 || !remove_together(pass, worst, restored)) remove_worst(pass, worst.front(), kept, restored);
@@ -170,6 +173,21 @@ int Adjuster::worst_row(const Pass& pass, const std::set<int>& kept) const {
     worst = row;
   }
   return worst;
+}
+
+std::set<int> Adjuster::rows_of_wrong_points(const Pass& pass) const {
+  constexpr double kClearly = 10.8;  // of v'Pv: a point has three coordinates to explain with, a reading one
+  double single = 0;
+  for (size_t r = 0; r < pass.problem.rows.size(); ++r)
+    if (const int row = pass.problem.rows[r]; row >= 0 && m_.rows[row].removable)
+      single = std::max(single, std::abs(pass.reliability.rows[r].w));
+  std::set<int> rows;
+  for (const KnownPoint& k : compare_with_known(m_, pass.problem, pass.solution, pass.cofactors, false)) {
+    if (k.stands() || k.explained < single * single + kClearly) continue;
+    for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row)
+      if (m_.rows[row].removable && (m_.rows[row].from == k.id || m_.rows[row].to == k.id)) rows.insert(row);
+  }
+  return rows;
 }
 
 std::pair<double, double> Adjuster::row_test(const Pass& pass, int row) const {

@@ -52,6 +52,7 @@ std::string reduced_before(const NetworkModel& m, double size, double sigma) {
 double largest_plausible(CommonError::Kind kind) {
   switch (kind) {
     case CommonError::Kind::constant:
+    case CommonError::Kind::reflector:
       return 0.1;  // [m]
     case CommonError::Kind::scale:
       return 1e-3;
@@ -111,6 +112,12 @@ std::string Adjuster::describe(const CommonError& e) const {
              ", which only targets read in both faces are free of; read them so, or determine it in the instrument";
       break;
     }
+    case CommonError::Kind::reflector:
+      text = std::to_string(e.observations) + " distances " + e.set + " look too " + (e.size > 0 ? "long" : "short") +
+             " by " + fixed_digits(std::abs(e.size) * 1000, 1) +
+             " mm, the others do not: check which reflector was sighted there, and its constant" +
+             known_difference(e.size * 1000, e.sigma * 1000);
+      break;
     case CommonError::Kind::circle: {
       const std::string at = place(m_.rows[e.first].source);
       text = "the circle" + owner + " looks turned by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
@@ -281,26 +288,51 @@ std::vector<Adjuster::Hypothesis> Adjuster::circles(const Pass& pass) const {
   return all;
 }
 
+namespace {
+
+/// What a hypothesis explains, as |w| of one that was stated before the readings were looked at.
+double explained(const CommonError& error) {
+  // Sights of similar length cannot tell a constant from a scale: then the constant is the usual mistake.
+  // Likewise an index of all from one with the sign of the face, where no target was read in both.
+  const bool of_face = error.kind == CommonError::Kind::face_index || error.kind == CommonError::Kind::collimation;
+  const double preference = error.kind == CommonError::Kind::scale ? 0.95 : of_face ? 1.01 : 1.0;
+  return preference * std::sqrt(std::max(0.0, error.w * error.w - error.penalty));
+}
+
+/// Whether one turns sights and the other lengthens them: points come to lie elsewhere.
+bool differ(const CommonError& a, const CommonError& b) {
+  const auto turns = [](const CommonError& e) { return e.kind == CommonError::Kind::circle; };
+  const auto lengthens = [](const CommonError& e) {
+    return e.kind == CommonError::Kind::constant || e.kind == CommonError::Kind::reflector ||
+           e.kind == CommonError::Kind::scale;
+  };
+  return (turns(a) && lengthens(b)) || (lengthens(a) && turns(b));
+}
+
+}  // namespace
+
 CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors) const {
   double single = critical_removal();
   for (size_t r = 0; r < pass.problem.rows.size(); ++r)
     if (pass.problem.rows[r] >= 0) single = std::max(single, std::abs(pass.reliability.rows[r].w));
-  const std::vector<CommonError> turned = test(pass, circles(pass));
-  errors.insert(errors.end(), turned.begin(), turned.end());
+  for (std::vector<CommonError> more : {test(pass, circles(pass)), reflectors(pass)})
+    errors.insert(errors.end(), more.begin(), more.end());
+  std::erase_if(errors, [&](const CommonError& error) {
+    return std::abs(error.size) > largest_plausible(error.kind) || refused_.contains(error.key());
+  });
   CommonError worst;
-  for (const CommonError& error : errors) {
-    if (std::abs(error.size) > largest_plausible(error.kind) ||
-        refused_.contains({error.kind, error.set_up, error.first, error.target_height}))
-      continue;
-    // Sights of similar length cannot tell a constant from a scale: then the constant is the usual mistake.
-    // Likewise an index of all from one with the sign of the face, where no target was read in both.
-    const bool of_face = error.kind == CommonError::Kind::face_index || error.kind == CommonError::Kind::collimation;
-    const double preference = error.kind == CommonError::Kind::scale ? 0.95 : of_face ? 1.01 : 1.0;
-    if (preference * std::abs(error.w) > std::abs(worst.w)) worst = error;
-  }
+  for (const CommonError& error : errors)
+    if (explained(error) > explained(worst)) worst = error;
   // Where little is controlled one reading and many explain the same misfit equally well.
   constexpr double kClearlyMore = 1.01;
-  return std::abs(worst.w) > kClearlyMore * single ? worst : CommonError{};
+  if (!(std::sqrt(std::max(0.0, worst.w * worst.w - worst.penalty)) > kClearlyMore * single)) return CommonError{};
+  constexpr double kClearly = 10.8;  // of w^2: 0.1 %
+  CommonError rival;
+  for (const CommonError& error : errors)
+    if (differ(error, worst) && explained(error) > explained(rival)) rival = error;
+  if (rival.observations > 0 && std::pow(explained(worst), 2) - std::pow(explained(rival), 2) < kClearly)
+    worst.rival = describe(rival);
+  return worst;
 }
 
 void Adjuster::split_set_up(const CommonError& error) {
@@ -333,11 +365,11 @@ bool Adjuster::estimate(Pass& pass, const CommonError& error) {
   if (error.kind == Kind::circle) {
     split_set_up(error);
   } else {
-    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant,   ExtraUnknown::Kind::scale,
-                                                   ExtraUnknown::Kind::index,      ExtraUnknown::Kind::height,
-                                                   ExtraUnknown::Kind::target,     ExtraUnknown::Kind::face_index,
-                                                   ExtraUnknown::Kind::collimation};
-    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height});
+    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant,    ExtraUnknown::Kind::scale,
+                                                   ExtraUnknown::Kind::index,       ExtraUnknown::Kind::height,
+                                                   ExtraUnknown::Kind::target,      ExtraUnknown::Kind::face_index,
+                                                   ExtraUnknown::Kind::collimation, ExtraUnknown::Kind::reflector};
+    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height, error.sights});
   }
   m_.findings.push_back(
       {Finding::Severity::warning,
@@ -350,47 +382,13 @@ bool Adjuster::estimate(Pass& pass, const CommonError& error) {
     if (next.solution.sum_of_squares() > pass.solution.sum_of_squares() - 0.5 * error.w * error.w)
       throw NetworkError("no gain");
     pass = std::move(next);
+    if (!error.rival.empty()) undecided_ = describe(error) + ", or " + error.rival;
     return true;
   } catch (const NetworkError&) {
     m_ = before;
     state_ = state;
     find_set_ups_of_rows();
     return false;
-  }
-}
-
-void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonError>& common,
-                                   NetworkResult& result) const {
-  const CommonError error = largest_common_error(pass, common);
-  if (error.observations == 0) return;
-  result.findings.push_back({Finding::Severity::warning,
-                             describe(error) + ". This explains the misfit better than any single observation; mend it "
-                                               "first, others may follow from it",
-                             {}});
-}
-
-void Adjuster::report_common_estimates(const Pass& pass, const std::vector<CommonError>& common,
-                                       NetworkResult& result) const {
-  using Kind = CommonError::Kind;
-  const double factor = std::sqrt(result.variance_factor);
-  const auto put = [](ResultSetUp& s, Kind kind, const CommonEstimate& estimate) {
-    if (kind == Kind::index) s.index = estimate;
-    if (kind == Kind::constant) s.constant = estimate;
-    if (kind == Kind::scale) s.scale = estimate;
-    if (kind == Kind::height) s.instrument_height_correction = estimate.value;
-  };
-  for (const CommonError& e : common)
-    if (e.set_up >= 0 && e.sigma > 0 && e.kind < Kind::height)
-      put(result.set_ups[e.set_up], e.kind, {e.size, factor * e.sigma});
-  for (size_t k = 0; k < state_.extra.size(); ++k) {
-    const auto [kind, set_up, target_height] = state_.extra[k];
-    const int block = pass.problem.extra_blocks[k], unknown = pass.solution.unknowns(block, 0);
-    const CommonEstimate estimate{pass.problem.problem.parameters[block].value[0],
-                                  std::sqrt(result.cofactors(unknown, unknown))};
-    static constexpr Kind kinds[] = {Kind::constant, Kind::scale,      Kind::index,      Kind::height,
-                                     Kind::target,   Kind::face_index, Kind::collimation};
-    for (size_t s = 0; s < result.set_ups.size(); ++s)
-      if (set_up < 0 || set_up == static_cast<int>(s)) put(result.set_ups[s], kinds[static_cast<int>(kind)], estimate);
   }
 }
 

@@ -23,9 +23,6 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
 /// Known points that do not stand, worst first: the test of one among many, so that of a wrong one others may fail too.
 std::vector<std::string> contradicting(const std::vector<KnownPoint>& known);
 
-/// While there are such, a sound result is doubtful.
-void doubt_known_points(NetworkResult& result);
-
 /// Readings that agree among themselves say nothing of where the network lies: while `points` are measured under names
 /// that known points have in another spelling (MergedSurvey), so that these hold nothing, a sound result is doubtful.
 void doubt_known_names(const std::vector<std::string>& points, NetworkResult& result);

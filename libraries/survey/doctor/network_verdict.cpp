@@ -75,6 +75,26 @@ std::string verdict_of_list(const SurveyObservations& list, const AdjustOptions&
          (apart ? "; the errors of each point are taken as its own" : "");
 }
 
+/// Readings that pass one by one may all share an error, and one that was taken off may have been another.
+void doubt_common_errors(NetworkResult& r) {
+  if (r.validity != Validity::sound || (r.common_error.empty() && r.undecided.empty())) return;
+  r.validity = Validity::doubtful;
+  r.verdict = (r.common_error.empty()
+                   ? "doubtful: two errors explain the readings alike, and the first was taken off: " + r.undecided
+                   : "doubtful: one error explains the readings better than chance: " + r.common_error) +
+              "; of the readings one by one: " + r.verdict;
+}
+
+/// A network has its readings by the hundred and its known points by the handful: in its global test one of these that
+/// is wrong by ten standard deviations may drown.
+void doubt_known_points(NetworkResult& r) {
+  const std::vector<std::string> wrong = contradicting(r.known_points);
+  if (r.validity != Validity::sound || wrong.empty()) return;
+  r.validity = Validity::doubtful;
+  r.verdict = "doubtful: known points contradict the readings and each other, most of all " + wrong.front() +
+              "; of the readings: " + r.verdict;
+}
+
 }  // namespace
 
 void judge(const NetworkModel& model, const AdjustOptions& options, double critical, NetworkResult& r) {
@@ -131,6 +151,7 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
     r.verdict = "sound: the readings agree as well as their accuracies say (" + sigma0 +
                 (high ? ", a little high" : "") + ")" + mended(r);
   }
+  doubt_common_errors(r);
   doubt_known_points(r);
 }
 
@@ -143,16 +164,6 @@ std::vector<std::string> contradicting(const std::vector<KnownPoint>& known) {
   std::vector<std::string> ids;
   for (const KnownPoint* k : wrong) ids.push_back(k->id);
   return ids;
-}
-
-/// A network has its readings by the hundred and its known points by the handful: in its global test one of these that
-/// is wrong by ten standard deviations may drown.
-void doubt_known_points(NetworkResult& r) {
-  const std::vector<std::string> wrong = contradicting(r.known_points);
-  if (r.validity != Validity::sound || wrong.empty()) return;
-  r.validity = Validity::doubtful;
-  r.verdict = "doubtful: known points contradict the readings and each other, most of all " + wrong.front() +
-              "; of the readings: " + r.verdict;
 }
 
 void doubt_known_names(const std::vector<std::string>& points, NetworkResult& r) {

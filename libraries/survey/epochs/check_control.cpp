@@ -8,7 +8,8 @@
 #include <utility>
 
 #include "geometry/statistics.hpp"
-#include "survey/network/network_model.hpp"
+#include "survey/network/held_points.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -33,6 +34,12 @@ Epoch given_points(const SurveyObservations& survey, const ControlPoints& contro
     e.covariance = Eigen::MatrixXd::Zero(old + 3, old + 3);
     e.covariance.topLeftCorner(old, old) = covariance;
   }
+  std::vector<double> written;  // without a standard deviation
+  for (Eigen::Index i = 0; i < e.covariance.rows(); ++i)
+    if (e.covariance(i, i) == 0 && std::isfinite(e.coordinates[i])) written.push_back(e.coordinates[i]);
+  const double rounding = rounding_variance(written);
+  for (Eigen::Index i = 0; i < e.covariance.rows(); ++i)
+    if (e.covariance(i, i) == 0) e.covariance(i, i) = rounding;
   return e;
 }
 
@@ -204,33 +211,32 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   return check;
 }
 
-std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, const ControlPoints& control,
-                                          const NetworkResult& adjusted) {
+bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, NetworkResult& r) {
+  constexpr double kAlpha = 0.01;     // as survey.check_control has it
   constexpr double kClearly = 0.001;  // readings worse than stated by more than chance: measured by their own agreement
-  MeasuredControl measured = adjusted.measured_control;
-  if (measured.ids.empty()) return {};
+  MeasuredControl measured = r.measured_control;
+  const bool single =
+      std::any_of(r.known_points.begin(), r.known_points.end(), [](const KnownPoint& k) { return !k.stands(); });
+  if (measured.ids.empty() || r.datum == DatumMode::inner || single) return false;
   const int degrees = measured.degrees_of_freedom;
-  bool estimated = adjusted.variance_factor != 1 && degrees > 0;  // the variance of unit weight
-  if (adjusted.variance_factor == 1 && degrees > 0 &&
-      measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
-    measured.covariance *= measured.sum_of_squares / degrees, estimated = true;
-  constexpr double kWritten = 0.0005;  // [m], what coordinates in whole millimetres may be off by, evenly
-  measured.covariance.diagonal().array() += kWritten * kWritten / 3;
-  const ControlCheck check = check_control(survey, control, {}, {}, measured);
-  std::vector<KnownPoint> known;
-  for (const Movement& m : check.comparison.movements) {
-    KnownPoint& point = known.emplace_back();
-    point.id = m.id, point.statistic = m.statistic, point.rank = m.rank;
-    for (int axis = 0; axis < 3; ++axis)
-      if (std::isfinite(m.movement[axis])) point.difference[axis] = m.movement[axis], point.sigma[axis] = 0;
+  if (r.variance_factor == 1 && degrees > 0 && measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
+    measured.covariance *= measured.sum_of_squares / degrees;
+  ComparisonOptions options;
+  options.alpha = kAlpha;
+  const ControlCheck check = check_control(survey, control, {}, options, measured);
+  if (!check.problem.empty() || check.comparison.congruent) return false;
+  r.findings.push_back({Finding::Severity::warning,
+                        "the control as a whole does not fit the readings: test statistic " +
+                            fixed_digits(check.comparison.statistic, 1) + ", critical value " +
+                            fixed_digits(check.comparison.critical, 1) + " at rank " +
+                            std::to_string(check.comparison.rank),
+                        {},
+                        Finding::Subject::control});
+  if (r.validity == Validity::sound) {
+    r.validity = Validity::doubtful;
+    r.verdict = "doubtful: the control does not fit the readings; of the readings: " + r.verdict;
   }
-  set_limits(known, [&](const KnownPoint& k, double alpha) {
-    return estimated ? k.rank * fisher_f_quantile(1 - alpha, k.rank, degrees) : chi_squared_quantile(1 - alpha, k.rank);
-  });
-  std::stable_sort(known.begin(), known.end(), [](const KnownPoint& a, const KnownPoint& b) {
-    return a.difference.norm() > b.difference.norm() + 1e-7;
-  });
-  return known;
+  return true;
 }
 
 }  // namespace plumbline::survey

@@ -18,16 +18,16 @@ struct ControlCheck {
 /// The points of an adjusted network with their full covariance, in its order; of `only` these, if there are any.
 Epoch epoch_of(const NetworkResult& network, const std::vector<std::string>& only = {});
 
-/// Control are `control` and the points that the files hold fixed with complete coordinates. Never throws NetworkError:
+/// Control are `control` and the points that the files hold fixed with complete coordinates; those without a standard
+/// deviation may be rounded to millimetres (rounding_variance). Never throws NetworkError:
 /// what cannot be tested is said in `problem`. Where an adjustment on control has `measured` already what its readings
 /// alone say, that is compared, and nothing is adjusted: `adjustment` has no meaning then.
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
                            ComparisonOptions options, const MeasuredControl& measured = {});
 
-/// The same of points that an adjustment holds without error, so that it has no differences of theirs to show (see
-/// compare_with_known): what its readings alone say of them, largest difference first. None where nothing can be said.
-std::vector<KnownPoint> compare_with_held(const SurveyObservations& survey, const ControlPoints& control,
-                                          const NetworkResult& adjusted);
+/// The same of an adjusted network that has `measured_control`, as survey.check_control would tell it: where it fails
+/// though each known point stands by itself, that is a finding, a sound network is doubtful, and true comes back.
+bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, NetworkResult& adjusted);
 
 /// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions; `epoch` says whether
 /// they have plan positions and heights.

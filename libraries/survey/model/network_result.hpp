@@ -17,7 +17,10 @@ struct KnownPoint {
   Eigen::Vector3d difference = Eigen::Vector3d::Zero();          ///< as measured minus as known [m]; 0: nobody can tell
   Eigen::Vector3d sigma = Eigen::Vector3d::Constant(kNotGiven);  ///< of the known coordinates [m]; NaN: not known
   double statistic = 0, critical = 0;                            ///< of the difference, chi-squared with `rank`
-  int rank = 0;                                                  ///< independent conditions
+  /// What it takes off v'Pv where it is let go. Of a point that is held the statistic is less: its own coordinates and
+  /// those of its neighbours are rounded.
+  double explained = 0;
+  int rank = 0;  ///< independent conditions
   bool stands() const { return rank == 0 || statistic <= critical; }
 };
 
@@ -107,6 +110,8 @@ struct NetworkResult {
   std::string verdict;                ///< one sentence: may it be used, and why not
   bool without_readings = false;      ///< a list of coordinates, taken as given
   std::vector<std::string> left_out;  ///< points that the observations do not determine
+  std::string common_error;           ///< explains the readings better than any single one; in words; empty: none
+  std::string undecided;              ///< errors that explain them alike, of which one was taken off; empty: none
   std::vector<ResultPoint> points;
   std::vector<ResultSetUp> set_ups;
   std::vector<ResultRow> rows;
@@ -115,7 +120,7 @@ struct NetworkResult {
   std::vector<ResultGroup> groups;
   std::vector<SnoopingAction> snooping;
   std::vector<Finding> findings;
-  std::vector<KnownPoint> known_points;    ///< control with a standard deviation, largest difference first
+  std::vector<KnownPoint> known_points;    ///< weighted or held; worst first, then by difference
   MeasuredControl measured_control;        ///< if AdjustOptions::measure_control
   DatumMode datum = DatumMode::automatic;  ///< as used
   std::vector<std::string> datum_points;

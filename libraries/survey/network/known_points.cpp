@@ -5,6 +5,7 @@
 
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/statistics.hpp"
+#include "survey/network/held_points.hpp"
 #include "survey/network/network_model.hpp"
 #include "survey/words/network_words.hpp"
 
@@ -75,6 +76,7 @@ KnownPoint difference_of(const Known& known, const std::string& id) {
     result.statistic += along * along / weight;
     ++result.rank;
   }
+  result.explained = result.statistic;
   for (size_t k = 0; k < rows.size(); ++k)
     result.difference[known.group->components[rows[k]].axis] = d[static_cast<Index>(k)];
   return result;
@@ -82,10 +84,10 @@ KnownPoint difference_of(const Known& known, const std::string& id) {
 
 /// What the difference of a point is held against: its stated accuracies, or what all the rest shows of them where that
 /// is clearly more. Without the rest a survey that is noisier than stated would have every known point wrong.
-double critical_of(const KnownPoint& k, const least_squares::Solution& solution, double alpha) {
+double critical_of(const KnownPoint& k, const least_squares::Solution& solution, bool estimated, double alpha) {
   const int degrees = solution.degrees_of_freedom() - k.rank;
-  const double rest = solution.sum_of_squares() - k.statistic;
-  if (degrees <= 0 || rest <= chi_squared_quantile(1 - kClearly, degrees))
+  const double rest = solution.sum_of_squares() - k.explained;
+  if (degrees <= 0 || (!estimated && rest <= chi_squared_quantile(1 - kClearly, degrees)))
     return chi_squared_quantile(1 - alpha, k.rank);
   return k.rank * fisher_f_quantile(1 - alpha, k.rank, degrees) * rest / degrees;
 }
@@ -103,15 +105,10 @@ std::string difference_in_words(const KnownPoint& k) {
 
 }  // namespace
 
-void set_limits(std::vector<KnownPoint>& known, const std::function<double(const KnownPoint&, double)>& critical) {
-  const auto tested = std::count_if(known.begin(), known.end(), [](const KnownPoint& k) { return k.rank > 0; });
-  for (KnownPoint& k : known)
-    if (k.rank > 0) k.critical = critical(k, kAlphaOfAll / static_cast<double>(tested));
-}
-
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
                                            const least_squares::Solution& solution,
-                                           const least_squares::Cofactors& cofactors) {
+                                           const least_squares::Cofactors& cofactors, bool estimated) {
+  if (model.datum == DatumMode::inner) return {};
   std::vector<KnownPoint> result;
   for (const CoordinateGroup& group : model.survey.coordinates) {
     if (!group.is_control) continue;
@@ -121,9 +118,14 @@ std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const Netw
       if (std::find(ids.begin(), ids.end(), c.point) == ids.end()) ids.push_back(c.point);
     for (const std::string& id : ids) result.push_back(difference_of(known, id));
   }
-  set_limits(result, [&](const KnownPoint& k, double alpha) { return critical_of(k, solution, alpha); });
+  for (KnownPoint& held : test_held_points(model, problem, solution, cofactors)) result.push_back(std::move(held));
+  const auto tested = std::count_if(result.begin(), result.end(), [](const KnownPoint& k) { return k.rank > 0; });
+  for (KnownPoint& k : result)
+    if (k.rank > 0) k.critical = critical_of(k, solution, estimated, kAlphaOfAll / static_cast<double>(tested));
+  // The neighbours of a wrong one may differ by more than itself.
   std::stable_sort(result.begin(), result.end(), [](const KnownPoint& a, const KnownPoint& b) {
-    return a.difference.norm() > b.difference.norm() + 1e-7;
+    if (a.stands() != b.stands()) return b.stands();
+    return a.stands() ? a.difference.norm() > b.difference.norm() + 1e-7 : a.statistic > b.statistic + 1e-6;
   });
   return result;
 }

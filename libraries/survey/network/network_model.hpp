@@ -75,11 +75,13 @@ struct NetworkProblem {
 /// An error that readings of a set-up (-1: of all) have in common, estimated with the network. `scale` [1] and
 /// `constant` [m] of distances, `index` [rad] of zenith angles, `height` [m] of the instrument, `target` [m] of the
 /// targets of a set-up that were noted with one height; `face_index` of zenith angles and `collimation` of directions
-/// [rad] have the other sign in face 2, and the second grows with the steepness of the sight.
+/// [rad] have the other sign in face 2, and the second grows with the steepness of the sight; `reflector` [m] is that
+/// of some distances.
 struct ExtraUnknown {
-  enum class Kind { constant, scale, index, height, target, face_index, collimation } kind = Kind::constant;
+  enum class Kind { constant, scale, index, height, target, face_index, collimation, reflector } kind = Kind::constant;
   int set_up = -1;
   double target_height = 0;  ///< as noted, of `target` [m]
+  std::vector<int> sights;   ///< observations of the model, ascending, of `reflector`
 };
 
 struct StochasticState {
@@ -108,13 +110,13 @@ std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProble
 std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
                                         const Eigen::MatrixXd& null_space);
 
-/// What the readings say of the points that were known, largest difference first; `cofactors` a priori. A network in
-/// which nothing is wrong has one that does not stand with a probability of 1 % at most, however many there are.
+/// What the readings say of the points that were known, weighted or held: those that do not stand first, worst first,
+/// the others by their difference; `cofactors` a priori. A network in which nothing is wrong has one that does not
+/// stand with a probability of 1 % at most, however many there are. `estimated`: the variance of unit weight is that of
+/// the readings. Costs are linear in the points.
 std::vector<KnownPoint> compare_with_known(const NetworkModel& model, const NetworkProblem& problem,
                                            const least_squares::Solution& solution,
-                                           const least_squares::Cofactors& cofactors);
-/// The critical value of each, of a point and the error of the first kind that is its share.
-void set_limits(std::vector<KnownPoint>& known, const std::function<double(const KnownPoint&, double)>& critical);
+                                           const least_squares::Cofactors& cofactors, bool estimated);
 
 /// They as one finding: a warning where one of them does not stand.
 Finding in_words(const std::vector<KnownPoint>& known);

@@ -72,20 +72,24 @@ class Assembler {
         eq.refraction = slot(block, parameter);
       if (name == "vertical index" && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
     }
-    add_extra(block, o, p, eq);
+    add_extra(block, observation, p, eq);
     eq.refraction_coefficient = m_.refraction_coefficient;
     return eq;
   }
 
  private:
-  void add_extra(ObservationBlock& block, const Observation& o, const NetworkProblem& p, Equation& eq) const {
+  void add_extra(ObservationBlock& block, int observation, const NetworkProblem& p, Equation& eq) const {
     using Kind = ExtraUnknown::Kind;
+    const Observation& o = m_.observations[observation].observation;
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
     for (size_t k = 0; k < state_.extra.size(); ++k) {
-      const auto [kind, set_up, target_height] = state_.extra[k];
+      const auto& [kind, set_up, target_height, sights] = state_.extra[k];
       if (set_up >= 0 && o.set_up != set_up) continue;
       const int parameter = p.extra_blocks[k];
       if (kind == Kind::constant && distance) eq.additive_constant = slot(block, parameter);
+      // Of sights that have a constant already it is another one in its place.
+      if (kind == Kind::reflector && std::binary_search(sights.begin(), sights.end(), observation))
+        eq.additive_constant = slot(block, parameter);
       if (kind == Kind::scale && distance) eq.scale = slot(block, parameter);
       if (kind == Kind::index && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
       // What is a mean of both faces is free of it.
@@ -189,8 +193,9 @@ class Assembler {
                                         "instrument height correction",
                                         "target height correction",
                                         "vertical index by face",
-                                        "collimation"};
-    for (const auto& [kind, set_up, target_height] : state_.extra)
+                                        "collimation",
+                                        "additive constant of some reflectors"};
+    for (const auto& [kind, set_up, target_height, sights] : state_.extra)
       out_.extra_blocks.push_back(add_block(
           std::string(names[static_cast<int>(kind)]) + (set_up >= 0 ? " of " + m_.survey.set_ups[set_up].id : ""),
           {0.0}));

@@ -142,14 +142,6 @@ NetworkResult adjust_or_say(Context& context, const MergedSurvey& merged, const 
   }
 }
 
-/// Of control without standard deviations, and of points that a file holds fixed: they hold whatever the readings say.
-void take_held(const plumbline::survey::SurveyObservations& survey, const ControlPoints& known, NetworkResult& result) {
-  result.known_points = compare_with_held(survey, known, result);
-  if (!result.compares_known_points()) return;
-  result.findings.insert(result.findings.begin(), in_words(result.known_points));
-  doubt_known_points(result);
-}
-
 }  // namespace
 
 void AdjustNode::run(Context& context) {
@@ -170,8 +162,7 @@ void AdjustNode::run(Context& context) {
     context.warn(text);
   announce_network(context, survey, o.largest_whole);
   NetworkResult result = adjust_or_say(context, merged, o, known);
-  if (result.known_points.empty() && result.datum != DatumMode::inner)
-    take_held(survey, without_excluded(known, o.exclude), result);
+  doubt_failed_control(survey, without_excluded(known, o.exclude), result);
   for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());

@@ -108,7 +108,7 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
     finding->severity = severities[static_cast<int>(f.severity)];
     finding->text = f.text;
     finding->points = f.points;
-    static const char* const subjects[] = {"network", "reading", "exclusion", "left_out", "unread"};
+    static const char* const subjects[] = {"network", "reading", "exclusion", "left_out", "unread", "control"};
     finding->subject = subjects[static_cast<int>(f.subject)];
     n.findings.push_back(std::move(finding));
   }

@@ -190,7 +190,7 @@ TEST(CheckControl, SoundControlIsDoubtedInOneNetworkInAHundredAtMost) {
     for (int i = 0; i < 4; ++i)
       held.coordinates.segment<3>(3 * i) = network.truth[std::array<size_t, 4>{0, 3, 8, 11}[i]];
     held.covariance.resize(0, 0);
-    of_held += !stand(compare_with_held(network.survey, held, on_control(network.survey, held)));
+    of_held += !stand(on_control(network.survey, held).known_points);
     if (seed >= 50) continue;
     for (Observation& o : network.survey.observations) o.sigma /= 2;  // the readings are worse than stated
     of_noisy += !stand(on_control(network.survey, control).known_points);
@@ -220,10 +220,49 @@ TEST(CheckControl, OneThatIsWrongMakesANetworkDoubtfulThoughItsReadingsAgree) {
   EXPECT_EQ(mended.measured_control.ids.size(), 3u);
   EXPECT_THROW(on_control(network.survey, wrong, {parse_exclusion("control S99: hit")}), NetworkError);
   wrong.covariance.resize(0, 0);
-  const auto held = compare_with_held(network.survey, wrong, on_control(network.survey, wrong));
+  const auto held = on_control(network.survey, wrong).known_points;
   ASSERT_EQ(held.size(), 4u);
   EXPECT_EQ(held.front().id, control.ids[2]);
   EXPECT_FALSE(held.front().stands());
+}
+
+/// No point by itself, all of them a little: the check said so, and the verdict said "Sound".
+TEST(CheckControl, OneThatFailsAsAWholeTakesSoundAway) {
+  const auto network = test::simulate({}, 17);
+  ControlPoints control = corners(network, 18);
+  EXPECT_FALSE(doubt_failed_control(network.survey, control,
+                                    *std::make_unique<NetworkResult>(on_control(network.survey, control))));
+  bool found = false;
+  for (double size = 0.0004; !found && size < 0.004; size += 0.0001) {
+    ControlPoints bent = control;
+    for (int i = 0; i < 4; ++i) bent.coordinates[3 * i + 2] += (i % 2 == 0) == (i < 2) ? size : -size;
+    NetworkResult r = on_control(network.survey, bent);
+    if (r.validity != Validity::sound) continue;
+    if (!(found = doubt_failed_control(network.survey, bent, r))) continue;
+    EXPECT_EQ(r.validity, Validity::doubtful);
+    EXPECT_EQ(r.verdict.find("doubtful: the control does not fit the readings; of the readings: sound"), 0U)
+        << r.verdict;
+    EXPECT_EQ(r.findings.back().subject, Finding::Subject::control);
+  }
+  EXPECT_TRUE(found);
+}
+
+/// A wrong reading that was taken out contradicts no control, and is not compared with it any more.
+TEST(CheckControl, AfterRemovalsItIsThatOfTheReadingsThatStay) {
+  auto network = test::simulate({}, 17);
+  const ControlPoints control = corners(network, 18);
+  for (Observation& o : network.survey.observations)
+    if (o.set_up == 1 && o.to == control.ids[1] && o.kind == ObservationKind::slope_distance) o.value += 0.05;
+  AdjustOptions options = without_curvature();
+  options.measure_control = true;
+  const NetworkResult with = adjust_network(network.survey, options, control);
+  options.remove_blunders = true;
+  NetworkResult without = adjust_network(network.survey, options, control);
+  ASSERT_EQ(without.snooping.size(), 1U);
+  ASSERT_EQ(without.measured_control.ids.size(), 4U);
+  EXPECT_LT(without.measured_control.sum_of_squares, with.measured_control.sum_of_squares - 100);
+  EXPECT_FALSE(doubt_failed_control(network.survey, control, without));
+  EXPECT_EQ(without.validity, Validity::sound) << without.verdict;
 }
 
 /// What a file itself has as known is left out likewise.

@@ -244,5 +244,105 @@ TEST(CommonErrors, IndexAndCollimationWhereNoTargetWasReadInBothFaces) {
   EXPECT_LT(bad.sigma0, 1.3 * good.sigma0);
 }
 
+/// Twelve markers, the corners known to a millimetre, seen from two set-ups.
+struct OnControl {
+  test::SimulatedNetwork network;
+  ControlPoints control;
+
+  explicit OnControl(std::uint64_t seed) {
+    test::SimulationSettings settings;
+    settings.set_ups = 2, settings.columns = 5, settings.rows = 4;
+    network = simulate(settings, seed);
+    control.coordinates.resize(12);
+    for (const size_t i : {size_t{0}, size_t{4}, size_t{15}, size_t{19}}) {
+      control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * control.ids.size())) = network.truth[i];
+      control.ids.push_back(network.survey.points[i].id);
+    }
+    control.covariance = 1e-6 * Eigen::MatrixXd::Identity(12, 12);
+  }
+  void know_stations() {
+    for (const size_t i : {size_t{20}, size_t{21}}) {
+      control.coordinates.conservativeResize(control.coordinates.size() + 3);
+      control.coordinates.tail<3>() = network.truth[i];
+      control.ids.push_back(network.survey.points[i].id);
+    }
+    control.covariance = 1e-6 * Eigen::MatrixXd::Identity(18, 18);
+    control.covariance.bottomRightCorner<6, 6>() *= 0.01;
+  }
+  bool is_known(const std::string& id) const {
+    return std::find(control.ids.begin(), control.ids.end(), id) != control.ids.end();
+  }
+  NetworkResult adjust(bool remove) const {
+    AdjustOptions options;
+    options.curvature = Switch::off, options.remove_blunders = remove;
+    return adjust_network(network.survey, options, control);
+  }
+  double worst(const NetworkResult& r) const {
+    double most = 0;
+    for (size_t i = 0; i < 20; ++i)
+      most = std::max(most, (r.point(network.survey.points[i].id).position - network.truth[i]).norm());
+    return most;
+  }
+};
+
+/// Details on a pole whose prism is 17.5 mm another one: a circle turned by 13 mgon explained that, and points lay 18
+/// mm off in a sound network.
+TEST(CommonErrors, ASecondPrismIsNoTurnedCircle) {
+  int sound = 0;
+  for (std::uint64_t seed = 40; seed < 60; ++seed) {
+    OnControl field(seed);
+    for (Observation& o : field.network.survey.observations)
+      if (o.kind == ObservationKind::slope_distance && !field.is_known(o.to)) o.value -= 0.0175;
+    const NetworkResult named = field.adjust(false), r = field.adjust(true);
+    EXPECT_NE(named.validity, Validity::sound);
+    expect_words(named.common_error, {"32 distances to points that were not known look too short by 1", "reflector"});
+    EXPECT_LT(field.worst(r), 0.004) << seed << r.verdict;
+    EXPECT_TRUE(r.snooping.empty());
+    sound += r.validity == Validity::sound;
+  }
+  EXPECT_GE(sound, 19);
+}
+
+/// A pole with another prism for six sights in the middle of a set-up.
+TEST(CommonErrors, AnotherPrismForARunOfSights) {
+  for (std::uint64_t seed = 60; seed < 70; ++seed) {
+    OnControl field(seed);
+    for (Observation& o : field.network.survey.observations)
+      if (o.kind == ObservationKind::slope_distance && o.set_up == 1 && o.pointing >= 28 && o.pointing < 35)
+        o.value -= 0.0344;
+    const NetworkResult r = field.adjust(true);
+    expect_words(first_warning(r), {"7 distances of set-up S2 from M13 to M24 look too short by 3"});
+    EXPECT_LT(field.worst(r), 0.004) << seed << r.verdict;
+    EXPECT_TRUE(r.snooping.empty());
+  }
+}
+
+/// A circle that was turned stays one.
+TEST(CommonErrors, ATurnedCircleIsNoSecondPrism) {
+  for (std::uint64_t seed = 70; seed < 80; ++seed) {
+    OnControl field(seed);
+    for (Observation& o : field.network.survey.observations)
+      if (o.kind == ObservationKind::direction && o.set_up == 1 && o.pointing >= 30) o.value += 0.0004;
+    const NetworkResult r = field.adjust(true);
+    expect_words(first_warning(r), {"the circle of set-up S2 looks turned"});
+    EXPECT_LT(field.worst(r), 0.004) << seed << r.verdict;
+  }
+}
+
+/// All distances a little too long: where none fails and all together say so, the network was sound, a little high.
+TEST(CommonErrors, WhatExplainsTheReadingsBetterTakesSoundAway) {
+  int one_by_one_sound = 0;
+  for (int step = 0; step < 60; ++step) {
+    OnControl field(80 + step % 10);
+    field.know_stations();
+    for (Observation& o : field.network.survey.observations)
+      if (o.kind == ObservationKind::slope_distance) o.value += 0.001 + 0.0001 * step;
+    const NetworkResult r = field.adjust(false);
+    EXPECT_FALSE(r.validity == Validity::sound && !r.common_error.empty()) << r.verdict << r.common_error;
+    one_by_one_sound += r.verdict.find("of the readings one by one: sound") != std::string::npos;
+  }
+  EXPECT_GE(one_by_one_sound, 1);
+}
+
 }  // namespace test_common_errors
 }  // namespace plumbline::survey

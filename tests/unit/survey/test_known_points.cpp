@@ -1,6 +1,7 @@
 // What was keyed in as known holds, what an instrument computed does not, and the difference is said first.
 #include <gtest/gtest.h>
 
+#include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/files/survey_format.hpp"
 
@@ -123,6 +124,80 @@ TEST(KnownPoints, ControlThatIsASurveyFileTooCountsOnce) {
   for (const Finding& f : twice.findings)
     said = said || f.text.find("have the values of the control (S100, B101)") != std::string::npos;
   EXPECT_TRUE(said);
+}
+
+AdjustOptions without_curvature() {
+  AdjustOptions options;
+  options.curvature = Switch::off;
+  return options;
+}
+
+/// Corners of the facade: the first two held by their file, the others weighted there. The second is `wrong` in height.
+test::SimulatedNetwork held_beside_weighted(double wrong) {
+  auto network = test::simulate({}, 31);
+  for (const size_t i : {size_t{0}, size_t{3}}) network.survey.points[i].roles.fill(CoordinateRole::fixed);
+  network.survey.points[3].coordinates.z() += wrong;
+  for (const size_t i : {size_t{8}, size_t{11}}) {
+    const std::string& id = network.survey.points[i].id;
+    CoordinateGroup g;
+    g.components = {{id, 0}, {id, 1}, {id, 2}};
+    g.values = network.truth[i];
+    g.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+    g.is_control = true;
+    network.survey.coordinates.push_back(g);
+  }
+  return network;
+}
+
+/// The held ones were compared only where no weighted one was.
+TEST(KnownPoints, HeldOnesAreTestedBesideWeightedOnes) {
+  const NetworkResult right = adjust_network(held_beside_weighted(0).survey, without_curvature(), {});
+  EXPECT_EQ(right.known_points.size(), 4U);
+  EXPECT_EQ(right.validity, Validity::sound) << right.verdict;
+  const NetworkResult r = adjust_network(held_beside_weighted(0.004).survey, without_curvature(), {});
+  EXPECT_EQ(r.validity, Validity::doubtful) << r.verdict;
+  EXPECT_FALSE(known(r, "M03").stands());
+  EXPECT_NEAR(known(r, "M03").difference.z(), -0.004, 0.0015);
+}
+
+TEST(KnownPoints, HeldOnesAreTestedAfterRemovals) {
+  auto network = held_beside_weighted(0.004);
+  for (Observation& o : network.survey.observations)
+    if (o.set_up == 1 && o.to == "M11" && o.kind == ObservationKind::slope_distance) o.value += 0.05;
+  AdjustOptions options = without_curvature();
+  options.remove_blunders = true;
+  const NetworkResult r = adjust_network(network.survey, options, {});
+  EXPECT_EQ(std::count_if(r.rows.begin(), r.rows.end(), [](const ResultRow& row) { return row.removed; }), 1);
+  EXPECT_EQ(r.validity, Validity::doubtful) << r.verdict;
+  EXPECT_FALSE(known(r, "M03").stands());
+}
+
+/// The difference is where the point would lie were it not held, over what it would take off v'Pv.
+TEST(KnownPoints, TheDifferenceOfAHeldOneIsThatOfTheNetworkWithoutIt) {
+  auto network = held_beside_weighted(0.004);
+  const NetworkResult held = adjust_network(network.survey, without_curvature(), {});
+  network.survey.points[3].roles.fill(CoordinateRole::free);
+  const NetworkResult freed = adjust_network(network.survey, without_curvature(), {});
+  const Eigen::Vector3d d = freed.point("M03").position - network.survey.points[3].coordinates;
+  EXPECT_LT((known(held, "M03").difference - d).norm(), 1e-6);
+  const Eigen::Vector3d rounded = Eigen::Vector3d::Constant(2 * 0.0005 * 0.0005 / 3);
+  const Eigen::Matrix3d q = freed.covariance(freed.point("M03"), freed.point("M03"));
+  EXPECT_NEAR(known(held, "M03").statistic, d.dot((q + Eigen::Matrix3d(rounded.asDiagonal())).inverse() * d), 1e-2);
+}
+
+/// Above 200 known points nothing was compared.
+TEST(KnownPoints, TwoHundredAndFortyHeldOnesAreTested) {
+  test::SimulationSettings settings;
+  settings.columns = 10, settings.rows = 24, settings.set_ups = 2;
+  auto network = test::simulate(settings, 33);
+  for (size_t i = 0; i < 240; ++i) network.survey.points[i].roles.fill(CoordinateRole::fixed);
+  EXPECT_EQ(adjust_network(network.survey, without_curvature(), {}).validity, Validity::sound);
+  network.survey.points[100].coordinates.z() += 0.008;
+  const NetworkResult r = adjust_network(network.survey, without_curvature(), {});
+  EXPECT_EQ(r.known_points.size(), 240U);
+  EXPECT_EQ(r.known_points.front().id, network.survey.points[100].id);
+  EXPECT_FALSE(r.known_points.front().stands());
+  EXPECT_EQ(r.validity, Validity::doubtful) << r.verdict;
 }
 
 }  // namespace test_known_points
