@@ -186,6 +186,28 @@ std::string CsvTable::dialect() const {
   return "delimiter " + shown + ", decimal separator '" + decimal + "'";
 }
 
+Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& columns) {
+  Thousands result;
+  for (const CsvRow& row : table.rows)
+    for (std::size_t column = 1; column < row.cells.size(); ++column) {  // the first has names
+      if (!table.number(row.cells[column])) continue;
+      const bool asked = std::find(columns.begin(), columns.end(), column) != columns.end();
+      std::string_view digits = row.cells[column].text;
+      if (!digits.empty() && (digits[0] == '-' || digits[0] == '+')) digits.remove_prefix(1);
+      const std::size_t at = digits.find(table.decimal);
+      if (at == std::string_view::npos) {
+        if (!asked || digits.find_first_not_of("0123456789") != digits.npos) continue;
+        if (digits.size() > 3) return {};  // nobody groups here
+        result.integers = true;
+        continue;
+      }
+      // "0,250", "1234,567" and "1,5" are no thousands, whatever column they are in.
+      if (at < 1 || at > 3 || digits.size() != at + 4 || digits[0] == '0') return {};
+      if (asked && result.example.empty()) result.example = row.cells[column].text;
+    }
+  return result;
+}
+
 CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names) {
   CsvTable table;
   table.decoded = decode_text(bytes);

@@ -55,6 +55,14 @@ inline constexpr const char* kDoubtfulRow =
 /// that are not in it are kept as they are. Never throws; a text of no table has no rows or rows of one cell.
 CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names);
 
+/// Numbers of `columns` that are thousands as well as decimals, as "1,000": each number of the table that has the
+/// decimal separator has three digits behind it and one to three before it.
+struct Thousands {
+  std::string example;    ///< one of them; empty: there is none, or another number shows what the separator is
+  bool integers = false;  ///< others have no separator: so are small numbers written that are grouped by thousands
+};
+Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& columns);
+
 /// `text` as a CSV field: quoted where it holds a delimiter or quotes, line ends as blanks. Text that a spreadsheet
 /// would take for a formula (=, +, - or @ in front, but not a number) gets an apostrophe in front, which read_csv takes
 /// off again.

@@ -92,12 +92,17 @@ const std::map<std::string, std::string>& survey_column_names() {
     add("zenith", {"v", "zenith_angle", "vertical_angle", "va", "ze", "zenitwinkel", "zenitdistanz", "zenithdistanz"});
     add("azimuth", {"az"});
     add("slope_distance",
-        {"sd", "s", "slope_dist", "schraegstrecke", "schr\xC3\xA4gstrecke", "schraegdistanz", "schr\xC3\xA4gdistanz"});
-    add("horizontal_distance", {"hd", "horizontal_dist", "horizontalstrecke", "horizontaldistanz"});
+        {"sd", "s", "slope_dist", "schraegstrecke", "schr\xC3\xA4gstrecke", "schraegdistanz", "schr\xC3\xA4gdistanz",
+         "distance_inclinee", "distance_inclin\xC3\xA9\x65", "distancia_inclinada", "distanza_inclinata"});
+    add("horizontal_distance", {"hd", "horizontal_dist", "horizontalstrecke", "horizontaldistanz",
+                                "distance_horizontale", "distancia_horizontal", "distanza_orizzontale"});
     add("height_difference", {"dh"});
-    add("instrument_height", {"ih", "hi", "i_h", "instrumentenhoehe", "instrumentenh\xC3\xB6he"});
-    add("target_height", {"th", "ht", "hr", "reflector_height", "prism_height", "zielhoehe", "zielh\xC3\xB6he",
-                          "reflektorhoehe", "reflektorh\xC3\xB6he", "prismenhoehe", "prismenh\xC3\xB6he"});
+    add("instrument_height", {"ih", "hi", "i_h", "instrumentenhoehe", "instrumentenh\xC3\xB6he", "hauteur_instrument",
+                              "altura_instrumento", "altezza_strumento"});
+    add("target_height",
+        {"th", "ht", "hr", "reflector_height", "prism_height", "zielhoehe", "zielh\xC3\xB6he", "reflektorhoehe",
+         "reflektorh\xC3\xB6he", "prismenhoehe", "prismenh\xC3\xB6he", "stabhoehe", "stabh\xC3\xB6he", "pole_height",
+         "rod_height", "hauteur_prisme", "altura_prisma", "altezza_prisma"});
     add("face", {"lage"});
     add("set", {"satz", "round"});
     add("pointing", {});
@@ -301,6 +306,22 @@ double SurveyColumns::number(const std::string& column) {
   if (value) return *value;
   fail(column, "a number in column " + column + " (" + table_.dialect() + ")");
   return kNotGiven;
+}
+
+void SurveyColumns::refuse_thousands() const {
+  std::vector<std::size_t> places;
+  for (const char* name : {"e", "n", "h", "slope_distance", "horizontal_distance"})
+    if (const auto at = columns_.find(name); at != columns_.end()) places.push_back(at->second.index);
+  const text::Thousands found = text::thousands_of(table_, places);
+  if (found.example.empty()) return;
+  const std::string read = std::string("'") + table_.decimal + "'";
+  if (found.integers)
+    throw SurveyReadError(builder_.at(table_.header_line, 1),
+                          "numbers such as " + text::quoted(found.example) + " beside whole ones, so that " + read +
+                              " may separate decimals or thousands",
+                          "decimals in all of them, or no separator of thousands");
+  builder_.warn("numbers such as " + text::quoted(found.example) + " are read with " + read +
+                " as the decimal separator, not as thousands: nothing in the table tells");
 }
 
 int SurveyColumns::integer(const std::string& column, int otherwise) {

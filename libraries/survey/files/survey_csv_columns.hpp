@@ -54,6 +54,8 @@ class SurveyColumns {
   Eigen::Matrix3d covariance();
 
   void fail(const std::string& column, const std::string& expected);
+  /// Lengths and coordinates such as "1,000", of which nothing tells whether they are 1 or 1000.
+  void refuse_thousands() const;
 
  private:
   struct Column {

@@ -82,6 +82,7 @@ SurveyObservations TableReader::read() {
   if (!records && !sightings && !points)
     throw SurveyReadError(builder_.at(table_.header_line, 1), found_nothing(),
                           std::string(kTables) + ", or " + understood_formats());
+  if (!records) columns_.refuse_thousands();
   if (sightings && !records) check_sightings(table_, columns_, builder_);
   if (sightings && !records && !columns_.untold().empty()) tell_unit_of_angles();
   for (const text::CsvRow& row : table_.rows) {

@@ -28,6 +28,29 @@ void refuse_doubtful_names(const text::CsvTable& table, const SurveyColumns& col
            "directions of the circle (hz): those that are oriented already are directions, too");
 }
 
+/// In a table of sightings these words are readings or heights, and do not say which.
+void refuse_readings_of_no_name(const text::CsvTable& table, const SurveyColumns& columns,
+                                const SurveyBuilder& builder) {
+  static const std::map<std::string, std::string> kWords = {
+      {"strecke", "distance"},     {"distanz", "distance"},       {"entfernung", "distance"}, {"distance", "distance"},
+      {"dist", "distance"},        {"distancia", "distance"},     {"distanza", "distance"},   {"winkel", "angle"},
+      {"angle", "angle"},          {"angulo", "angle"},           {"\xC3\xA1ngulo", "angle"}, {"angolo", "angle"},
+      {"vertikalwinkel", "angle"}, {"horizontalwinkel", "angle"}, {"hauteur", "height"},      {"altezza", "height"}};
+  const bool distance = columns.has("slope_distance") || columns.has("horizontal_distance");
+  const bool angles = columns.has("direction") && columns.has("zenith");
+  for (const text::CsvHeaderCell& cell : table.header) {
+    const auto word = kWords.find(cell.name);
+    if (word == kWords.end()) continue;
+    const std::string& what = word->second;
+    if (what == "distance" ? distance : what == "angle" ? angles : columns.has("target_height")) continue;
+    refuse(table, builder, "the column " + text::quoted(cell.written) + " in a table of sightings",
+           what == "distance" ? "a name that says which: slope_distance (Schr\xC3\xA4gstrecke) or horizontal_distance "
+                                "(Horizontalstrecke)"
+           : what == "angle"  ? "a name that says which: hz (Richtung) or v (Zenitwinkel)"
+                              : "a name that says which: target_height or instrument_height");
+  }
+}
+
 void name_unused(const SurveyColumns& columns, SurveyBuilder& builder) {
   static const std::set<std::string> kUsed = {
       "station", "target", "set_up", "direction", "zenith", "slope_distance", "horizontal_distance",
@@ -54,12 +77,13 @@ bool rises_with_heights(const SurveyColumns& columns) {
 
 /// An empty cell means 0 m, or "as above"; which of the two makes 1.5 m. The height of an instrument is its set-up's,
 /// so that its first row is enough, whatever that reads, unless other rows of it have another one.
-void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, const SurveyBuilder& builder,
-                 const std::string& column, bool first_of_set_up) {
+void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, SurveyBuilder& builder, const std::string& column,
+                 bool first_of_set_up) {
   struct SetUpHeights {
     bool in_first_row = false;
     std::set<std::string> written;
   };
+  if (!columns.has(column)) return;
   std::map<std::string, SetUpHeights> set_ups;
   const text::CsvRow* first = nullptr;
   std::string of;
@@ -76,7 +100,10 @@ void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, const Surv
     if (first_of_set_up && set_up.in_first_row && set_up.written.size() == 1) continue;
     if (gaps++ == 0) first = &row, of = first_of_set_up ? station : columns.text("target");
   }
-  if (gaps == 0 || filled == 0) return;
+  if (gaps == 0) return;
+  if (filled == 0)
+    return builder.warn("the column " + text::quoted(columns.written(column)) +
+                        " is empty in all rows: heights of 0 m " + "are assumed; fill it where they were not");
   throw SurveyReadError(builder.at(first->line, 1),
                         "no " + text::quoted(columns.written(column)) + (first_of_set_up ? " at " : " of ") +
                             text::quoted(of) + (gaps > 1 ? " and " + std::to_string(gaps - 1) + " more" : "") +
@@ -90,6 +117,7 @@ void refuse_gaps(const text::CsvTable& table, SurveyColumns& columns, const Surv
 
 void check_sightings(const text::CsvTable& table, SurveyColumns& columns, SurveyBuilder& builder) {
   refuse_doubtful_names(table, columns, builder);
+  refuse_readings_of_no_name(table, columns, builder);
   name_unused(columns, builder);
   refuse_gaps(table, columns, builder, "target_height", false);
   refuse_gaps(table, columns, builder, "instrument_height", true);

@@ -105,7 +105,38 @@ TEST(SurveyCsv, AHeightThatOtherRowsHaveIsNotZero) {
   // The first row of a set-up says it for all; a direction alone has no height; a column that is empty is none.
   EXPECT_DOUBLE_EQ(read(head + "S1,A,0,100,10,1.55,0\nS1,B,10,100,10,,0\n").set_ups[0].instrument_height, 1.55);
   EXPECT_EQ(read(head + "S1,A,0,100,10,1.55,1.5\nS1,B,10,,,,\n").observations.size(), 4u);
-  EXPECT_EQ(read(head + "S1,A,0,100,10,,\nS1,B,10,100,10,,\n").observations.size(), 6u);
+  const auto empty = read(head + "S1,A,0,100,10,0,\nS1,B,10,100,10,0,\n");
+  EXPECT_EQ(empty.observations.size(), 6u);
+  ASSERT_EQ(empty.warnings.size(), 1u) << "said, for 0 m is an assumption";
+  EXPECT_EQ(empty.warnings[0],
+            "the column 'th' is empty in all rows: heights of 0 m are assumed; fill it where they were not");
+}
+
+// A word of a distance that does not say which was left out with a warning, and the job went on with angles alone.
+TEST(SurveyCsv, ReadingsUnderNamesThatDoNotSayWhichAreRefused) {
+  const auto read = [](const std::string& text) { return read_survey_csv(text, "s.csv"); };
+  const std::string error =
+      error_of([&] { read("Standpunkt;Zielpunkt;Hz [gon];V [gon];Strecke\nS1;A;0,0000;100,0000;12,3456\n"); });
+  EXPECT_NE(error.find("'strecke' in a table of sightings"), std::string::npos) << error;
+  EXPECT_NE(error.find("slope_distance"), std::string::npos) << error;
+  EXPECT_NO_THROW(read("station,target,hz [gon],v [gon],sd,distance\nS1,A,0,100,10.01,10\n"));
+  EXPECT_EQ(read("station,target,hz [gon],v [gon],distancia inclinada,pole height\nS1,A,0,100,10.01,1.5\n")
+                .observations[2]
+                .target_height,
+            1.5);
+}
+
+// Thousands with a comma beside whole numbers: 1,000 was a metre.
+TEST(SurveyCsv, ThousandsAreNotTakenForDecimals) {
+  const auto read = [](const std::string& text) { return read_survey_csv(text, "p.csv"); };
+  const std::string error = error_of([&] { read("id;E;N;H\nK1;1,000;2,000;100\nK2;1,060;2,005;101\n"); });
+  EXPECT_NE(error.find("decimals or thousands"), std::string::npos) << error;
+  EXPECT_EQ(point(read("id;E;N;H\nK1;1,000;2,000;100,5\n"), "K1").coordinates, Eigen::Vector3d(1, 2, 100.5));
+  EXPECT_EQ(point(read("id;E;N;H\nK1;1,000;2,000;0,250\n"), "K1").coordinates, Eigen::Vector3d(1, 2, 0.25));
+  EXPECT_TRUE(read("id;E;N;H\nK1;1,000;2,000;0,250\n").warnings.empty());
+  const auto untold = read("id;E;N;H\nK1;1,000;2,000;3,000\n");
+  ASSERT_EQ(untold.warnings.size(), 1u);
+  EXPECT_NE(untold.warnings[0].find("'1,000' are read with ',' as the decimal separator"), std::string::npos);
 }
 
 // Gauss-Krueger: Y is the easting. Read the other way round, two control points and a total station stay "sound".
