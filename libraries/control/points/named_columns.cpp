@@ -39,6 +39,8 @@ class NamedColumns {
   void take_axes();
   void require_places() const;
   void require_units() const;
+  void refuse_thousands();
+  void tell_feet();
   void rename(const std::string& from, const std::string& to);
   bool has(const std::string& name) const { return columns_.count(name) > 0; }
   std::string cell(const CsvRow& row, const std::string& name) const;
@@ -74,7 +76,6 @@ void NamedColumns::take_column(std::size_t index, const text::CsvHeaderCell& cel
     fail_header("two columns say the same: " + text::quoted(at->second.written) + " and " + text::quoted(cell.written) +
                 "; expected one" + (name == "id" ? ": rename that which is not the point's name" : ""));
   }
-  if (cell.unit == "ft" && length) result_.notes.push_back("'" + cell.written + "' is taken in feet of 0.3048 m");
 }
 
 void NamedColumns::take_columns() {
@@ -256,12 +257,45 @@ void NamedColumns::require_units() const {
                   "' has no unit and the coordinates are not in metres; say it, as in sigma_mm");
 }
 
+/// "1,000" is a metre or a kilometre; which of the two the other numbers may say.
+void NamedColumns::refuse_thousands() {
+  std::vector<std::size_t> places;
+  for (const char* name : {"e", "n", "h"})
+    if (has(name)) places.push_back(columns_.at(name).index);
+  const text::Thousands found = text::thousands_of(table_, places);
+  if (found.example.empty()) return;
+  if (found.integers)
+    fail_header("found coordinates such as '" + found.example + "' beside whole numbers: '" + table_.decimal +
+                "' may separate decimals or thousands; expected decimals in all of them, or no separator of thousands");
+  result_.warnings.push_back("coordinates such as '" + found.example + "' are read with '" + table_.decimal +
+                             "' as the decimal separator, not as thousands: nothing in the table tells");
+}
+
+/// Two feet differ by 2 ppm, of coordinates of a map by metres.
+void NamedColumns::tell_feet() {
+  constexpr double kDifference = 1200.0 / 3937.0 / 0.3048 - 1, kLeast = 0.001;  // [m]
+  for (const char* name : {"e", "n", "h"}) {
+    if (!has(name) || columns_.at(name).unit != 0.3048) continue;
+    double largest = 0;
+    for (const CsvRow& row : table_.rows)
+      if (const double value = number(row, name); std::isfinite(value)) largest = std::max(largest, std::abs(value));
+    std::string text = "'" + columns_.at(name).written + "' is taken in feet of 0.3048 m";
+    if (largest * kDifference > kLeast)
+      text += "; in US survey feet, as maps of the USA have them, the points lie " +
+              text::format_fixed(largest * kDifference, largest * kDifference > 0.1 ? 1 : 3) +
+              " m elsewhere: name the column " + columns_.at(name).written + "_usft then";
+    result_.notes.push_back(text);
+  }
+}
+
 ControlTable NamedColumns::read() {
   take_columns();
   take_axes();
   require_places();
   require_units();
   if (table_.rows.empty()) fail_header("found a header and no row under it");
+  refuse_thousands();
+  tell_feet();
   for (const auto& [name, column] : columns_)
     if (name.starts_with("sigma") || name.starts_with("cov_"))
       result_.sigmas_say_unit = result_.sigmas_say_unit || column.says_unit;

@@ -72,12 +72,20 @@ std::vector<EpochReading> readings_of(const SurveyObservations& survey) {
   return out;
 }
 
+std::optional<std::pair<size_t, size_t>> find_one_measurement(std::vector<std::vector<EpochReading>> epochs) {
+  std::map<std::vector<EpochReading>, size_t> known;
+  for (size_t k = 0; k < epochs.size(); ++k) {
+    std::erase_if(epochs[k], [](const EpochReading& r) { return r.value == 0; });  // of a circle that was set to it
+    if (epochs[k].size() < kFewestReadings) continue;
+    std::sort(epochs[k].begin(), epochs[k].end());
+    const auto [at, is_new] = known.try_emplace(std::move(epochs[k]), k);
+    if (!is_new) return std::pair{at->second, k};
+  }
+  return std::nullopt;
+}
+
 bool are_one_measurement(std::vector<EpochReading> first, std::vector<EpochReading> second) {
-  const auto is_zero = [](const EpochReading& r) { return r.value == 0; };  // of a circle that was set to it
-  std::erase_if(first, is_zero), std::erase_if(second, is_zero);
-  if (first.size() != second.size() || first.size() < kFewestReadings) return false;
-  std::sort(first.begin(), first.end()), std::sort(second.begin(), second.end());
-  return first == second;
+  return find_one_measurement({std::move(first), std::move(second)}).has_value();
 }
 
 std::string one_measurement_in_words(const std::string& first, const std::string& second) {

@@ -3,7 +3,9 @@
 // not said of it.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "survey/model/survey_observations.hpp"
@@ -31,6 +33,8 @@ std::vector<EpochReading> readings_of(const SurveyObservations& survey);
 
 /// Both have the same readings to the last digit, and enough of them that this is no chance: one measurement, no two.
 bool are_one_measurement(std::vector<EpochReading> first, std::vector<EpochReading> second);
+/// The first two of many that are, earlier one first: each epoch is put in order once, not held against all others.
+std::optional<std::pair<size_t, size_t>> find_one_measurement(std::vector<std::vector<EpochReading>> epochs);
 /// What is said of two such epochs.
 std::string one_measurement_in_words(const std::string& first, const std::string& second);
 

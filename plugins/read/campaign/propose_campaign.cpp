@@ -12,6 +12,8 @@
 #include "base/text/text.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
+#include "survey/files/survey_format.hpp"
+#include "survey/model/repeated_readings.hpp"
 #include "unused_files.hpp"
 
 namespace plumbline::campaign {
@@ -88,6 +90,7 @@ class Sorter {
         survey_.push_back(file);
       else
         sort(file);
+    take_out_repeated_files();
   }
 
   Proposal propose() {
@@ -106,6 +109,8 @@ class Sorter {
       lack("survey", "survey/*.gsi", "no file with readings of a total station was found");
     else
       add("survey", listed(survey_), "readings of the total station");
+    if (!repeated_.empty())
+      proposal_.yaml += "# not proposed: " + listed(repeated_) + "   # its readings stand in a file of survey, too\n";
     if (!control_.empty()) add("control", one_of("control", control_), "known points that carry the datum");
     if (designs_.empty())
       lack("design", "design.ifc", "no IFC file was found");
@@ -194,6 +199,30 @@ class Sorter {
     } catch (const std::runtime_error&) {
       return false;
     }
+  }
+
+  /// A job and the table that was exported of it hold the same readings: one of them is proposed, and the pair told.
+  void take_out_repeated_files() {
+    std::vector<survey::SurveyObservations> surveys;
+    std::set<std::string> before, after;
+    for (const std::string& file : survey_) {
+      std::error_code error;
+      if (fs::file_size(root_ / file, error) > kLargestText || error) continue;
+      try {
+        surveys.push_back(survey::read_survey(text_of(root_ / file), file));
+      } catch (const std::runtime_error&) {  // of another plugin's reader, or the check tells what is wrong
+        continue;
+      }
+      surveys.back().files = {file};
+      before.insert(file);
+    }
+    if (surveys.size() < 2) return;
+    const std::vector<std::string> sentences = survey::take_out_repeated_readings(surveys);
+    for (const survey::SurveyObservations& s : surveys) after.insert(s.files.begin(), s.files.end());
+    for (const std::string& sentence : sentences) proposal_.wrong.push_back("survey: " + sentence);
+    std::erase_if(survey_, [&](const std::string& file) { return before.contains(file) && !after.contains(file); });
+    for (const std::string& file : before)
+      if (!after.contains(file)) repeated_.push_back(file);
   }
 
   void attempt(const std::function<void()>& action) {
@@ -370,7 +399,8 @@ class Sorter {
   std::vector<Group> groups_;
   std::vector<CameraFile> cameras_;
   Names plates_, observations_, survey_, control_, designs_, office_;
-  Names broken_;  // photographs that cannot be read
+  Names broken_;    // photographs that cannot be read
+  Names repeated_;  // files whose readings another one has
 };
 
 }  // namespace

@@ -56,10 +56,9 @@ std::string name_of(const SurveyObservations& survey, size_t number) {
 void require_own_readings(const std::vector<SurveyObservations>& surveys) {
   std::vector<std::vector<EpochReading>> readings;
   for (const SurveyObservations& survey : surveys) readings.push_back(readings_of(survey));
-  for (size_t k = 1; k < surveys.size(); ++k)
-    for (size_t j = 0; j < k; ++j)
-      if (readings[j].size() == readings[k].size() && are_one_measurement(readings[j], readings[k]))
-        throw std::runtime_error(one_measurement_in_words(name_of(surveys[j], j), name_of(surveys[k], k)));
+  if (const auto same = find_one_measurement(std::move(readings)))
+    throw std::runtime_error(one_measurement_in_words(name_of(surveys[same->first], same->first),
+                                                      name_of(surveys[same->second], same->second)));
 }
 
 /// Marks of an adjusted network with their joint covariance; a station that stands elsewhere every time is none.

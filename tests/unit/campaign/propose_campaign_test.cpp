@@ -52,6 +52,32 @@ TEST_F(Folder, RecognisesWhatLiesThere) {
   EXPECT_EQ(p.yaml.find("Protokoll"), std::string::npos);
 }
 
+/// The job and the table that was exported of it, rounded to 0.1 mgon and 0.1 mm: both were proposed, and counted
+/// twice.
+TEST_F(Folder, ProposesOneOfTwoFilesWithTheSameReadings) {
+  std::string job = "*410001+0000000000000021 42....+00000000000000S1 43....+0000000000000000 \n",
+              table = "station,target,hz [gon],v [gon],sd [m]\n";
+  const int hz[] = {3993547, 9649663, 3090131, 35398203}, v[] = {10381449, 10077209, 9807138, 10362462},
+            sd[] = {2504538, 4123322, 4951908, 4393461};
+  for (int i = 0; i < 4; ++i) {
+    char line[160];
+    std::snprintf(line, sizeof line, "*11%04d+00000000000000K%d 21.322+%016d 22.322+%016d 31..08+%016d \n", i + 2,
+                  i + 1, hz[i], v[i], sd[i]);
+    job += line;
+    std::snprintf(line, sizeof line, "S1,K%d,%.4f,%.4f,%.4f\n", i + 1, hz[i] / 1e5, v[i] / 1e5, sd[i] / 1e5);
+    table += line;
+  }
+  write("job.gsi", job);
+  write("job.csv", table);
+  const Proposal p = propose();
+  EXPECT_NE(p.yaml.find("survey: job.gsi   #"), std::string::npos) << p.yaml;
+  EXPECT_NE(p.yaml.find("# not proposed: job.csv"), std::string::npos) << p.yaml;
+  ASSERT_FALSE(p.wrong.empty());
+  EXPECT_TRUE(std::any_of(p.wrong.begin(), p.wrong.end(), [](const std::string& text) {
+    return text.find("job.csv") != std::string::npos && text.find("job.gsi") != std::string::npos;
+  }));
+}
+
 /// Header and end of a PNG of 60 x 40 pixels: all that is read of a photograph here.
 const std::string photograph(
     "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x3c\x00\x00\x00\x28\x08\x00\x00\x00"

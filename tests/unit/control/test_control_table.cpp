@@ -45,6 +45,24 @@ TEST(ControlFiles, ReadCsvAndGcpLists) {
               HasSubstr("c.csv:3: found no name"));
 }
 
+TEST(ControlFiles, ThousandsAreNotTakenForDecimals) {
+  EXPECT_THAT(message_of([] { points_of("id;E;N;H;sigma_mm\nK1;1,000;2,000;100;1\nK2;1,060;2,005;101;1\n", "c.csv"); }),
+              HasSubstr("'1,000' beside whole numbers: ',' may separate decimals or thousands"));
+  EXPECT_THAT(message_of([] { points_of("id;E;N;H\nK1;1.000;2.000;100\n", "c.csv"); }), HasSubstr("thousands"));
+  EXPECT_DOUBLE_EQ(points_of("id;E;N;H\nK1;1,000;2,000;100,5\n", "c.csv")[0].position.x(), 1);
+  const auto untold = control::parse_control("id;E;N;H\nK1;1,000;2,000;3,000\n", "c.csv");
+  ASSERT_EQ(untold.warnings.size(), 1u);
+  EXPECT_THAT(untold.warnings[0], HasSubstr("not as thousands: nothing in the table tells"));
+}
+
+/// A map of the USA counts in survey feet: read in feet of 0.3048 m its points lay 3.9 m elsewhere.
+TEST(ControlFiles, FeetThatMayBeSurveyFeetAreTold) {
+  const auto notes = [](const std::string& text) { return control::parse_control(text, "c.csv").notes; };
+  EXPECT_THAT(notes("id,E_ft,N_ft\nK1,6416621.6725,2004913.1254\n"),
+              testing::Contains(HasSubstr("in US survey feet, as maps of the USA have them, the points lie 3.9 m")));
+  EXPECT_THAT(notes("id,E_ft,N_ft\nK1,100.5,200.5\n"), testing::Each(testing::Not(HasSubstr("survey"))));
+}
+
 TEST(ControlFiles, TellHowTheAxesWereTaken) {
   const auto axes = [](const std::string& text) { return control::parse_control(text, "c.csv").axes; };
   EXPECT_EQ(axes("name,east,north,height\nA,1,2,3\n"), "");
