@@ -20,7 +20,8 @@ env -u PLUMBLINE_PLUGIN_PATH root/usr/bin/plumbline run full_height floors=1 --o
 [[ -s out/as_built.ifc && -s out/report.html ]]
 if grep -q "\"$build/lib/plumbline" out/run.jsonl; then echo "plugins of the build folder were taken" >&2; exit 1; fi
 zcat root/usr/share/man/man1/plumbline.1.gz | grep 'plumbline' > /dev/null
-[[ -f root/usr/share/bash-completion/completions/plumbline && -f root/usr/lib/cmake/Plumbline/PlumblineConfig.cmake ]]
+[[ -f root/usr/share/bash-completion/completions/plumbline && -f root/usr/share/zsh/vendor-completions/_plumbline && -f root/usr/share/fish/vendor_completions.d/plumbline.fish ]]
+[[ -f root/usr/lib/cmake/Plumbline/PlumblineConfig.cmake ]]
 [[ -n "${PLUMBLINE_LONG:-}" ]] || exit 0
 
 debootstrap --variant=minbase "$(. /etc/os-release && echo "$VERSION_CODENAME")" bare >/dev/null
