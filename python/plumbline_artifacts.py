@@ -217,7 +217,7 @@ class Schema:
                 held = self._objects[field.index]
                 builder.PrependStructSlot(field.number, self._put(builder, held.align, _struct(self.dtype(held), value)), 0)
             else:
-                raw = np.array(self._number_of(thing, field, value), _SCALARS[field.base]).tobytes()
+                raw = _kept(self._number_of(thing, field, value), np.dtype(_SCALARS[field.base]), field.name).tobytes()
                 self._put(builder, len(raw), raw)
                 builder.Slot(field.number)
         return builder.EndObject()
@@ -250,7 +250,7 @@ class Schema:
         if field.element == _OBJECT and not (isinstance(value, np.ndarray) and value.dtype == form):
             items = b"".join(_struct(form, item) for item in value)
         else:
-            items = np.ascontiguousarray(value, form).tobytes()
+            items = np.ascontiguousarray(_kept(value, form, field.name)).tobytes()
         align = self._objects[field.index].align if field.element == _OBJECT else form.itemsize
         builder.StartVector(form.itemsize, len(items) // form.itemsize, align)
         builder.head = builder.Head() - len(items)
@@ -273,13 +273,31 @@ def _numbers(value):
             yield item
 
 
+def _kept(value, form, name):
+    """The numbers in the form of their field. What numpy would wrap, cut or take for true is refused: 300 or 65.9 in a byte, "False"."""
+    given = np.asarray(value)
+    if given.dtype.kind not in "biuf":
+        raise ValueError(f"'{name}' takes numbers of the form {form.name}; found {value!r:.60}")
+    with np.errstate(all="ignore"):
+        kept = given.astype(form)
+    good = np.isfinite(kept) | ~np.isfinite(given) if form.kind == "f" else kept == given
+    if not good.all():
+        raise ValueError(f"'{name}' takes numbers of the form {form.name}, which cannot hold {given[~good].flat[0]!r}; "
+                         "round it, or clip it, before it is written")
+    return kept
+
+
 def _struct(form, value):
     """One struct as bytes, from numbers in the order of its fields, nested or flat."""
     numbers = list(_numbers(value))
     left = iter(numbers)
 
     def fill(kind):
-        return tuple(fill(kind[name]) if kind[name].names else next(left) for name in kind.names)
+        return tuple(fill(kind[name]) if kind[name].names else leaf(kind[name], name) for name in kind.names)
+
+    def leaf(kind, name):
+        number = next(left)
+        return number if kind == np.float64 else _kept(number, kind, name).item()
 
     try:
         filled = fill(form)

@@ -59,7 +59,8 @@ class NotUsable(UserWarning):
 
 
 class Node:
-    """What a run tells of a node: name, kind, status, seconds, metrics by name, warnings, and its outputs' types by port."""
+    """What a run tells of a node: name, kind, round (0 of a pipeline without), status, seconds, metrics by name, warnings, messages,
+    and its outputs' types by port."""
 
     def __init__(self, record):
         self.record = record
@@ -67,7 +68,8 @@ class Node:
         self.at, self.error = record.get("at", ""), record.get("error", "")
         self.seconds = record.get("seconds", 0.0)
         self.metrics = {m["name"]: m["value"] for m in record.get("metrics", [])}
-        self.warnings = record.get("warnings", [])
+        self.round = record.get("round", 0)
+        self.warnings, self.messages = record.get("warnings", []), record.get("messages", [])
         self.types = record.get("types", {})
 
     def __repr__(self):
@@ -75,12 +77,13 @@ class Node:
 
 
 class Run:
-    """A run that was made, or one that lies on the disk: Run("out/site_campaign")."""
+    """A run that was made, or one that lies on the disk: Run("out/site_campaign"). Of a node that ran in rounds `nodes` has the last;
+    the others are in `earlier`."""
 
     def __init__(self, folder, store=None):
         self.folder = pathlib.Path(folder)
         self.store = store
-        self.nodes, self.outputs, self.usable = OrderedDict(), {}, True
+        self.nodes, self.earlier, self.outputs = OrderedDict(), [], {}
         self.status, self.unfinished = "not ended", False
         if not (self.folder / "run.jsonl").is_file():
             raise UsageError(f"there is no run in {self.folder}: give the output folder of a run, which holds a run.jsonl")
@@ -90,17 +93,22 @@ class Run:
                     self._take(json.loads(line))
                 except json.JSONDecodeError:  # cut off by a crash
                     continue
+        if self.usable is None:  # the program that wrote it did not say so, or did not come to its end
+            self.usable = not self.unfinished and not any((n.metrics.get("invalid") or 0) > 0 for n in self.nodes.values())
+
+    usable = None
 
     def _take(self, event):
         what = event.get("event")
         if what == "node":
             node = Node(event)
+            if node.name in self.nodes:
+                self.earlier.append(self.nodes[node.name])
             self.nodes[node.name] = node
-            self.usable = self.usable and not node.metrics.get("invalid", 0) > 0
         elif what == "run_end":
             self.status = event.get("status", "")
             self.unfinished = not event.get("rounds", {}).get("finished", True)
-            self.usable = self.usable and event.get("usable", not self.unfinished)
+            self.usable = event.get("usable")
             for name in self._names(event.get("outputs", [])):
                 if (self.folder / name).exists():
                     self.outputs[name] = self.folder / name
@@ -113,8 +121,17 @@ class Run:
 
     @property
     def warnings(self):
-        """All warnings, as (node, text)."""
-        return [(node.name, text) for node in self.nodes.values() for text in node.warnings]
+        """All warnings, as (node, text); of a round before the last as ("node@1", text)."""
+        return self._told("warnings")
+
+    @property
+    def messages(self):
+        """What nodes say that is no warning, such as whom a search left out; as `warnings`."""
+        return self._told("messages")
+
+    def _told(self, what):
+        return [(name, text) for name, node in [(f"{n.name}@{n.round}", n) for n in self.earlier] + list(self.nodes.items())
+                for text in getattr(node, what)]
 
     def artifact(self, port):
         """The artifact of "node.port" as a dict; lists of numbers are numpy arrays. A list of artifacts is a list."""
@@ -227,8 +244,19 @@ def _text(value):
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
-        return "[" + ", ".join(_text(v) for v in value) + "]"
+        return "[" + ", ".join(_item(v) for v in value) + "]"
     return str(value)
+
+
+def _item(value):
+    """One of a list: what the program would take apart or strip stands in quotes."""
+    text = _text(value)
+    if not isinstance(value, str) or text and text == text.strip(" ") and not set(text) & set(",'\""):
+        return text
+    quote = next((mark for mark in "\"'" if mark not in text), None)
+    if quote is None:
+        raise UsageError(f"an item of a list cannot have both kinds of quotes in it: {text}")
+    return quote + text + quote
 
 
 def _output(words, store=None):

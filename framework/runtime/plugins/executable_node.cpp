@@ -113,6 +113,8 @@ class Exchange {
     if (!fs::exists(fs::symlink_status(file))) return "";
     if (!fs::is_regular_file(fs::symlink_status(file))) return "its metrics.json is no plain file";
     const Json metrics = Json::parse(content_of(file), nullptr, false);
+    if (metrics.is_discarded())
+      return "its metrics.json is no JSON, which has no NaN and no Infinity: write null for a number that is not known";
     if (!metrics.is_object()) return "its metrics.json is no map {\"NAME\": [VALUE, \"UNIT\"], ...}";
     for (const auto& [name, metric] : metrics.items()) {
       const bool pair = metric.is_array() && metric.size() == 2 && metric[1].is_string();

@@ -73,6 +73,25 @@ class Artifacts(unittest.TestCase):
         self.assertEqual(len(tags.tags[0].corner_covariances), 0)
         self.assertEqual((tags.sha256, tags.camera), ("", ""))
 
+    def test_numbers_that_a_field_cannot_hold_are_refused(self):
+        tags = {"path": "a.jpg", "width": 100, "height": 50, "tags": [{"family": "tag36h11", "id": 7, "corners": [(1, 2)] * 4}]}
+        for change in ({"width": 6000.9}, {"width": 2 ** 40}, {"width": 2 ** 80}, {"width": float("nan")}, {"width": "100"},
+                       {"tags": [dict(tags["tags"][0], id=12.9)]}, {"tags": [dict(tags["tags"][0], decision_margin="high")]}):
+            with self.assertRaisesRegex(ValueError, "takes numbers of the form", msg=str(change)):
+                schema("image_tags").write(dict(tags, **change))
+        for content in ([300], [-1], [65.9], np.array([1.5]), ["1"]):
+            with self.assertRaisesRegex(ValueError, "'content' takes numbers of the form uint8", msg=str(content)):
+                schema("file").write({"name": "x", "media_type": "t", "content": content})
+        with self.assertRaisesRegex(ValueError, "'refined' takes numbers of the form bool; found 'False'"):
+            schema("image_tags").write(dict(tags, tags=[dict(tags["tags"][0], refined="False")]))
+        # What they can hold is kept as it is, whatever its own form.
+        kept = schema("file").write({"name": "x", "media_type": "t", "content": np.array([255.0, 0])})
+        self.assertEqual(list(schema("file").read(kept).content), [255, 0])
+        kept = schema("image_tags").read(schema("image_tags").write(dict(tags, width=np.float32(6000), height=True)))
+        self.assertEqual((kept.width, kept.height), (6000, 1))
+        unknown = {"points": [{"id": "a", "position": (1, 2, float("nan")), "sigma": (0, 0, 0)}], "covariance": [float("nan")]}
+        self.assertTrue(np.isnan(schema("points").read(schema("points").write(unknown)).covariance[0]))
+
     def test_flatc_reads_what_it_wrote(self):
         values = {"path": "a.jpg", "width": 100, "height": 50, "tags": [
             {"family": "tag36h11", "id": 7, "corners": [(1, 2), (3, 2), (3, 0.5), (1, 0.5)], "corner_covariances": np.arange(12.0),

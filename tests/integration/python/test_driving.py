@@ -53,6 +53,32 @@ class Driving(unittest.TestCase):
         crate = subprocess.run([PROGRAM, "export", "r", "--format", "ro-crate"], capture_output=True, text=True, check=True).stdout
         self.assertIn(": ok, but not to be used as it is", crate)
 
+    def test_of_rounds_the_last_counts_and_all_are_told(self):
+        table = "name,E,N,H,sigma\n" + "".join(f"P{i},{3 * i},{i * i % 7},{i % 3},0.001\n" for i in range(9))
+        pathlib.Path("control.csv").write_text(table)
+        pathlib.Path("measured.csv").write_text(table.replace("P4,12,2,1", "P4,12.05,2,1"))
+        run = plumbline.run("outlier_search", out="r", points="measured.csv", control="control.csv")
+        self.assertEqual((run.nodes["search"].round, run.nodes["search"].metrics["left_out"]), (2, 0))
+        self.assertEqual([(n.name, n.round, n.metrics["left_out"]) for n in run.earlier if n.name == "search"], [("search", 1, 1)])
+        self.assertRegex(str(run.messages), r"\('search@1', 'left out: P4")
+        # An invalid result of an earlier round is none of the run, and where the record says whether it is usable, that holds.
+        record = pathlib.Path("r/run.jsonl")
+        lines = record.read_text().splitlines()
+        said = [line.replace('"metrics":[', '"metrics":[{"name":"invalid","value":1,"unit":"1"},') if '"name":"search"' in line and '"round":1' in line else line for line in lines]
+        self.assertNotEqual(lines, said)
+        for end in (said[-1], said[-1].replace('"usable":true,', "")):
+            record.write_text("\n".join(said[:-1] + [end]) + "\n")
+            self.assertTrue(plumbline.Run("r").usable, end)
+        record.write_text("\n".join(said[:-1] + [said[-1].replace('"usable":true', '"usable":false')]) + "\n")
+        self.assertFalse(plumbline.Run("r").usable)
+
+    def test_items_of_a_list_stay_what_they_are(self):
+        self.assertEqual(plumbline._text(["a, b", "c", 'he said "x"', "it's", " blank", ""]),
+                         """["a, b", c, 'he said "x"', "it's", " blank", ""]""")
+        self.assertEqual(plumbline._text([1, 2.5, True, None]), "[1, 2.5, true, ~]")
+        with self.assertRaisesRegex(plumbline.UsageError, "both kinds of quotes"):
+            plumbline._text(["it's \"x\""])
+
     def test_what_is_not_there_is_told_by_its_name(self):
         with self.assertRaisesRegex(plumbline.UsageError, "there is no run in nowhere: give the output folder"):
             plumbline.Run("nowhere")
