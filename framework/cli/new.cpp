@@ -116,7 +116,8 @@ int new_node(const Options& options) {
   std::vector<std::vector<std::string>> rows = {
       {"  " + (folder / "check").string(),
        compiled ? "builds it, tests it and runs it in a pipeline" : "runs it in a pipeline"},
-      {"  " + (folder / (options.name + (compiled ? ".cpp" : ".py"))).string(), "is where your own goes"}};
+      {"  " + (folder / (compiled ? options.name + ".cpp" : "own_" + options.name + ".py")).string(),
+       "is where your own goes"}};
   std::printf("%s", columns(rows).c_str());
   if (compiled && !installed)
     std::printf(

@@ -1,10 +1,10 @@
 // evaluate.@name@: one number that a bench can measure. A bench file names it as NODE.METRIC: measure: {error:
 // own.median_z}.
-#include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "artifacts/points.hpp"
+#include "geometry/median.hpp"
 #include "plumbline/node.hpp"
 
 using namespace plumbline;
@@ -34,10 +34,9 @@ struct Metric : Node {
     if (errors.empty())
       throw std::runtime_error("none of the points of 'model' has the role '" + *role +
                                "' and stands in 'truth'; choose another 'role'");
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    context.metric("median_z", *middle, "m");
-    context.info("median error of " + std::to_string(errors.size()) + " heights: " + std::to_string(1e3 * *middle) +
+    const double middle = median(errors);
+    context.metric("median_z", middle, "m");
+    context.info("median error of " + std::to_string(errors.size()) + " heights: " + std::to_string(1e3 * middle) +
                  " mm");
     judged.commit(result);
   }

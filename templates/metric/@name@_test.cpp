@@ -31,6 +31,14 @@ TEST(Metric, IsTheMedianOfTheErrors) {
   EXPECT_EQ(node.output<Points>("points").points.size(), 3u);
 }
 
+TEST(Metric, OfTwoIsTheMeanOfBoth) {
+  NodeHarness node("evaluate.@name@");
+  node.input<Points>("model", heights({0.001, -0.1}, "check"));
+  node.input<Points>("truth", heights({0, 0}, ""));
+  node.run();
+  EXPECT_NEAR(node.metric("median_z"), 0.0505, 1e-12);
+}
+
 TEST(Metric, RefusesToJudgeByControl) {
   NodeHarness node("evaluate.@name@");
   node.input<Points>("model", heights({0.001}, "control"));

@@ -20,8 +20,8 @@ export PLUMBLINE_PLUGIN_PATH=$work/heights
 step plumbline run site.yaml folder=made/site --out result
 grep -q '^F01-C01-R1,' result/heights.csv
 # Its own line is what an error tells.
-edit "heights.py"
-sed -i 's/"media_type": "text\/csv"/"mediatype": "text\/csv"/' heights/heights.py
+edit "own_heights.py"
+sed -i 's/"media_type": "text\/csv"/"mediatype": "text\/csv"/' heights/own_heights.py
 fails plumbline run site.yaml folder=made/site --out result
 says "has no mediatype"
 took 4 2

@@ -56,5 +56,9 @@ cmp own_survey_reader/out/coordinates.csv own_survey_reader/out_campaign/coordin
 if /usr/bin/python3 -c 'import numpy, flatbuffers'; then
   own_python_node/check
   grep -q 'B,2.75' own_python_node/out/heights.csv
+  for module in json random numpy; do  # names that are modules, too
+    plumbline new python_node $module
+    $module/check
+  done
 fi
 own_metric/check
