@@ -154,6 +154,17 @@ void announce_printed_files() {
 
 FolderFiles list_files(const fs::path& folder) { return Walk(folder).take(); }
 
+/// Folders that nobody opens: hidden ones, such as .thumbnails and .@__thumb, and those that servers of files and
+/// Windows make for small copies and for what was deleted.
+static bool is_in_system_folder(std::string_view path) {
+  for (std::size_t at = 0, end; (end = path.find('/', at)) != std::string_view::npos; at = end + 1) {
+    const std::string_view folder = path.substr(at, end - at);
+    const bool hidden = folder.size() > 1 && folder[0] == '.' && folder != "..";
+    if (hidden || folder == "@eaDir" || folder == "#recycle" || folder == "$RECYCLE.BIN") return true;
+  }
+  return false;
+}
+
 bool is_system_file(std::string_view path) {
   const std::string_view name = path.substr(path.rfind('/') + 1);  // npos + 1 is 0
   const auto is = [&](std::string_view other) {
@@ -162,7 +173,7 @@ bool is_system_file(std::string_view path) {
            });
   };
   return name.starts_with("._") || name.starts_with("~$") || is(".ds_store") || is("thumbs.db") || is("ehthumbs.db") ||
-         is("desktop.ini") || path.starts_with("__MACOSX/");
+         is("desktop.ini") || path.starts_with("__MACOSX/") || is_in_system_folder(path);
 }
 
 }  // namespace plumbline

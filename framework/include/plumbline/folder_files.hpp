@@ -28,7 +28,8 @@ void announce_printed_files();
 FolderFiles list_files(const std::filesystem::path& folder);
 
 /// Whether systems and office programs write files of that name beside those of people: "._Foto.jpg" and .DS_Store of
-/// macOS, Thumbs.db and desktop.ini of Windows, "~$Plan.xlsx" of an open document. `path` has forward slashes.
+/// macOS, Thumbs.db and desktop.ini of Windows, "~$Plan.xlsx" of an open document, all in hidden folders and in those
+/// of servers of files (.thumbnails, @eaDir). `path` is relative to the folder that was listed, with forward slashes.
 bool is_system_file(std::string_view path);
 
 }  // namespace plumbline

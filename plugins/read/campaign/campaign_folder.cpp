@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/text/text.hpp"
+#include "base/text/whole_file.hpp"
 #include "campaign_day.hpp"
 #include "campaign_resolver.hpp"
 #include "photo/images/photograph_header.hpp"
@@ -194,6 +196,22 @@ CampaignDescription find_campaign(const std::filesystem::path& folder, std::vect
   if (c.survey.empty() && c.control.empty())
     throw CampaignError(folder, 0, "found no survey files in survey/ and no control.csv" + mend);
   return c;
+}
+
+void refuse_misnamed_campaign(const std::filesystem::path& folder, const std::vector<std::string>& files) {
+  constexpr std::uintmax_t largest = 1 << 20;
+  if (std::find(files.begin(), files.end(), "campaign.yaml") != files.end()) return;
+  for (const std::string& file : files) {
+    const std::filesystem::path path = folder / file;
+    const std::string ending = text::to_lower(path.extension().string());
+    std::error_code error;
+    if (file.find('/') != std::string::npos || (ending != ".yaml" && ending != ".yml" && ending != ".txt") ||
+        std::filesystem::file_size(path, error) > largest || error)
+      continue;
+    if (("\n" + text::read_whole(path)).find("\nplumbline_campaign:") != std::string::npos)
+      throw CampaignError(
+          folder, 0, "'" + file + "' describes the folder under a name that nothing reads: rename it to campaign.yaml");
+  }
 }
 
 }  // namespace plumbline::campaign

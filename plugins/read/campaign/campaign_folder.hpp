@@ -88,6 +88,10 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
 /// survey/, and camera.yaml, plates.csv and control.csv. `folder` is for messages. Throws CampaignError.
 CampaignDescription find_campaign(const std::filesystem::path& folder, std::vector<std::string> files);
 
+/// Throws CampaignError if there is no campaign.yaml and one lies there under another name, such as campaign.yml or
+/// campaign.yaml.txt, which nothing would read.
+void refuse_misnamed_campaign(const std::filesystem::path& folder, const std::vector<std::string>& files);
+
 struct CameraCalibration {
   std::string id, make, model;
   double pixel_pitch = 0;  ///< [m]; nan if not given

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/text/name_order.hpp"
+#include "base/text/words.hpp"
 #include "plumbline/folder_files.hpp"
 
 namespace plumbline::campaign {
@@ -45,7 +46,8 @@ std::vector<std::string> Resolver::set_aside() {
 std::string Resolver::one(const std::string& key) const {
   const std::vector<std::string> found = many(key);
   if (found.size() != 1) {
-    mapping_.fail(mapping_.get(key), "'" + key + "' matches " + std::to_string(found.size()) + " files, expected one");
+    mapping_.fail(mapping_.get(key), "'" + key + "' matches " + std::to_string(found.size()) + " files, expected one" +
+                                         (found.empty() ? "" : ": " + text::join(found, 4)));
   }
   return found.front();
 }
@@ -97,6 +99,9 @@ void Resolver::not_there(const std::string& key, const YAML::Node& node) const {
   if (!alike.empty())
     why += " and upper and lower case differ: there is " + alike.front() +
            (alike.size() > 1 ? " and " + std::to_string(alike.size() - 1) + " more" : "");
+  else if (!is_pattern(pattern) && std::filesystem::is_directory(mapping_.shown().parent_path() / pattern, ignored))
+    why = "that is a folder; name what is meant in it, such as " +
+          (std::filesystem::path(pattern) / (key == "images" ? "*.jpg" : "*")).generic_string();
   else if (!is_pattern(pattern) && std::filesystem::exists(mapping_.shown().parent_path() / pattern, ignored))
     why = "that is the output of a run, which is no content of the folder; copy it to a place of its own";
   mapping_.fail(node, "'" + key + "' names '" + pattern + "', and " + why);

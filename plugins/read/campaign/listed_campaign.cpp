@@ -22,6 +22,7 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
   const std::filesystem::path yaml = root / "campaign.yaml";
   const bool there = entries.count("campaign.yaml") > 0;
   problems.attempt([&] {
+    refuse_misnamed_campaign(root, names());
     if (there)
       description = parse_campaign(text::read_whole(yaml), yaml, names(), use, problems);
     else if (use == CampaignUse::photographs)

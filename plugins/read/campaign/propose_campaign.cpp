@@ -119,7 +119,7 @@ class Sorter {
     if (!broken_.empty())
       proposal_.yaml +=
           "# unused: " + listed(broken_) + "   # cannot be read: with this line the rest goes on without\n";
-    proposal_.pipeline = other_pipeline();
+    if (!open_) proposal_.pipeline = other_pipeline();
     if (!proposal_.pipeline.empty())
       proposal_.found.push_back("as it is, the folder is one for: plumbline run " + proposal_.pipeline);
     for (const std::string& name : office_)
@@ -241,11 +241,22 @@ class Sorter {
     proposal_.yaml += "# " + key + ": " + example + "   # MISSING: " + why + "\n";
     proposal_.wrong.push_back(key + ": " + why);
   }
+  /// Of several the one that is called as its key; where none is, all of them stand there, which every run refuses: an
+  /// old table of control is no less whole than the new one.
   std::string one_of(const std::string& key, const Names& names) {
-    if (names.size() > 1)
-      proposal_.wrong.push_back(key + ": " + few(names) + " could all be it; " + names.front() +
+    if (names.size() == 1) return yaml_text(names.front());
+    const auto called_so = [&](const std::string& name) {
+      return text::to_lower(fs::path(name).stem().string()) == key;
+    };
+    const auto own = std::find_if(names.begin(), names.end(), called_so);
+    if (own != names.end() && std::count_if(names.begin(), names.end(), called_so) == 1) {
+      proposal_.wrong.push_back(key + ": " + few(names) + " could all be it; " + *own +
                                 " is taken. Name the right one");
-    return yaml_text(names.front());
+      return yaml_text(*own);
+    }
+    open_ = true;
+    proposal_.wrong.push_back(key + ": " + few(names) + " could all be it; leave the right one there and no other");
+    return listed(names);
   }
 
   /// Patterns that fit these photographs and no others.
@@ -399,8 +410,9 @@ class Sorter {
   std::vector<Group> groups_;
   std::vector<CameraFile> cameras_;
   Names plates_, observations_, survey_, control_, designs_, office_;
-  Names broken_;    // photographs that cannot be read
-  Names repeated_;  // files whose readings another one has
+  Names broken_;       // photographs that cannot be read
+  Names repeated_;     // files whose readings another one has
+  bool open_ = false;  // of several files for one key, which it is
 };
 
 }  // namespace

@@ -102,6 +102,7 @@ void ProposeCampaign::run(Context& context) {
   const FolderT given = folder.unpack();
   std::vector<std::string> names;
   for (const auto& entry : given.files) names.push_back(entry->path);
+  refuse_misnamed_campaign(context.resolve(given.uri), names);
   std::vector<std::string> readable;
   const SurveyReadingsT known = given_by(readings);
   for (const auto& file : known.files) readable.push_back(file->path);

@@ -108,6 +108,57 @@ TEST_F(Folder, CalibrationsThatNothingTellsApartAreAQuestion) {
   EXPECT_NE(wrong.find("c.yaml is a calibration for none of the photographs"), std::string::npos) << wrong;
 }
 
+std::string refusal_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const CampaignError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// "control - alt.csv" stands before "control.csv" in the alphabet, and was taken.
+TEST_F(Folder, OfSeveralTablesTheOneThatIsCalledSoIsTakenOrNone) {
+  write("control - alt.csv", control), write("control.csv", control);
+  const Proposal named = propose();
+  EXPECT_NE(named.yaml.find("\ncontrol: control.csv   #"), std::string::npos) << named.yaml;
+  EXPECT_NE(all_of(named.wrong).find("control: control - alt.csv, control.csv could all be it; control.csv is taken"),
+            std::string::npos)
+      << all_of(named.wrong);
+  write("design_a.ifc", "ISO-10303-21;\n"), write("design_b.ifc", "ISO-10303-21;\n");
+  const Proposal open = propose();
+  EXPECT_NE(open.yaml.find("\ndesign: [design_a.ifc, design_b.ifc]   #"), std::string::npos) << open.yaml;
+  EXPECT_NE(all_of(open.wrong).find("could all be it; leave the right one there and no other"), std::string::npos);
+  EXPECT_EQ(open.pipeline, "");
+}
+
+TEST_F(Folder, ADescriptionUnderAnotherNameIsToldAndNotPassedOver) {
+  const std::string text = "# of the tower\nplumbline_campaign: 1\ncontrol: control.csv\n";
+  for (const char* name : {"campaign.yml", "Campaign.yaml", "campaign.yaml.txt", "Turm.YAML"}) {
+    write(name, text);
+    EXPECT_EQ(refusal_of([&] { refuse_misnamed_campaign(folder_.path(), names_); }),
+              folder_.path().string() + ": '" + name +
+                  "' describes the folder under a name that nothing reads: rename it to campaign.yaml");
+    names_.pop_back();
+  }
+  write("camera.yaml", camera("a", 60, 40)), write("notes.txt", "see plumbline_campaign: in the manual");
+  write("old/campaign.yml", text);
+  EXPECT_NO_THROW(refuse_misnamed_campaign(folder_.path(), names_));
+  write("campaign.yml", text), write("campaign.yaml", text);
+  EXPECT_NO_THROW(refuse_misnamed_campaign(folder_.path(), names_));
+}
+
+TEST_F(Folder, AFolderInPlaceOfItsFilesIsNoOutputOfARun) {
+  write("images/a.png", photograph), write("control.csv", control);
+  const std::string yaml = "plumbline_campaign: 1\nimages: images\ncontrol: control.csv\n";
+  const std::string message =
+      refusal_of([&] { parse_campaign(yaml, folder_.path() / "campaign.yaml", names_, CampaignUse::photographs); });
+  EXPECT_NE(
+      message.find("'images' names 'images', and that is a folder; name what is meant in it, such as images/*.jpg"),
+      std::string::npos)
+      << message;
+}
+
 TEST_F(Folder, GermanColumnsAndRolesOfPlatesAreRead) {
   const auto entries = parse_plates(plates, "Schilder.csv", CampaignUse::site, &names_);
   ASSERT_EQ(entries.size(), 2u);

@@ -106,9 +106,11 @@ TEST_F(Folder, LinksAreFollowedAndDanglingOnesNamed) {
 
 TEST(SystemFile, IsToldByItsName) {
   for (const char* name :
-       {"a/._b.jpg", "._b.jpg", ".DS_Store", "a/Thumbs.db", "DESKTOP.INI", "~$plan.xlsx", "__MACOSX/a/b.jpg"})
+       {"a/._b.jpg", "._b.jpg", ".DS_Store", "a/Thumbs.db", "DESKTOP.INI", "~$plan.xlsx", "__MACOSX/a/b.jpg",
+        "a/.thumbnails/b.jpg", ".git/x", "a/@eaDir/b.jpg/SYNOPHOTO_THUMB_XL.jpg", "#recycle/b.jpg"})
     EXPECT_TRUE(is_system_file(name)) << name;
-  for (const char* name : {"a.jpg", "_b.jpg", "thumbs.db.jpg", "a/__MACOSX.jpg", ".hidden.jpg"})
+  for (const char* name :
+       {"a.jpg", "_b.jpg", "thumbs.db.jpg", "a/__MACOSX.jpg", ".hidden.jpg", "./a.jpg", "../a/b.jpg", "a.b/c.jpg"})
     EXPECT_FALSE(is_system_file(name)) << name;
 }
 
