@@ -11,6 +11,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <list>
 #include <memory>
@@ -236,6 +237,8 @@ bool parse_request(const std::string& head, HttpRequest& request, int& status) {
 }
 
 HttpServer::HttpServer(const std::string& host, int port) {
+  // sendfile() knows no MSG_NOSIGNAL: whoever breaks off a download would end the program.
+  std::signal(SIGPIPE, SIG_IGN);
   addrinfo hints{}, *found = nullptr;
   hints.ai_socktype = SOCK_STREAM;
   hints.ai_flags = AI_PASSIVE;

@@ -27,21 +27,25 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 double number(const Json& value) { return value.is_number() ? value.get<double>() : kUnknown; }
 
 struct Source {
-  std::string output;  ///< NODE.PORT
+  std::string output;  ///< NODE.PORT, of a round that was asked for NODE@ROUND.PORT
   Json points;
 };
 
-/// Outputs of the run that hold points with their covariance; of one of them if `wanted` names it.
+/// Outputs of the run that hold points with their covariance; of one of them if `wanted` names it. Of nodes that ran
+/// in rounds the last counts, which is what the run handed over, unless `wanted` names another as NODE@ROUND.PORT.
 std::vector<Source> outputs_with_covariance(const runtime::RecordedRun& run, const std::string& wanted,
                                             runtime::Store& store, const runtime::Registry& registry) {
   std::vector<Source> found;
   std::vector<std::string> without, names;
   for (const auto& node : run.nodes)
     for (const auto& [port, hashes] : node.outputs) {
-      const std::string name = node.name + "." + port, type_name = node.types.at(port);
+      const bool is_last = run.find(node.name) == &node;
+      const std::string by_round = node.name + "@" + std::to_string(node.round) + "." + port;
+      const std::string name = is_last && wanted != by_round ? node.name + "." + port : by_round;
+      const std::string type_name = node.types.at(port);
       if (hashes.size() != 1 || !type_name.starts_with("plumbline.Points/")) continue;
       names.push_back(name);
-      if (!wanted.empty() && name != wanted) continue;
+      if (wanted.empty() ? !is_last : name != wanted) continue;
       const plumbline_type* type = registry.type_of_output(node.kind, port, type_name);
       if (!type) throw UsageError("no plugin brings the type " + type_name);
       Json points = Json::parse(blob_to_json(store, *type, hashes[0]));

@@ -92,13 +92,19 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
     for (const auto& [port, source] : node.inputs) ends[source.node] = false;
   for (const auto& output : graph.outputs) ends[output.from.node] = true;
   std::vector<std::vector<std::string>> rows;
+  const auto tell = [&](size_t i, const runtime::NodeResult& node) {
+    if (!is_good(node) || graph.nodes[i].maps) return;
+    for (const std::string& message : node.messages)
+      rows.push_back({"  " + runtime::label_of(graph.nodes[i].name, node.round), message});
+  };
+  // What was done to the result in a round before the last stands nowhere else, such as whom a search left out.
+  for (const auto& earlier : result.earlier) tell(earlier.node, earlier.result);
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
     const runtime::NodeResult& node = result.nodes[i];
-    if (node.status != NodeStatus::executed && node.status != NodeStatus::reused) continue;
+    if (!is_good(node)) continue;
     if (const std::string text = metrics_text(node, record); ends[i] && !text.empty())
-      rows.push_back({"  " + graph.nodes[i].name, text});
-    if (!graph.nodes[i].maps)
-      for (const std::string& message : node.messages) rows.push_back({"  " + graph.nodes[i].name, message});
+      rows.push_back({"  " + runtime::label_of(graph.nodes[i].name, node.round), text});
+    tell(i, node);
   }
   if (rows.size() > most_lines) {
     const size_t more = rows.size() - most_lines;

@@ -191,16 +191,25 @@ class Site {
     return json_answer({{"nodes", json}});
   }
 
+  /// "fit@2" of a node that ran in rounds; of "fit" alone the last of them, which is what the run handed over.
+  static std::string with_its_round(const Json& run, const std::string& node) {
+    std::string found = node;
+    for (const Json& one : run["nodes"])
+      if (one.value("name", "") == node) found = ServedRuns::name_of(one);
+    return found;
+  }
+
   HttpAnswer artifact(const HttpRequest& request) {
     const Json run = runs_.run(value_of(request.query, "id"));
     if (run.is_null()) return text_answer(404, "there is no such run");
-    const std::string port = value_of(request.query, "port"), node = value_of(request.query, "node");
+    const std::string port = value_of(request.query, "port");
+    const std::string node = with_its_round(run, value_of(request.query, "node"));
     const std::string number = value_of(request.query, "item");
     const size_t item = number.size() < 7 ? static_cast<size_t>(std::atoi(number.c_str())) : 0;
     for (const Json& one : run["nodes"]) {
       // A record may say anything, and leave anything out.
       const Json outputs = one.value("outputs", Json::object());
-      if (one.value("name", "") != node || !outputs.contains(port)) continue;
+      if (ServedRuns::name_of(one) != node || !outputs.contains(port)) continue;
       if (!outputs[port].is_array()) break;
       const auto hashes = outputs[port].get<std::vector<std::string>>();
       const plumbline_type* type =

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 
 #include "commands.hpp"
 #include "live_progress.hpp"
+#include "runtime/record/record.hpp"
 
 namespace plumbline::cli {
 
@@ -52,12 +54,38 @@ int open_below(int folder, const std::vector<std::string>& parts, int flags) {
   return at;
 }
 
-std::string name_of_node(const nlohmann::ordered_json& node) {
-  const int round = node.value("round", 0);
-  return node.value("name", "") + (round > 0 ? "@" + std::to_string(round) : "");
+/// What the nodes say that ran to the end, of one that ran in rounds the last: an earlier one is no result of the run.
+bool is_invalid(const std::vector<const nlohmann::ordered_json*>& nodes) {
+  std::map<std::string, bool> last;
+  for (const auto* node : nodes) {
+    bool& invalid = last[node->value("name", "")] = false;
+    for (const auto& metric : node->value("metrics", nlohmann::ordered_json::array()))
+      invalid = invalid || (metric.value("name", "") == "invalid" && metric.contains("value") &&
+                            metric["value"].is_number() && metric["value"].get<double>() > 0);
+  }
+  return std::any_of(last.begin(), last.end(), [](const auto& one) { return one.second; });
+}
+
+/// What is known of a run whose record has no end. A process is told by its number on its own machine only, and until
+/// that is started anew.
+std::string state_without_end(const nlohmann::ordered_json& start) {
+  const nlohmann::ordered_json host = start.value("host", nlohmann::ordered_json::object());
+  utsname here{};
+  uname(&here);
+  const std::string name = host.value("name", here.nodename), boot = host.value("boot", "");
+  if (name != here.nodename) return "no end in its record, from " + name;
+  const int process = start.value("process", 0);
+  const bool alive =
+      process > 0 && (boot.empty() || boot == runtime::boot_id()) && (kill(process, 0) == 0 || errno == EPERM);
+  return alive ? "running" : "ended without a word";
 }
 
 }  // namespace
+
+std::string ServedRuns::name_of(const Json& node) {
+  const int round = node.value("round", 0);
+  return node.value("name", "") + (round > 0 ? "@" + std::to_string(round) : "");
+}
 
 ServedRuns::ServedRuns(const fs::path& folder)
     : folder_(folder), descriptor_(::open(folder.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC)) {
@@ -117,7 +145,7 @@ void ServedRuns::take(const std::string& line, Run& run) {
   } else if (event == "node") {
     for (const char* large : {"fields", "keys", "used", "inputs", "computed", "parameters", "connections"})
       json.erase(large);
-    const std::string name = name_of_node(json);
+    const std::string name = name_of(json);
     if (!run.nodes.count(name)) run.order.push_back(name);
     run.nodes[name] = std::move(json);
   }
@@ -217,31 +245,27 @@ ServedRuns::Json ServedRuns::summary(const std::string& id, const Run& run) cons
   json["pipeline"] = fs::path(run.start.value("pipeline", "")).stem().string();
   json["arguments"] = run.start.value("arguments", Json::array());
   json["time"] = run.start.value("time", "");
-  size_t failed = 0, warnings = 0;
-  bool invalid = false;
+  size_t warnings = 0;
   std::string error;
+  std::vector<const Json*> nodes;
   for (const std::string& name : run.order) {
     const Json& node = run.nodes.at(name);
     const std::string status = node.value("status", "");
-    failed += status == "failed";
     if (status == "failed" && error.empty()) error = node.value("error", "");
     warnings += node.value("warnings", Json::array()).size();
-    for (const Json& metric : node.value("metrics", Json::array()))
-      invalid = invalid || (metric.value("name", "") == "invalid" && metric.contains("value") &&
-                            metric["value"].is_number() && metric["value"].get<double>() > 0);
+    nodes.push_back(&node);
   }
-  if (run.end.is_object()) invalid = invalid || !run.end.value("usable", true);
+  const bool says_so = run.end.is_object() && run.end.contains("usable");
+  const bool invalid = says_so ? !run.end.value("usable", true) : is_invalid(nodes);
   json["ended"] = run.nodes.size();
   json["warnings"] = warnings;
   json["invalid"] = invalid;
   if (!error.empty()) json["error"] = error;
   if (run.end.is_null()) {
-    const auto process = run.start.value("process", 0);
-    const bool alive = process > 0 && (kill(process, 0) == 0 || errno == EPERM);
-    json["status"] = alive ? "running" : "ended without a word";
+    json["status"] = state_without_end(run.start);
     json["seconds"] = nullptr;
     json["start"] = run.start.value("start", 0.0);
-    if (alive) json["progress"] = progress(id);
+    if (json["status"] == "running") json["progress"] = progress(id);
   } else if (run.end.value("event", "") == "killed") {
     json["status"] = "killed: " + run.end.value("by", "");
   } else {

@@ -27,6 +27,8 @@ class ServedRuns {
   Json list();
   /// One run with its nodes; null if there is no run of that name in the list.
   Json run(const std::string& id);
+  /// A node of a run by its name, and of one that ran in rounds "fit@2".
+  static std::string name_of(const Json& node);
   /// Where the record of a run lies that the list names; empty: it has none.
   std::filesystem::path record(const std::string& id);
 

@@ -1,7 +1,10 @@
 // plumbline verify: whether the same input gives the same bits, by running a pipeline twice, or each of its nodes
 // alone.
+#include <fmt/core.h>
 #include <stdlib.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -36,6 +39,21 @@ class OwnFolder {
   fs::path path;
 };
 
+/// Numbers are what benches measure and what decides whether a result may be used. An unknown one equals another.
+void compare_metrics(const std::vector<runtime::Metric>& one, const std::vector<runtime::Metric>& other,
+                     std::vector<std::string>& lines) {
+  if (one.size() != other.size())
+    lines.push_back(fmt::format("it gives {} metrics, and {} the second time", one.size(), other.size()));
+  for (size_t i = 0; i < std::min(one.size(), other.size()); ++i) {
+    const auto &a = one[i], &b = other[i];
+    const bool equal = a.value == b.value || (std::isnan(a.value) && std::isnan(b.value));
+    if (a.name != b.name)
+      lines.push_back("metric " + a.name + " is " + b.name + " the second time");
+    else if (!equal || a.unit != b.unit)
+      lines.push_back(fmt::format("metric {} differs: {} {} and {} {}", a.name, a.value, a.unit, b.value, b.unit));
+  }
+}
+
 /// What was found, told as it is found.
 class Findings {
  public:
@@ -51,6 +69,11 @@ class Findings {
       for (const auto& [port, hashes] : one.outputs)
         if (const auto found = other.outputs.find(port); found == other.outputs.end() || found->second != hashes)
           lines.push_back("output " + port + " differs");
+      if (is_good(other)) {
+        compare_metrics(one.metrics, other.metrics, lines);
+        if (one.warnings != other.warnings) lines.emplace_back("its warnings differ");
+        if (one.messages != other.messages) lines.emplace_back("its messages differ");
+      }
       if (!graph_.nodes[index].kind.node->deterministic && !lines.empty())
         lines.push_back("it says of itself that it is not deterministic");
       differing += !lines.empty();

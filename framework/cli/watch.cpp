@@ -16,6 +16,7 @@
 #include "commands.hpp"
 #include "plumbline/folder_files.hpp"
 #include "runtime/base/printable.hpp"
+#include "runtime/plugins/executable_node.hpp"
 #include "stopping.hpp"
 
 extern char** environ;
@@ -42,10 +43,19 @@ void add_file(const fs::path& path, Snapshot& snapshot) {
   if (stat(path.c_str(), &info) == 0) stamp = {info.st_size, info.st_mtim.tv_sec, info.st_mtim.tv_nsec, info.st_ino};
 }
 
-/// Files and folders that the pipeline's text and parameters name.
+/// What is no part of the program and yet of the keys of its results: one's own plugin, one's own script.
+void add_own_node(const runtime::Plugin& plugin, std::set<fs::path>& paths) {
+  if (plugin.executable)
+    for (const fs::path& file : plugin.executable->files) paths.insert(fs::absolute(file));
+  else if (!plugin.shipped)
+    paths.insert(fs::absolute(plugin.identity.path));
+}
+
+/// Files and folders that the pipeline's text and parameters name, and the nodes that are somebody's own.
 std::set<fs::path> read_by(const runtime::Graph& graph) {
   std::set<fs::path> paths;
   for (const auto& source : graph.sources) paths.insert(fs::absolute(source.path));
+  for (const auto& node : graph.nodes) add_own_node(*node.kind.plugin, paths);
   for (const auto& node : graph.nodes)
     for (uint32_t i = 0; i < node.kind.node->param_count; ++i) {
       const plumbline_param& param = *node.kind.node->params[i];
@@ -86,12 +96,37 @@ bool wait(double seconds) {
   return !stop_is_asked_for();
 }
 
-/// Looks until nothing has changed for a while, because a file that is being copied is there before its end is.
+std::string changed_text(const Snapshot& before, const Snapshot& now) {
+  std::vector<std::string> names;
+  for (const auto& [path, stamp] : now)
+    if (const auto found = before.find(path); found == before.end() || !(found->second == stamp)) names.push_back(path);
+  for (const auto& [path, stamp] : before)
+    if (!now.count(path)) names.push_back(path + " (gone)");
+  std::string text = names.empty() ? "" : names.front();
+  if (names.size() > 1) text += " and " + std::to_string(names.size() - 1) + " more";
+  return text;
+}
+
+/// Looks until nothing has changed for a while, because a file that is being copied is there before its end is. One
+/// that never comes to rest, such as a log beside the photographs, is named, or the wait would look like a hang.
 bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& now) {
+  constexpr double patience = 10;  // in quiet times
   now = look_at(paths);
-  for (auto since = Clock::now(); Clock::now() - since < std::chrono::duration<double>(quiet);) {
+  auto told = Clock::now();
+  for (auto since = told; Clock::now() - since < std::chrono::duration<double>(quiet);) {
     if (!wait(std::min(0.25, quiet))) return false;
-    if (Snapshot next = look_at(paths); next != now) now = std::move(next), since = Clock::now();
+    Snapshot next = look_at(paths);
+    if (next == now) continue;
+    since = Clock::now();
+    if (since - told > std::chrono::duration<double>(patience * quiet)) {
+      std::printf(
+          "waiting: %s changes still, and a run begins when nothing has changed for %g s\n"
+          "If nothing reads it, let it be written outside of what is watched.\n",
+          runtime::printable(changed_text(now, next)).c_str(), quiet);
+      std::fflush(stdout);
+      told = since;
+    }
+    now = std::move(next);
   }
   return true;
 }
@@ -132,20 +167,10 @@ int run_once(const Options& options) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-std::string changed_text(const Snapshot& before, const Snapshot& now) {
-  std::vector<std::string> names;
-  for (const auto& [path, stamp] : now)
-    if (const auto found = before.find(path); found == before.end() || !(found->second == stamp)) names.push_back(path);
-  for (const auto& [path, stamp] : before)
-    if (!now.count(path)) names.push_back(path + " (gone)");
-  std::string text = names.empty() ? "" : names.front();
-  if (names.size() > 1) text += " and " + std::to_string(names.size() - 1) + " more";
-  return text;
-}
-
 /// What the pipeline reads now. One that cannot be read any more is said to be so, and its own files are watched on.
-std::set<fs::path> paths_of(const Options& options, const runtime::Registry& registry, std::set<fs::path> before) {
+std::set<fs::path> paths_of(const Options& options, std::set<fs::path> before) {
   try {
+    const runtime::Registry registry = discover();  // anew: a manifest may name other files than before
     // The run says which of two plugins it uses; here it would be said a second time.
     return read_by(load_pipeline(find_pipeline(options.pipeline), options.overrides, registry, pipeline_folders()));
   } catch (const std::exception& error) {
@@ -158,8 +183,7 @@ std::set<fs::path> paths_of(const Options& options, const runtime::Registry& reg
 }  // namespace
 
 int watch(const Options& options) {
-  const runtime::Registry registry = discover();
-  std::set<fs::path> paths = paths_of(options, registry, {});
+  std::set<fs::path> paths = paths_of(options, {});
   stop_is_asked_for();  // from here on Ctrl-C ends the watch
   for (int runs = 0;;) {
     Snapshot before;
@@ -167,7 +191,7 @@ int watch(const Options& options) {
     const int code = run_once(options);
     if (stop_is_asked_for()) return 130;
     if (++runs == options.most_runs) return code;
-    paths = paths_of(options, registry, std::move(paths));
+    paths = paths_of(options, std::move(paths));
     std::printf("watching %zu files (the run ended with %d); Ctrl-C ends it\n", before.size(), code);
     std::fflush(stdout);
     Snapshot now = look_at(paths);  // what came while the run was at work counts

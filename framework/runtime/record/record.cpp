@@ -63,6 +63,13 @@ Json plugins_json(const Graph& graph) {
 
 }  // namespace
 
+std::string boot_id() {
+  std::ifstream stream("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(stream, id);
+  return id;
+}
+
 Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out_(out), graph_(graph), start_(now()) {
   utsname host{};
   uname(&host);
@@ -73,11 +80,9 @@ Record::Record(OutputFolder& out, const Graph& graph, const RunInfo& info) : out
   json["plumbline"] = info.version;
   json["time"] = time;
   json["start"] = start_;
-  json["host"] = {{"name", host.nodename},
-                  {"system", std::string(host.sysname) + " " + host.release},
-                  {"machine", host.machine},
-                  {"cpu", cpu_line("model name")},
-                  {"cpus", std::thread::hardware_concurrency()}};
+  json["host"] = {{"name", host.nodename},         {"system", std::string(host.sysname) + " " + host.release},
+                  {"machine", host.machine},       {"boot", boot_id()},
+                  {"cpu", cpu_line("model name")}, {"cpus", std::thread::hardware_concurrency()}};
   json["cpu_flags"] = cpu_line("flags");
   json["pipeline"] = graph.file;
   const std::string text = graph.sources.empty() ? "" : graph.sources[0].text;

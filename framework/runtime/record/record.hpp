@@ -40,6 +40,9 @@
 
 namespace plumbline::runtime {
 
+/// Of the system since it was started; the number of a process means something until then. Empty: not known.
+std::string boot_id();
+
 struct RunInfo {
   std::string version;                 ///< of the program
   std::vector<std::string> arguments;  ///< the KEY=VALUE overrides

@@ -339,5 +339,34 @@ TEST(Run, OutputsInsideAnInputAreNoContentOfIt) {
   EXPECT_TRUE(contains(among.out, "0 executed, 1 reused")) << among.out << among.err;
 }
 
+/// A metric is what a bench measures, and `invalid` what decides on exit code 3: both may differ where outputs do not.
+TEST(Verify, ComparesNumbersAndWordsAndNotOutputsAlone) {
+  Program plumbline;
+  std::filesystem::create_directory(plumbline.work() / "nodes");
+  plumbline.use_plugins(plumbline.work() / "nodes");
+  const auto node = [&](const std::string& metrics) {
+    plumbline.write("nodes/own.node.yaml",
+                    "plumbline_node: 1\nkind: own.number\nversion: 1\nsummary: A number\nlicence: MIT\n"
+                    "run: [/bin/sh, own.sh]\n");
+    plumbline.write("nodes/own.sh",
+                    "n=$(od -An -N4 -tu4 /dev/urandom)\nprintf '" + metrics + "' $n > \"$1/metrics.json\"\n");
+  };
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: own.number}}\n");
+  node("{\"error\": [%s, \"m\"]}");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"verify", "p.yaml"}, {"verify", "--each", "p.yaml"}}) {
+    const Answer answer = plumbline(words);
+    EXPECT_EQ(answer.code, 1) << answer.out << answer.err;
+    EXPECT_TRUE(contains(answer.out, "metric error differs: ")) << answer.out;
+  }
+  node("{\"error\": [null, \"m\"], \"count\": [3, \"1\"]}");
+  const Answer same = plumbline({"verify", "p.yaml"});
+  EXPECT_EQ(same.code, 0) << same.out << same.err;
+  node("{\"error\": [NaN, \"m\"]}");
+  const Answer no_json = plumbline({"run", "p.yaml"});
+  EXPECT_EQ(no_json.code, 1);
+  EXPECT_TRUE(contains(no_json.err, "its metrics.json is no JSON, which has no NaN")) << no_json.err;
+}
+
 }  // namespace test_run
 }  // namespace plumbline::test

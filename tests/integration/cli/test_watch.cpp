@@ -53,6 +53,41 @@ TEST(Watch, RunsAgainForWhatComesAndNotForItsOwnOutputs) {
   EXPECT_EQ(statuses(record), (std::map<std::string, std::string>{{"f", "executed"}, {"a", "reused"}}));
 }
 
+TEST(Watch, NamesWhatNeverComesToRest) {
+  const Program plumbline;
+  plumbline.write("p.yaml", site);
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "1", "--quiet-for", "0.2"});
+  const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(4);
+  for (int i = 0; std::chrono::steady_clock::now() < until; ++i) {
+    plumbline.write("camera_sync.log", std::string(static_cast<size_t>(i + 1), 'x'));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  const Answer answer = plumbline.finish(child);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "camera_sync.log changes still")) << answer.out;
+}
+
+TEST(Watch, RunsAgainWhenANodeOfOnesOwnHasChanged) {
+  Program plumbline;
+  const std::string script = "#!/bin/sh\nprintf '{\"x\": [1, \"1\"]}' > \"$1/metrics.json\"\n";
+  fs::create_directory(plumbline.work() / "nodes");
+  plumbline.use_plugins(plumbline.work() / "nodes");
+  plumbline.write("nodes/own.node.yaml",
+                  "plumbline_node: 1\nkind: own.number\nversion: 1\nsummary: A number\nlicence: MIT\n"
+                  "run: [/bin/sh, own.sh]\n");
+  plumbline.write("nodes/own.sh", script);
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: own.number}}\n");
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "2", "--quiet-for", "0.2"});
+  const fs::path record = plumbline.work() / "out/p/run.jsonl";
+  ASSERT_TRUE(wait_until([&] { return fs::exists(record) && has_ended(record); }));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  ASSERT_EQ(kill(child, 0), 0);
+  plumbline.write("nodes/own.sh", script + "# another\n");
+  const Answer answer = plumbline.finish(child);
+  EXPECT_TRUE(contains(answer.out, "own.sh")) << answer.out << answer.err;
+  EXPECT_EQ(statuses(record), (std::map<std::string, std::string>{{"a", "executed"}}));
+}
+
 TEST(Watch, EndsWithTheSignalAndSaysSoByItsExitCode) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

@@ -195,6 +195,61 @@ class Served(unittest.TestCase):
         going = json.loads(self.ask("/api/run?id=going")[2])
         self.assertEqual((going["status"], going["nodes"]), ("ended without a word", []))
 
+    def test_a_process_number_means_something_on_its_own_machine_until_it_is_started_anew(self):
+        out = self.out / "elsewhere"
+        out.mkdir()
+        start = {"event": "run_start", "time": "2026-01-01T00:00:00Z", "start": 1.0, "pipeline": "p.yaml", "arguments": [], "process": 1}
+        boot = pathlib.Path("/proc/sys/kernel/random/boot_id").read_text().strip()
+        try:
+            for host, status in (({"name": "another-machine"}, "no end in its record, from another-machine"), ({"name": socket.gethostname(), "boot": "earlier"}, "ended without a word"),
+                                 ({"name": socket.gethostname(), "boot": boot}, "running")):
+                (out / "fresh").write_text(json.dumps(dict(start, host=host)) + "\n")  # a file of its own: another run
+                (out / "fresh").rename(out / "run.jsonl")
+                runs = {r["id"]: r for r in json.loads(self.ask("/api/runs")[2])["runs"]}
+                self.assertEqual(runs["elsewhere"]["status"], status)
+            self.assertEqual(json.loads((self.out / "one/run.jsonl").read_text().splitlines()[0])["host"]["boot"], boot)
+        finally:
+            shutil.rmtree(out)
+
+    def test_of_a_node_that_ran_in_rounds_each_shows_its_own_and_the_last_counts(self):
+        out = self.out / "rounds"
+        out.mkdir()
+        first = json.loads((self.out / "one/run.jsonl").read_text().splitlines()[1])
+        second = json.loads((self.out / "two/run.jsonl").read_text().splitlines()[1])
+        start = {"event": "run_start", "time": "2026-01-01T00:00:00Z", "start": 1.0, "pipeline": "p.yaml", "arguments": [], "process": 1}
+        first.update(round=1, metrics=[{"name": "invalid", "value": 1, "unit": "1"}])
+        second.update(round=2)
+        lines = [start, first, second, {"event": "run_end", "status": "ok", "seconds": 2.0, "outputs": {}}]
+        try:
+            for usable, status in ((None, "ok"), (True, "ok"), (False, "not usable")):
+                if usable is not None:
+                    lines[-1]["usable"] = usable
+                (out / "fresh").write_text("".join(json.dumps(line) + "\n" for line in lines))
+                (out / "fresh").rename(out / "run.jsonl")
+                runs = {r["id"]: r for r in json.loads(self.ask("/api/runs")[2])["runs"]}
+                self.assertEqual((runs["rounds"]["status"], runs["rounds"]["invalid"]), (status, status != "ok"))
+            for node, z in (("points@1", "3"), ("points@2", "3.5"), ("points", "3.5")):
+                points = json.loads(self.ask(f"/api/artifact?id=rounds&node={node}&port=points&item=0")[2])
+                self.assertEqual(str(points["points"][0]["position"][2]).removesuffix(".0"), z, node)
+            self.assertIn(b"n.round?'@'+n.round", self.ask("/")[2])
+        finally:
+            shutil.rmtree(out)
+
+    def test_who_breaks_off_a_download_ends_nothing(self):
+        large = self.out / "one/large.bin"
+        with large.open("wb") as file:
+            file.truncate(1 << 30)
+        try:
+            for _ in range(3):
+                with socket.create_connection(("127.0.0.1", self.port), timeout=8) as connection:
+                    connection.sendall(f"GET /files/one/large.bin HTTP/1.1\r\nHost: 127.0.0.1:{self.port}\r\nAuthorization: Bearer {self.token}\r\n\r\n".encode())
+                    connection.recv(65536)
+                time.sleep(0.3)
+            self.assertEqual(self.ask("/api/runs")[0], 200)
+            self.assertIsNone(self.server.poll())
+        finally:
+            large.unlink()
+
     def test_what_is_deleted_while_it_is_served_is_not_there(self):
         out = self.out / "gone"
         shutil.copytree(self.out / "two", out)
