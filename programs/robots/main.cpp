@@ -96,12 +96,12 @@ int carry_out(const Arguments& arguments) {
   check_time(job, arguments, log);
   OrderExchange exchange(job, robot_of(arguments), log);
   MqttClient client(arguments.broker);
-  client.on_message = [&](const std::string&, const std::string& payload) {
-    exchange.on_state(payload, seconds_now());
+  client.on_message = [&](const std::string&, const std::string& payload, bool is_kept) {
+    exchange.on_state(payload, seconds_now(), is_kept);
   };
   client.on_connect = [&] { exchange.on_connect(); };
   client.subscribe(exchange.state_topic());
-  std::string said;
+  std::string said, clock_said;
   const double start = seconds_now();
   while (!exchange.is_over() && !stopped && (arguments.longest <= 0 || seconds_now() - start < arguments.longest)) {
     client.poll(0.2);
@@ -111,6 +111,7 @@ int carry_out(const Arguments& arguments) {
                                  ? client.trouble()
                                  : std::string(name_of(exchange.status())) + " " + exchange.progress();
     if (line != said) say(said = line);
+    if (const std::string doubt = exchange.clock_doubt(); clock_said.empty() && !doubt.empty()) say(clock_said = doubt);
   }
   if (exchange.status() == ExchangeStatus::finished) {
     say("job " + job.id + " is at its end: " + exchange.progress() + "; " + arguments.folder + "/states.jsonl and " +
@@ -121,9 +122,10 @@ int carry_out(const Arguments& arguments) {
     say("the robot FAILED on " + items + ": see to why; the next round plans them again");
     return 4;
   }
+  const std::string clock = exchange.clock_doubt();
   say(exchange.is_over() ? exchange.reason()
                          : "job " + job.id + " is not at its end (" + name_of(exchange.status()) +
-                               "): start again with the same words to go on");
+                               (clock.empty() ? "" : "; " + clock) + "): start again with the same words to go on");
   return stopped ? 130 : 3;
 }
 

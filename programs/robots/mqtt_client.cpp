@@ -49,8 +49,10 @@ MqttClient::MqttClient(const BrokerOptions& options) : options_(options) {
   mosquitto_message_callback_set(mosquitto_, [](mosquitto*, void* self, const mosquitto_message* message) {
     auto* client = static_cast<MqttClient*>(self);
     if (client->on_message)
-      client->on_message(message->topic, std::string(static_cast<const char*>(message->payload),
-                                                     static_cast<std::size_t>(message->payloadlen)));
+      client->on_message(
+          message->topic,
+          std::string(static_cast<const char*>(message->payload), static_cast<std::size_t>(message->payloadlen)),
+          message->retain);
   });
 }
 

@@ -44,7 +44,8 @@ class MqttClient {
   /// Why it is not connected, in words; empty: it is, or nobody has tried yet.
   const std::string& trouble() const { return trouble_; }
 
-  std::function<void(const std::string& topic, const std::string& payload)> on_message;
+  /// `is_kept`: the broker had retained it, and nobody says it now.
+  std::function<void(const std::string& topic, const std::string& payload, bool is_kept)> on_message;
   std::function<void()> on_connect;
 
  private:

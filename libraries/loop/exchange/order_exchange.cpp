@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -84,7 +85,7 @@ OrderExchange::OrderExchange(const Job& job, const VdaRobot& robot, ExchangeLog&
   robot_.timestamp = "2000-01-01T00:00:00Z";
   vda_order(job_, robot_);  // what is wrong with the job is said before anything is sent
   restore_sent();
-  for (const std::string& line : log_.states()) take(line, false, 0);
+  for (const std::string& line : log_.states()) take(line, Heard::on_disk, 0);
   // What is on disk was heard by a program before this one; the robot is asked anew.
   answered_ = false;
   refuse_old_revision();
@@ -117,9 +118,29 @@ void OrderExchange::restore_sent() {
   }
 }
 
-void OrderExchange::on_state(const std::string& payload, double now) { take(payload, true, now); }
+void OrderExchange::on_state(const std::string& payload, double now, bool is_kept) {
+  take(payload, is_kept ? Heard::kept : Heard::now, now);
+}
 
-void OrderExchange::take(const std::string& payload, bool is_new, double now) {
+bool OrderExchange::goes_on_by_number(double seconds, long long header, double now) {
+  constexpr int kEnough = 3;  // a single late one tells of a start before
+  if (newest_header_ < 0 || header <= std::max(newest_header_, behind_header_) || seconds <= behind_seconds_)
+    return false;
+  behind_seconds_ = seconds, behind_header_ = header, ++behind_;
+  return behind_ >= kEnough && now - heard_at_ > times_.silence;
+}
+
+std::string OrderExchange::clock_doubt() const {
+  if (behind_ < 2) return {};
+  char minutes[40];
+  std::snprintf(minutes, sizeof minutes, "%.0f min", std::ceil((newest_ - behind_seconds_) / 60));
+  return std::string("the robot's states are dated up to ") + minutes +
+         " before the last one that it sent, and their numbers go on: was its clock put back? They are taken by their "
+         "numbers when nothing newer came for a while";
+}
+
+void OrderExchange::take(const std::string& payload, Heard heard, double now) {
+  const bool is_new = heard != Heard::on_disk;
   const auto json = ordered_json::parse(payload, nullptr, false);
   RobotState state;
   try {
@@ -130,7 +151,8 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
     return;
   }
   if (!std::isfinite(state.seconds)) return;
-  const bool is_newest = state.seconds > newest_ || (state.seconds == newest_ && state.header > newest_header_);
+  const bool is_newest = state.seconds > newest_ || (state.seconds == newest_ && state.header > newest_header_) ||
+                         (heard == Heard::now && goes_on_by_number(state.seconds, state.header, now));
   // Late ones tell nothing about now, but may tell that an action came to its end.
   const bool ours = state.order == job_.id;
   if (is_new && (ours || state.refusals.count(job_.id) > 0) && state.digest != last_actions_) {
@@ -140,9 +162,14 @@ void OrderExchange::take(const std::string& payload, bool is_new, double now) {
   if (!is_new && ours) last_actions_ = state.digest;
   // Started again: a later message with a smaller number.
   const bool was_started_again = is_newest && newest_header_ >= 0 && state.header < newest_header_;
-  if (is_newest) newest_ = state.seconds, newest_header_ = state.header, heard_at_ = now, robot_.start = state.place;
+  if (is_newest) {
+    newest_ = state.seconds, newest_header_ = state.header, robot_.start = state.place;
+    behind_ = 0, behind_header_ = -1, behind_seconds_ = -1e300;
+    if (heard != Heard::kept) heard_at_ = now;
+  }
   if (is_over()) return;
-  if (is_newest) answered_ = is_new;
+  // What a broker has kept, or held back, was said before the question.
+  if (is_newest) answered_ = heard == Heard::now && asked_;
   if (ours && (is_newest || is_at_its_end(state))) {
     status_ = ExchangeStatus::accepted;
     std::map<std::string, int> counts;

@@ -3,7 +3,8 @@
 //
 // What makes it so: (1) a state message is a whole, it tells of every action of the robot's order, so that the next one
 // makes up for any that was lost; (2) before an order is sent, and before it is sent again, the robot is asked
-// (`stateRequest`) and must have answered that it does not have it; (3) what is about to be sent is on disk before it
+// (`stateRequest`) and must have answered that it does not have it, after it was asked and itself: what a broker has
+// kept of it is no answer; (3) what is about to be sent is on disk before it
 // is sent, what came is on disk before anything is concluded from it; (4) an order that is sent again is the same, byte
 // for byte but its header's number, and a robot takes the same orderId and orderUpdateId as the order that it has; (5)
 // an order that a broker holds back expires before another one is sent; (6) a robot that was started again since an
@@ -78,8 +79,9 @@ class OrderExchange {
   /// What is to be published now, at `now` [s] on any clock that does not go back, also not from start to start, and
   /// `utc` on that of the calendar (ISO 8601). What is returned counts as sent.
   std::vector<MqttMessage> due(double now, const std::string& utc);
-  /// A message of state_topic(). What is no state message of this robot changes nothing.
-  void on_state(const std::string& payload, double now);
+  /// A message of state_topic(), `is_kept`: that the broker had retained, of a robot that may be off. What is no state
+  /// message of this robot changes nothing.
+  void on_state(const std::string& payload, double now, bool is_kept = false);
   /// The broker is back: what was asked before is asked again.
   void on_connect() { asked_ = false; }
 
@@ -88,11 +90,16 @@ class OrderExchange {
   const std::string& reason() const { return reason_; }
   /// Actions in each state as the robot told last: "3 FINISHED, 1 RUNNING".
   std::string progress() const { return progress_; }
+  /// What its states' dates say of its clock, in words; empty: nothing.
+  std::string clock_doubt() const;
   /// Items of the job that the robot says FAILED of.
   const std::vector<std::string>& failed() const { return failed_; }
 
  private:
-  void take(const std::string& payload, bool is_new, double now);
+  enum class Heard { now, kept, on_disk };
+  void take(const std::string& payload, Heard heard, double now);
+  /// Whether a state with an older date than the newest is newer all the same: the robot's clock was put back.
+  bool goes_on_by_number(double seconds, long long header, double now);
   void restore_sent();
   void refuse_old_revision();
   MqttMessage question(const std::string& utc);
@@ -112,6 +119,10 @@ class OrderExchange {
   long long header_ = 0, header_at_sending_ = -1;
   double newest_ = -1e300;  ///< timestamp of the newest state [s]
   long long newest_header_ = -1;
+  /// Of states whose numbers go on behind the newest one's, and whose dates do not: the last, and how many in a row.
+  double behind_seconds_ = -1e300;
+  long long behind_header_ = -1;
+  int behind_ = 0;
   int question_number_ = 0, order_number_ = 0;
   int newest_revision_ = 0;  ///< of other jobs that were sent
 };

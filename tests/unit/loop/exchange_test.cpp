@@ -288,6 +288,56 @@ TEST(Exchange, ARobotAtAnotherOrderIsWaitedForAndARefusalIsSaid) {
   EXPECT_TRUE(exchange.due(200, utc_of(200)).empty());
 }
 
+/// The robot is off, and the broker has kept what it said last night.
+TEST(Exchange, WhatABrokerHasKeptIsNoAnswer) {
+  World world({}, 5);
+  Disk disk;
+  world.robot.header = 500;
+  const std::string kept = world.robot.state(50);
+  OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
+  exchange.due(100, utc_of(100));
+  exchange.on_state(kept, 100.1, true);
+  for (double now = 101; now < 160; now += 1)
+    for (const MqttMessage& message : exchange.due(now, utc_of(now)))
+      EXPECT_TRUE(message.topic.ends_with("instantActions")) << now;
+  EXPECT_TRUE(disk.sent_lines.empty());
+  // Nor is what comes before the question.
+  OrderExchange early(job_of("job-a", 1), robot_one(), disk);
+  early.on_state(world.robot.state(99), 100);
+  EXPECT_TRUE(early.due(100, utc_of(100)).at(0).topic.ends_with("instantActions"));
+  world.robot.restart();
+  exchange.on_state(world.robot.state(161), 161);
+  EXPECT_TRUE(exchange.due(161, utc_of(161)).at(0).topic.ends_with("order"));
+  EXPECT_NE(exchange.status(), ExchangeStatus::unknown);
+}
+
+/// It was two hours ahead and busy; then somebody sets its clock.
+TEST(Exchange, ARobotWhoseClockIsPutBackIsHeardByItsNumbers) {
+  World world({}, 5);
+  Disk disk;
+  OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
+  exchange.due(100, utc_of(100));
+  world.robot.order = "somebody-elses", world.robot.actions = {{"x", "RUNNING"}};
+  exchange.on_state(world.robot.state(7300), 100);
+  world.robot.order.clear(), world.robot.actions.clear();
+  EXPECT_EQ(exchange.clock_doubt(), "");
+  exchange.on_state(world.robot.state(101), 101);
+  EXPECT_EQ(exchange.clock_doubt(), "") << "one that is late";
+  exchange.on_state(world.robot.state(101.5), 101.5);
+  EXPECT_EQ(exchange.status(), ExchangeStatus::busy);
+  EXPECT_NE(exchange.clock_doubt().find("dated up to 120 min before the last one that it sent"), std::string::npos)
+      << exchange.clock_doubt();
+  bool is_sent = false;
+  for (double now = 102; now < 140 && !is_sent; now += 1)
+    for (const MqttMessage& message : exchange.due(now, utc_of(now)))
+      if (message.topic.ends_with("order"))
+        is_sent = true;
+      else
+        exchange.on_state(world.robot.state(now), now);
+  EXPECT_TRUE(is_sent);
+  EXPECT_EQ(exchange.clock_doubt(), "");
+}
+
 TEST(Exchange, AJobIsNotSentAfterItsTime) {
   World world({}, 6);
   world.robot.order = "somebody-elses", world.robot.actions = {{"x", "RUNNING"}};
@@ -309,6 +359,7 @@ TEST(Exchange, AJobIsNotSentAfterItsTime) {
   EXPECT_EQ(too_late.status(), ExchangeStatus::rejected);
   EXPECT_NE(too_late.reason().find("was valid until 2026-05-02T00:02:00Z"), std::string::npos) << too_late.reason();
   // One that was sent in time, and lost, is not sent again.
+  in_time.due(124, utc_of(124));
   in_time.on_state(world.robot.state(124), 124);
   Robot idle = world.robot;
   idle.actions[0].second = "FINISHED";
@@ -325,6 +376,7 @@ TEST(Exchange, AJobOfAnOlderRevisionThanOneThatWasSentIsNotSent) {
   Job old = job_of("job-1-a", 1), next = job_of("job-2-b", 1);
   next.revision = 2;
   OrderExchange newer(next, robot_one(), disk);
+  newer.due(100, utc_of(100));
   newer.on_state(robot.state(101), 101);
   ASSERT_EQ(newer.due(102, utc_of(102)).size(), 1u);
   OrderExchange exchange(old, robot_one(), disk);
@@ -347,6 +399,7 @@ TEST(Exchange, EveryRefusalCounts) {
     Disk disk;
     OrderExchange exchange(job_of("job-a", 1), robot_one(), disk);
     Robot robot;
+    exchange.due(100, utc_of(100));
     exchange.on_state(robot.state(101), 101);
     ASSERT_EQ(exchange.due(102, utc_of(102)).size(), 1u);
     const auto refusal = [](const std::string& id, const std::string& why) {
@@ -368,6 +421,7 @@ TEST(Exchange, WhatFailedIsNamed) {
   Disk disk;
   OrderExchange exchange(job_of("job-a", 2), robot_one(), disk);
   Robot robot;
+  exchange.due(100, utc_of(100));
   exchange.on_state(robot.state(101), 101);
   for (const MqttMessage& message : exchange.due(102, utc_of(102))) robot.take(message, 102);
   ASSERT_EQ(robot.actions.size(), 2u);
