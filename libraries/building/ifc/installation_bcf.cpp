@@ -41,10 +41,15 @@ bool was_wrong(const Words& words) {
   return false;
 }
 
+/// To be looked at, or to be taken down.
+bool is_wrong(const LoopItemT& item) {
+  return item.status == ItemStatus::rejected || (item.status == ItemStatus::rework && item.hangs);
+}
+
 ToleranceVerdict verdict_of(const LoopItemT& item) {
-  return item.status == ItemStatus::verified   ? ToleranceVerdict::pass
-         : item.status == ItemStatus::rejected ? ToleranceVerdict::fail
-                                               : ToleranceVerdict::undecided;
+  return item.status == ItemStatus::verified ? ToleranceVerdict::pass
+         : is_wrong(item)                    ? ToleranceVerdict::fail
+                                             : ToleranceVerdict::undecided;
 }
 
 std::unique_ptr<FacadeFrameT> drawn_frame(const Eigen::Vector3d& right, const Eigen::Vector3d& up) {
@@ -106,7 +111,7 @@ class Topics {
     for (const bool closed : {false, true})
       for (const auto& item : state_.items)
         if (const std::string what = what_is_wrong(*item);
-            !what.empty() && (item->status == ItemStatus::verified) == closed && !add(*item, what, issues) && !closed)
+            !what.empty() && is_mended(*item) == closed && !add(*item, what, issues) && !closed)
           nowhere.push_back(item->id);
     if (!nowhere.empty()) issues.push_back(of_items_nowhere(nowhere));
     return issues;
@@ -140,9 +145,13 @@ class Topics {
     return found == history_.end() ? none : found->second;
   }
 
+  static bool is_mended(const LoopItemT& item) { return item.status == ItemStatus::verified && !item.gone; }
+
   std::string what_is_wrong(const LoopItemT& item) const {
+    if (item.gone) return item.hangs ? "take it down: the design does not have it any more" : "";
     if (item.status == ItemStatus::rejected) return "look at it: " + item.why;
     if (item.status == ItemStatus::relocalised && item.hangs && !item.seen) return "nobody has seen it hang";
+    if (item.status == ItemStatus::rework && item.hangs) return "take it down: " + item.why;
     if (was_wrong(words_of(item)))
       return item.status == ItemStatus::verified ? "mended: " + item.why : "is done again: " + item.why;
     const auto panel = panels_.find(item.id);
@@ -155,12 +164,12 @@ class Topics {
   /// False if it has no place in a model.
   bool add(const LoopItemT& item, const std::string& what, std::vector<BcfIssue>& issues) const {
     BcfIssue issue;
-    issue.about = "installation", issue.closed = item.status == ItemStatus::verified;
+    issue.about = "installation", issue.closed = is_mended(item);
     issue.title = (item.kind == "bracket" ? "Bracket " : "Panel ") + item.id + ": " + what;
     issue.description = "State " + std::string(EnumNameItemStatus(item.status)) + ", done again " +
                         std::to_string(item.reworks) + " times: " + what + ".";
     issue.storey = item.floor > 0 ? "Floor " + std::to_string(item.floor) : "";
-    issue.verdict = item.status == ItemStatus::rejected ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
+    issue.verdict = is_wrong(item) ? ToleranceVerdict::fail : ToleranceVerdict::undecided;
     for (const auto& [to, comment] : words_of(item)) issue.comments.push_back(comment);
     if (!place(item, issue) || issue.guid.size() != 22) return false;
     issues.push_back(std::move(issue));

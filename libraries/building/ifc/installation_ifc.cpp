@@ -172,10 +172,10 @@ class InstallationWriter {
   }
 
   void write_summary(const std::vector<std::string>& tasks) {
-    const auto panels =
-        std::count_if(state_.items.begin(), state_.items.end(), [](const auto& item) { return item->kind == "panel"; });
+    const auto panels = std::count_if(state_.items.begin(), state_.items.end(),
+                                      [](const auto& item) { return item->kind == "panel" && !item->gone; });
     const auto verified = std::count_if(state_.items.begin(), state_.items.end(), [](const auto& item) {
-      return item->kind == "panel" && item->status == ItemStatus::verified;
+      return item->kind == "panel" && item->status == ItemStatus::verified && !item->gone;
     });
     const InstanceId whole = add_task("whole", "Installation" + (options_.epoch.empty() ? "" : " " + options_.epoch),
                                       "installation", state_.done ? "WAITS FOR A PERSON OR DONE" : "UNDER WAY",

@@ -309,6 +309,20 @@ CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlac
   return out;
 }
 
+std::string repetition_words(const CombinedCampaigns& combined) {
+  if (combined.known > 0)
+    return "the places of " + std::to_string(combined.known) +
+           " anchors are those of a campaign before, to a micrometre, and those of others are not: this campaign holds "
+           "readings of that one. Give what was measured since";
+  return combined.repeats
+             ? fmt::format(
+                   "this campaign agrees with those before far better than it can (chi-squared {:.2f} where about {} "
+                   "is expected): does it hold readings of theirs, or is the instrument better than its profile? Give "
+                   "what was measured since, or a profile as good as the instrument",
+                   combined.chi_squared, 3 * combined.compared)
+             : std::string();
+}
+
 std::vector<std::string> words_of(const CombinedCampaigns& combined) {
   std::vector<std::string> words;
   for (const MovedAnchor& moved : combined.moved) {
@@ -318,16 +332,7 @@ std::vector<std::string> words_of(const CombinedCampaigns& combined) {
                     text::millimetres(moved.shift.norm()) + " from where campaigns before had " +
                     (moved.id.empty() ? "them" : "it") + test + ": it counts as measured for the first time");
   }
-  if (combined.known > 0)
-    words.push_back("the places of " + std::to_string(combined.known) +
-                    " anchors are those of a campaign before, to a micrometre, and those of others are not: this "
-                    "campaign holds readings of that one. It counts alone");
-  else if (combined.repeats) {
-    words.push_back(fmt::format(
-        "this campaign agrees with those before far better than it can (chi-squared {:.2f} where about {} is "
-        "expected): does it hold readings of theirs, or is the instrument better than its profile? It counts alone",
-        combined.chi_squared, 3 * combined.compared));
-  }
+  if (const std::string repeats = repetition_words(combined); !repeats.empty()) words.push_back(repeats);
   return words;
 }
 

@@ -61,6 +61,9 @@ struct CombinedCampaigns {
 CombinedCampaigns combine_campaigns(const AnchorPlaces& before, const AnchorPlaces& campaign,
                                     const std::set<std::string>& worked_on, const CombineOptions& options = {});
 
+/// Why a campaign that `repeats` can be none of its own; empty: it is one.
+std::string repetition_words(const CombinedCampaigns& combined);
+
 /// "F03-C02-R1 is 2.4 mm from where it was measured before", one line each, and what repeats.
 std::vector<std::string> words_of(const CombinedCampaigns& combined);
 

@@ -150,11 +150,20 @@ void SimulatedSite::see_panel(const std::string& id, Random& luck, ActualT& actu
   actual.sigma.setConstant(kSeen);
 }
 
+/// By a crew, who do what they are told.
+void SimulatedSite::take_down(const LoopItemT& panel, ActualsT& actuals) {
+  auto actual = std::make_unique<ActualT>();
+  actual->item = panel.id, actual->revision = panel.revision, actual->by = "crew", actual->outcome = "removed";
+  actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
+  actuals.items.push_back(std::move(actual));
+}
+
 ActualsT SimulatedSite::execute(const LoopStateT& state, int round) {
   ActualsT actuals;
   std::vector<int> hung(static_cast<std::size_t>(options_.tower.floors) + 1, 0);
   const int on_a_floor = static_cast<int>(design_.panels.size()) / options_.tower.floors;
   for (const auto& item : state.items) {
+    if (item->status == ItemStatus::rework) take_down(*item, actuals);
     if (item->status != ItemStatus::released) continue;
     if (item->kind == "bracket") {
       execute_bracket(*item, round, actuals);

@@ -93,6 +93,7 @@ class SimulatedSite {
 
  private:
   void execute_bracket(const LoopItemT& item, int round, ActualsT& actuals);
+  static void take_down(const LoopItemT& panel, ActualsT& actuals);
   void see_panel(const std::string& id, Random& luck, ActualT& actual) const;
   void plant(const std::string& kind, std::size_t bracket, int round, const Eigen::Vector3d& displacement);
   std::size_t bracket(const std::string& id) const { return bracket_at_.at(id); }

@@ -7,13 +7,16 @@
 
 namespace plumbline::loop {
 
-void Round::do_again(LoopItemT& item, const Because& because) {
+bool Round::may_do_again(LoopItemT& item, const Because& because) {
   move(state_, item, ItemStatus::rework, because);
-  if (++item.reworks > options_.most_reworks) {
-    move(state_, item, ItemStatus::rejected,
-         {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why, {}, {}, because.rests_on});
-    return;
-  }
+  if (++item.reworks <= options_.most_reworks) return true;
+  move(state_, item, ItemStatus::rejected,
+       {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why, {}, {}, because.rests_on});
+  return false;
+}
+
+void Round::do_again(LoopItemT& item, const Because& because) {
+  if (!may_do_again(item, because)) return;
   move(state_, item, ItemStatus::planned, {"to be planned again: " + because.why, {}, {}, because.rests_on});
 }
 
@@ -127,9 +130,11 @@ bool Round::can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) con
 /// A plate that was knocked before it was measured first moves its bracket's place, and no campaign on the plates tells
 /// it: the panel itself does. A test of each axis by kOff standard deviations, and its minimal detectable bias (Baarda
 /// 1968) at a power of 80 %.
-std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& item) {
+std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& item) const {
   constexpr double kOff = 4, kPower = 0.8416;
-  if (item.place.size() != 6 || panel.centre_sigma.size() != 3) return {};
+  if (item.place.size() != 6) return {};
+  if (!(item.place[3] > 0)) return contradiction_without_sigma(panel, item);
+  if (panel.centre_sigma.size() != 3) return {};
   double worst = 0, off = 0;
   for (int k = 0; k < 3; ++k) {
     const double sigma = std::hypot(item.place[3 + k], panel.centre_sigma[k]);
@@ -142,6 +147,21 @@ std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& it
   return "was measured " + text::millimetres(off) +
          " from where its brackets say that it hangs: look whether the plate of one of them was knocked before it was "
          "measured first, or the panel does not sit in its hooks";
+}
+
+/// A number without its precision contradicts nothing but that the panel is within its limits.
+std::string Round::contradiction_without_sigma(const PlannedPanelT& panel, LoopItemT& item) const {
+  double limit = 0, off = 0;
+  for (const auto& length : plan_.lengths)
+    if (length->quantity == "corner" && length->panels.size() == 1 && length->panels[0] == panel.id)
+      for (const double side : {length->low, length->high})
+        if (std::isfinite(side)) limit = std::fmax(limit, std::abs(side));
+  for (int k = 0; k < 3; ++k) off = std::fmax(off, std::abs(item.place[k] - panel.centre[k] - panel.shift[k]));
+  item.place.clear();
+  if (!(limit > 0) || off <= limit) return {};
+  return "was reported " + text::millimetres(off) +
+         " from where its brackets say that it hangs, more than its limits of " + text::millimetres(limit) +
+         ": look where it hangs, or whether that is another panel's place";
 }
 
 void Round::verify_panels() {
@@ -159,6 +179,9 @@ void Round::verify_panels() {
     if (item.status == ItemStatus::verified && !is_right)
       move(state_, item, ItemStatus::relocalised,
            {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+    if (item.status == ItemStatus::rework && is_right)
+      move(state_, item, ItemStatus::relocalised,
+           {"hangs within its limits again: " + panel->reason, {}, {}, rests_on_});
     if (item.status != ItemStatus::relocalised) continue;
     if (is_right && !item.seen)
       item.why =
@@ -167,18 +190,7 @@ void Round::verify_panels() {
     else if (is_right)
       move(state_, item, ItemStatus::verified, because);
     else if (1 - panel->p_in >= options_.verified)
-      take_down(*panel, item);
-  }
-}
-
-void Round::take_down(const PlannedPanelT& panel, LoopItemT& item) {
-  do_again(item, {"hangs outside its limits: " + panel.reason, {}, {}, rests_on_});
-  // What was done again too often is left to a person, and hangs.
-  item.hangs = item.status == ItemStatus::rejected, item.seen = item.seen && item.hangs;
-  for (const std::string& id : panel.brackets) {
-    LoopItemT* bracket = this->item("bracket", id);
-    if (bracket && bracket->status == ItemStatus::verified && !carries(id))
-      do_again(*bracket, {"panel " + panel.id + " is taken down", {}, {}, rests_on_});
+      may_do_again(item, {"hangs outside its limits: " + panel->reason, {}, {}, rests_on_});
   }
 }
 

@@ -38,7 +38,7 @@ bool may_follow(ItemStatus from, ItemStatus to) {
       {S::executed, {S::relocalised}},
       {S::relocalised, {S::verified, S::rework}},
       {S::verified, {S::relocalised, S::rework}},
-      {S::rework, {S::planned, S::rejected}},
+      {S::rework, {S::planned, S::rejected, S::relocalised}},
       {S::rejected, {S::planned, S::relocalised}},
       {S::stale, {S::planned}}};
   return next.at(from).count(to) > 0;
@@ -81,6 +81,15 @@ void reject_item(LoopStateT& state, LoopItemT& item, const Because& because) {
   if (item.status == S::relocalised || item.status == S::verified) move(state, item, S::rework, because);
   if (item.status == S::planned || item.status == S::rework) move(state, item, S::rejected, because);
   item.pending.setZero();
+}
+
+void unhang(LoopStateT& state, LoopItemT& panel, const Because& because) {
+  using S = ItemStatus;
+  if (panel.status == S::executed) move(state, panel, S::relocalised, because);
+  if (panel.status == S::relocalised || panel.status == S::verified) move(state, panel, S::rework, because);
+  move(state, panel, S::planned, because);
+  panel.hangs = panel.seen = false;
+  panel.place.clear(), panel.told_from = std::nan("");
 }
 
 void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Because& because) {
@@ -177,9 +186,23 @@ bool is_over(const LoopItemT& item) {
          item.status == ItemStatus::verified;
 }
 
+/// Dated before the report that counts, or as old: what it tells of was over by then.
+bool is_of_before(const LoopItemT& item, const ActualT& actual) {
+  const std::optional<double> then = seconds_of(actual.at), last = seconds_of(item.at);
+  return then && last && *then <= *last;
+}
+
+/// Whether a report tells of the release that its item has, and not of one before: by revision, job or date.
+bool is_of_release(const LoopItemT& item, const ActualT& actual) {
+  if (item.revision == 0) return false;
+  if (actual.revision != 0) return actual.revision == item.revision;
+  if (std::find(item.jobs.begin(), item.jobs.end(), actual.job) != item.jobs.end()) return true;
+  return actual.job.empty() && seconds_of(actual.at) && seconds_of(item.at) && !is_of_before(item, actual);
+}
+
 /// That a panel hangs is known by reports alone: where they contradict each other somebody looks.
 bool contradicts(const LoopItemT& item, const ActualT& actual) {
-  return item.kind == "panel" && is_over(item) && actual.revision == item.revision &&
+  return item.kind == "panel" && is_over(item) && is_of_release(item, actual) && !is_of_before(item, actual) &&
          (actual.outcome == "failed" || actual.outcome == "skipped");
 }
 
@@ -200,12 +223,13 @@ std::string no_proof(const LoopItemT& item, const ActualT& actual, const CopiedP
          "; measure it again, or accept it when somebody has seen it";
 }
 
-/// The place of a panel with its standard deviations, for whoever compares it with where its brackets say that it
-/// hangs.
-std::vector<double> place_with_sigma(const ActualT& actual) {
-  if (!actual.measured.allFinite() || !actual.sigma.allFinite() || !(actual.sigma.minCoeff() > 0)) return {};
-  return {actual.measured.x(), actual.measured.y(), actual.measured.z(),
-          actual.sigma.x(),    actual.sigma.y(),    actual.sigma.z()};
+/// The place of a panel with its standard deviations, 0 where none are stated, for whoever compares it with where its
+/// brackets say that it hangs.
+std::vector<double> place_of_report(const ActualT& actual) {
+  if (!actual.measured.allFinite()) return {};
+  const bool is_stated = actual.sigma.allFinite() && actual.sigma.minCoeff() > 0;
+  const Eigen::Vector3d sigma = is_stated ? actual.sigma : Eigen::Vector3d(0, 0, 0);
+  return {actual.measured.x(), actual.measured.y(), actual.measured.z(), sigma.x(), sigma.y(), sigma.z()};
 }
 
 /// A later report that shows a panel of which only a word was known so far. One that nothing ties to this release may
@@ -233,25 +257,55 @@ bool says_sill_was_knocked(const LoopItemT& item, const ActualT& actual, const s
          doubt_of_itself(actual, now).empty() && date_doubt(item, actual).empty();
 }
 
+/// ": " and what else a report says.
+std::string note_of(const ActualT& actual) { return actual.note.empty() ? "" : ": " + actual.note; }
+
 void take_knock(LoopStateT& state, LoopItemT& sill, const ActualT& actual) {
-  const Because because{"reported failed" + (actual.note.empty() ? "" : ": " + actual.note), actual.by, actual.at, {}};
+  const Because because{"reported failed" + note_of(actual), actual.by, actual.at, {}};
   reject_item(state, sill, because);
   sill.expected.setConstant(kUnknown);
   reject_what_stands_on(state, sill, {"was " + because.why, actual.by, actual.at, {}});
 }
 
+/// Why a report that a panel does not hang any more is not taken. One of the time before it was hung again would have
+/// it hung twice.
+std::string removal_doubt(const LoopItemT& item, const ActualT& actual, const std::string& now) {
+  if (const std::string doubt = doubt_of_itself(actual, now); !doubt.empty()) return doubt;
+  if (item.kind != "panel") return "says removed, which is said of a panel that hung; of a bracket say failed";
+  if (!item.hangs) return "says removed, and by what was reported it does not hang; nothing changes";
+  if (!is_of_release(item, actual))
+    return "says removed, and neither revision, job nor date say that this was after it was hung last; give one of "
+           "them as they are in the job";
+  return date_doubt(item, actual);
+}
+
+bool is_removal(const ActualT& actual) { return actual.outcome == "removed"; }
+
+/// Nobody knows whether it hangs: neither of the two reports is better than the other.
+void take_contradiction(LoopStateT& state, LoopItemT& panel, const ActualT& actual, const std::string& now) {
+  const bool has_date = seconds_of(actual.at) && future_doubt(actual, now).empty();
+  reject_item(state, panel,
+              {"reported done, then " + actual.outcome + ", look whether it hangs" + note_of(actual),
+               actual.by,
+               has_date ? actual.at : "",
+               {}});
+  panel.seen = false;
+}
+
 /// Why a report is not taken; empty if it is.
 std::string objection(const LoopItemT* item, const ActualT& actual, const std::string& now) {
+  if (is_removal(actual)) return removal_doubt(*item, actual, now);
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
-    return "outcome '" + actual.outcome + "', expected done, failed or skipped";
+    return "outcome '" + actual.outcome + "', expected done, failed, skipped or removed";
   if (const std::string doubt = doubt_of_itself(actual, now); !doubt.empty()) return doubt;
   if (!item->holds.empty() && item->revision == 0)
     return "is a place of a sill: nobody is asked to set it, and it was not reported as 'failed', which says that it "
            "was "
            "knocked";
   if (is_over(*item) && actual.revision == item->revision)
-    return actual.outcome == "done" ? "was reported before; nothing changes"
-                                    : "says " + actual.outcome + ", a report before it said done: look at it";
+    return actual.outcome == "done"      ? "was reported before; nothing changes"
+           : is_of_before(*item, actual) ? date_doubt(*item, actual)
+                                         : "says " + actual.outcome + ", a report before it said done: look at it";
   if (is_over(*item) && item->kind == "panel" && !item->seen && actual.revision == 0)
     if (const std::string doubt = release_doubt(*item, actual); !doubt.empty()) return doubt;
   if (item->revision == 0)
@@ -286,7 +340,9 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
   const auto may_count = [&](const ActualT& actual) {
     int named = 0;
     const LoopItemT* item = item_of(state, actual.item, named);
-    return named == 1 && objection(item, actual, now).empty();
+    if (named != 1) return false;
+    // What is reported as done in this round as well may be taken down in it.
+    return objection(item, actual, now).empty() || (is_removal(actual) && is_of_release(*item, actual));
   };
   for (const auto& [actual, replaced] : in_order_of_time(actuals, may_count)) {
     const std::string report =
@@ -304,29 +360,35 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       continue;
     }
     if (named == 1 && shows_what_was_reported(*item, *actual, copied, now)) {
-      item->seen = true, item->place = place_with_sigma(*actual);
+      item->seen = true, item->place = place_of_report(*actual);
       note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
+      continue;
+    }
+    if (named == 1 && contradicts(*item, *actual)) {
+      take_contradiction(state, *item, *actual, now);
+      if (doubted)
+        doubted->push_back(report + "says " + actual->outcome +
+                           ", a report before it said done: look whether it hangs");
       continue;
     }
     const std::string why_not = named > 1   ? "a bracket and a panel have this name: give one of them another"
                                 : named < 1 ? unknown_words(state, actual->item)
                                             : objection(item, *actual, now);
     if (!why_not.empty()) {
-      if (named == 1 && contradicts(*item, *actual))
-        reject_item(state, *item,
-                    {"reported done, then " + actual->outcome + ": look whether it hangs", actual->by, {}, {}});
       refused.push_back(report + why_not);
       continue;
     }
     const Because because{
         actual->note.empty() ? "reported " + actual->outcome : actual->note, actual->by, actual->at, {}};
-    if (actual->outcome == "done") {
+    if (is_removal(*actual)) {
+      unhang(state, *item, {"reported removed" + note_of(*actual), actual->by, actual->at, {}});
+    } else if (actual->outcome == "done") {
       move(state, *item, ItemStatus::executed, because);
       // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its
       // range.
       item->setting += item->pending, item->hangs = item->kind == "panel";
       item->seen = item->hangs && shows_panel(*item, *actual, copied);
-      item->place = item->seen ? place_with_sigma(*actual) : std::vector<double>();
+      item->place = item->seen ? place_of_report(*actual) : std::vector<double>();
       if (const std::string doubt = no_proof(*item, *actual, copied); doubted && !doubt.empty())
         doubted->push_back(report + doubt);
       item->at = actual->at;  // of the work, not of its release: none is none
@@ -384,6 +446,7 @@ void close_round(LoopStateT& state) {
     return std::count(state.moved_control.begin(), state.moved_control.end(), control_of_floor(floor)) > 0;
   };
   for (const auto& item : state.items) {
+    if (item->gone) continue;
     state.verified += item->status == ItemStatus::verified;
     state.given_up += item->status == ItemStatus::rejected;
     // Who is to look at the control of its floor is a person, and so is who sees whether a panel hangs.

@@ -5,7 +5,8 @@
 // A bracket is executed when it was set, relocalised when its anchor was measured again, verified when it stands where
 // it was to be set. A panel is released when its brackets are verified and its gate is GO, verified when the
 // measurement of its hooks says that it hangs within its limits. Rework goes back to planned, a given number of times.
-// A bracket that carries a hanging panel stays as it is.
+// A bracket that carries a hanging panel stays as it is. A panel that hangs outside its limits is rework, and hangs,
+// until somebody says that it was taken down: nobody else knows.
 //
 // A plate is measured, not the bracket. One that stands elsewhere than it should is looked at by a person, also where a
 // mistake of a robot (not moved, moved the other way, twice) would explain it: a plate that was knocked meanwhile may
@@ -46,8 +47,9 @@ struct MachineOptions {
 /// revision, job and date, one that came before (told, and harmless), a setting far from what was asked for, a place
 /// metres away from where the item is (with what would explain it: feet, millimetres, exchanged axes, another frame), a
 /// name of a bracket and a panel, standard deviations that are in another unit or none, a date later than `now` (ISO
-/// 8601 with zone; empty: not said, and nothing is too late). A panel that was reported done and then failed goes to a
-/// person. `doubted`: panels' reports that are taken, though their place does not show that it hangs, with why.
+/// 8601 with zone; empty: not said, and nothing is too late). "removed" says that a panel does not hang any more: it is
+/// planned again. One that was reported done and later failed goes to a person. `doubted`: panels' reports that are
+/// taken, and do not show that it hangs, with why.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
                                        std::vector<std::string>* doubted = nullptr, const std::string& now = {});
 
@@ -74,13 +76,24 @@ void recall(LoopStateT& state, const std::vector<std::string>& moved_control, co
 /// alone: a person has seen it. False if it is none of these.
 bool accept_item(LoopStateT& state, const std::string& id);
 
+/// Whether nobody knows if it hangs, so that to have looked at it does not say what was found: given to a person, and
+/// seen by nothing.
+bool may_not_hang(const LoopItemT& item);
+
 /// accept_item() of what a person looked at after this state's last round: "F01-C02-R1@4" of round 4, as next_words()
 /// asks for it. A name alone, or of another round, accepts nothing: left in a command it would accept what nobody has
-/// looked at. Why nothing is accepted; empty: it is.
+/// looked at. Of a panel that may not hang the word is "F01-P02 hangs@4". Why nothing is accepted; empty: it is.
 std::string accept_look(LoopStateT& state, const std::string& word);
 
-/// "F01-C02-R1@4": what accept_look() takes after this state's last round.
+/// "F01-P02@4", in the same way: a panel that somebody took down after this state's last round, or found not hanging.
+/// Why nothing changes; empty: it is planned again.
+std::string remove_look(LoopStateT& state, const std::string& word);
+
+/// "F01-C02-R1@4": what accept_look() and remove_look() take after this state's last round.
 std::string look_word(const LoopStateT& state, const std::string& name);
+
+/// "F01-P02 hangs@4".
+std::string hangs_word(const LoopStateT& state, const std::string& name);
 
 /// Counts, `done`, `next`.
 void close_round(LoopStateT& state);

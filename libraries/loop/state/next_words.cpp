@@ -19,7 +19,8 @@ struct Floor {
 };
 
 struct Counts {
-  int panels = 0, hang = 0, brackets = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0;
+  int panels = 0, hang = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0;
+  std::string down;  ///< the first that is to be taken down; empty: none
 };
 
 /// A panel that hangs by a report alone, and is right if it hangs.
@@ -27,8 +28,25 @@ bool is_unseen(const LoopItemT& item) {
   return item.kind == "panel" && item.status == ItemStatus::relocalised && item.hangs && !item.seen;
 }
 
-void add(const LoopItemT& item, Floor& floor, Counts& counts) {
+/// What to say of a panel that may not hang.
+std::string which_words(const LoopStateT& state, const LoopItemT& item) {
+  return "; if it hangs as it should, run with reported.with.accept=['" + hangs_word(state, item.id) +
+         "'], else with reported.with.removed=['" + look_word(state, item.id) + "']";
+}
+
+std::string removed_words(const LoopStateT& state, const LoopItemT& item) {
+  return "; if it does not, run with reported.with.removed=['" + look_word(state, item.id) + "']";
+}
+
+void add(const LoopStateT& state, const LoopItemT& item, Floor& floor, Counts& counts) {
   const bool is_panel = item.kind == "panel";
+  if (item.gone) {
+    if (!item.hangs) return;
+    floor.lines.push_back("take down " + item.id + ": the design does not have it any more");
+    ++counts.rejected;
+    if (counts.down.empty()) counts.down = item.id;
+    return;
+  }
   counts.panels += is_panel, counts.hang += is_panel && item.status == ItemStatus::verified;
   switch (item.status) {
     case ItemStatus::released:
@@ -38,12 +56,21 @@ void add(const LoopItemT& item, Floor& floor, Counts& counts) {
     case ItemStatus::executed:
     case ItemStatus::relocalised:
       if (is_unseen(item))
-        floor.lines.push_back("look whether " + item.id + " hangs: nothing has measured it there"), ++counts.unseen;
+        floor.lines.push_back("look whether " + item.id + " hangs: nothing has measured it there" +
+                              removed_words(state, item)),
+            ++counts.unseen;
       else
         floor.measure.push_back(item.id), ++counts.measured;
       break;
     case ItemStatus::rejected:
-      floor.lines.push_back("look at " + item.id + ": " + item.why), ++counts.rejected;
+      floor.lines.push_back("look at " + item.id + ": " + item.why +
+                            (may_not_hang(item) ? which_words(state, item) : "")),
+          ++counts.rejected;
+      break;
+    case ItemStatus::rework:  // of a panel that hangs
+      floor.lines.push_back("take down " + item.id + ": " + item.why);
+      ++counts.rejected;
+      if (counts.down.empty()) counts.down = item.id;
       break;
     case ItemStatus::planned:
       if (is_panel)
@@ -68,6 +95,9 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
     return "look at the " + state.moved_control.front() +
            ", then measure again; if it is in order, run with reported.with.accept=['" +
            look_word(state, state.moved_control.front()) + "']";
+  if (!counts.down.empty())
+    return "take down what is named below, and run with reported.with.removed=['" + look_word(state, counts.down) +
+           "'] for each" + (counts.released > 0 ? "; give the job to the robots, then measure and run again" : "");
   if (counts.released > 0) return "give the job to the robots, then measure and run again";
   if (counts.measured > 0) return "measure, then run again";
   if (state.to_measure) return "measure once more, then run again: what waits is likely to fit as it stands";
@@ -86,7 +116,7 @@ std::string untold_words(const LoopStateT& state) {
   int told = 0, untold = 0;
   double from = 0;
   for (const auto& item : state.items) {
-    if (item->kind != "panel" || item->status != ItemStatus::verified) continue;
+    if (item->kind != "panel" || item->status != ItemStatus::verified || item->gone) continue;
     (std::isnan(item->told_from) ? untold : told)++, from = std::fmax(from, item->told_from);
   }
   const std::string what = "no campaign tells a plate that was knocked before it was measured first: ";
@@ -105,14 +135,14 @@ std::string untold_words(const LoopStateT& state) {
 std::string next_step(const LoopStateT& state) {
   Floor unused;
   Counts counts;
-  for (const auto& item : state.items) add(*item, unused, counts);
+  for (const auto& item : state.items) add(state, *item, unused, counts);
   return step_words(state, counts);
 }
 
 std::string next_words(const LoopStateT& state) {
   std::map<int, Floor> floors;
   Counts counts;
-  for (const auto& item : state.items) add(*item, floors[item->floor], counts);
+  for (const auto& item : state.items) add(state, *item, floors[item->floor], counts);
   std::string text = std::to_string(counts.hang) + " of " + std::to_string(counts.panels) +
                      " panels hang and are verified, after round " + std::to_string(state.round) + "; " +
                      std::to_string(counts.released) + " items are released (revision " +

@@ -19,6 +19,13 @@ constexpr int kMostCampaigns = 10;
 /// So many rounds in a row nothing but another campaign is waited for; then somebody decides.
 constexpr int kMostWaits = 10;
 
+/// Setting a bracket again measures no other one, and adds no hook.
+bool says_nothing_of_its_brackets(const PlannedPanelT& panel) {
+  return panel.obstacle == PanelObstacle::not_measured ||
+         (panel.gate == GateDecision::hold && panel.obstacle != PanelObstacle::none &&
+          panel.obstacle != PanelObstacle::not_said);
+}
+
 }  // namespace
 
 int Round::revision() {
@@ -37,7 +44,7 @@ bool Round::another_campaign_may_do(const PlannedPanelT& panel) const {
   return !is_set || panel.p_in >= kLikely;
 }
 
-void Round::find_stale() {
+void Round::find_stale_brackets() {
   for (const auto& bracket : plan_.brackets) {
     LoopItemT& item = *this->item("bracket", bracket->id);
     if (item.status != ItemStatus::released || moved_floors_.count(item.floor) || !bracket->measured.allFinite())
@@ -48,6 +55,9 @@ void Round::find_stale() {
     recall_item(item, "stale: the new measurement asks for " + text::millimetres(change) + " elsewhere");
     item.expected = bracket->measured;
   }
+}
+
+void Round::find_stale_panels() {
   for (const auto& panel : plan_.panels)
     if (LoopItemT& item = *this->item("panel", panel->id); item.status == ItemStatus::released) {
       const std::string why = why_stale(*panel, item);
@@ -61,12 +71,16 @@ std::string Round::why_stale(const PlannedPanelT& panel, const LoopItemT& item) 
   if (const LoopItemT* sill = sill_for_a_person(state_, panel.id)) return "its sill " + sill->id + " is for a person";
   for (const std::string& id : panel.depends_on) {
     const LoopItemT* before = this->item("panel", id);
-    if (before && sill_for_a_person(state_, id)) return id + ", which is to hang before it, is for a person";
+    if (before && (may_not_hang(*before) || sill_for_a_person(state_, id)))
+      return id + ", which is to hang before it, is for a person";
+    if (before && before->status == ItemStatus::rework) return id + ", which is to hang before it, is to be taken down";
     if (before && !hangs(*before)) return id + ", which is to hang before it, does not hang";
   }
   for (const std::string& id : panel.brackets)
     if (this->item("bracket", id)->status != ItemStatus::verified && !carries(id))
       return "its bracket " + id + " is no longer verified";
+  if (const std::string other = neighbour_to_take_down(panel); !other.empty())
+    return other + ", which shares a bracket with it, is to be taken down";
   const double change = (panel.centre + panel.shift - item.expected).cwiseAbs().maxCoeff();
   return change > 0.1 * options_.setting_tolerance ? "it is to hang " + text::millimetres(change) + " elsewhere"
                                                    : std::string();
@@ -76,6 +90,7 @@ void Round::unset_what_does_not_do() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& hung = *item("panel", panel->id);
     if (hung.status != ItemStatus::planned || panel->gate == GateDecision::go || touches_moved_floor(*panel)) continue;
+    if (says_nothing_of_its_brackets(*panel)) continue;
     if (sill_for_a_person(state_, panel->id)) continue;  // by a sill that may be moved back nothing is set anew
     if (another_campaign_may_do(*panel)) {
       // The same campaign once more is none that it waited for.
@@ -108,6 +123,7 @@ std::string Round::before_its_turn(const PlannedPanelT& panel) const {
     const LoopItemT* before = item("panel", id);
     if (!before) return id + ", which is to hang before it and is not planned";
     if (before->status == ItemStatus::rejected) return id + ", which is to hang before it and is for a person";
+    if (before->status == ItemStatus::rework) return id + ", which is to hang before it and is to be taken down";
     if (before->status != ItemStatus::verified) return id + ", which is to hang before it";
   }
   return {};
@@ -122,12 +138,23 @@ std::string Round::neighbour_that_waits(const PlannedPanelT& panel) const {
   return {};
 }
 
+std::string Round::neighbour_to_take_down(const PlannedPanelT& panel) const {
+  for (const auto& other : plan_.panels) {
+    if (other->id == panel.id || item("panel", other->id)->status != ItemStatus::rework) continue;
+    for (const std::string& id : other->brackets)
+      if (std::count(panel.brackets.begin(), panel.brackets.end(), id) > 0) return other->id;
+  }
+  return {};
+}
+
 std::string Round::why_not_yet(const PlannedPanelT& panel) const {
   if (const LoopItemT* sill = sill_for_a_person(state_, panel.id))
     return "waits for its sill: " + sill->id + " is for a person";
   if (measured_again_.count(panel.id) > 0) return "waits for another campaign: " + panel.reason;
   if (panel.gate != GateDecision::go) return panel.reason.empty() ? "is not GO" : panel.reason;
   if (touches_moved_floor(panel)) return "waits for control: that of its floor or of one beside it moved";
+  if (const std::string other = neighbour_to_take_down(panel); !other.empty())
+    return "waits for " + other + ", which shares a bracket with it and is to be taken down";
   const std::string before = before_its_turn(panel);
   return before.empty() ? before : "waits for " + before;
 }

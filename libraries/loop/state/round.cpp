@@ -30,6 +30,7 @@ Round::Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOpti
 
 void Round::run() {
   note_sills();
+  note_gone();
   moved_floors_ = floors_in_doubt();
   state_.to_plan = state_.to_measure = false, state_.doubts = plan_.doubts;
   if (const std::string why = doubt_of_everything(); !why.empty()) {
@@ -41,8 +42,10 @@ void Round::run() {
     take_readings();
     verify_brackets();
     verify_panels();
-    find_stale();
+    find_stale_brackets();
+    find_stale_panels();
     unset_what_does_not_do();
+    find_stale_panels();
     release();
     for (const auto& bracket : plan_.brackets)
       if (bracket->fixed && item("bracket", bracket->id)->status == ItemStatus::planned && !carries(bracket->id))
@@ -65,6 +68,14 @@ void Round::note_sills() {
     for (const auto& panel : plan_.panels)
       if (std::count(panel->sills.begin(), panel->sills.end(), bracket->id) > 0) holds.insert(panel->id);
     sill.holds.assign(holds.begin(), holds.end());
+  }
+}
+
+void Round::note_gone() {
+  for (auto& item : state_.items) {
+    item->gone = !item->guid.empty() && std::count(plan_.gone.begin(), plan_.gone.end(), item->guid) > 0;
+    if (item->gone && item->status == ItemStatus::released)
+      recall_item(*item, "stale: the design does not have it any more");
   }
 }
 
@@ -93,7 +104,9 @@ std::string Round::doubt_of_everything() const {
 void Round::hold_everything(const std::string& why) {
   for (auto& item : state_.items) {
     if (item->status == ItemStatus::released) recall_item(*item, why);
-    if (item->status != ItemStatus::verified && item->status != ItemStatus::rejected) item->why = why;
+    const bool has_its_own = item->status == ItemStatus::verified || item->status == ItemStatus::rejected ||
+                             item->status == ItemStatus::rework;
+    if (!has_its_own) item->why = why;
   }
 }
 

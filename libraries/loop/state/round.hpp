@@ -31,6 +31,8 @@ class Round {
   void note_basis(LoopItemT& item) const;
   /// What places of a sill hold. One that was not measured, or that somebody is to look at, holds what it held before.
   void note_sills();
+  /// What the design does not have any more is no work: released, it is recalled.
+  void note_gone();
   /// Of brackets that no panel of the plan hangs on, why nothing is set on them.
   void tell_unused();
   /// Without a new measurement a floor that moved stays in doubt.
@@ -66,14 +68,18 @@ class Round {
   void verify_panels();
   /// Why the panel's own place contradicts its brackets; empty: it does not, or there is none. It is compared once: the
   /// building moves afterwards.
-  static std::string place_contradiction(const PlannedPanelT& panel, LoopItemT& item);
-  void take_down(const PlannedPanelT& panel, LoopItemT& item);
+  std::string place_contradiction(const PlannedPanelT& panel, LoopItemT& item) const;
+  std::string contradiction_without_sigma(const PlannedPanelT& panel, LoopItemT& item) const;
+  /// One rework more; after too many it is rejected, and false.
+  bool may_do_again(LoopItemT& item, const Because& because);
   /// Back to planned with one more rework, or rejected after too many.
   void do_again(LoopItemT& item, const Because& because);
   Eigen::Vector3d doubt(const BracketSettingT& bracket) const { return doubt_of(bracket, options_.setting_tolerance); }
 
   // What comes next (release_round.cpp).
-  void find_stale();
+  void find_stale_brackets();
+  /// Also after brackets were taken back: a job has no panel on a bracket that is to be set again.
+  void find_stale_panels();
   /// Why a panel may not be hung as it was released; empty: it may.
   std::string why_stale(const PlannedPanelT& panel, const LoopItemT& item) const;
   /// Brackets that stand where they were to be, under a panel that is not GO with them: set again, if the plan could
@@ -82,6 +88,9 @@ class Round {
   /// The first panel that is to hang before this one and does not, verified, with what is to be said of it; empty:
   /// none.
   std::string before_its_turn(const PlannedPanelT& panel) const;
+  /// A panel beside this one, on one of its brackets, that is to be taken down: with it the bracket may move. Empty:
+  /// none.
+  std::string neighbour_to_take_down(const PlannedPanelT& panel) const;
   bool has_its_turn(const PlannedPanelT& panel) const { return before_its_turn(panel).empty(); }
   /// Why a panel that is planned is not released yet, whatever its brackets; empty: nothing stands in the way.
   std::string why_not_yet(const PlannedPanelT& panel) const;

@@ -19,8 +19,8 @@ namespace {
 
 /// Of version 2 control and readings are not known; of version 3 not on which control single items rest; of version 4
 /// not where panels were measured themselves; of version 5 not which reports were refused; of version 6 not what sills
-/// hold.
-constexpr int kVersion = 7, kOldest = 2;
+/// hold; of version 7 not what left the design.
+constexpr int kVersion = 8, kOldest = 2;
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -91,6 +91,7 @@ Json json_of(const LoopItemT& item) {
           {"control", item.control},
           {"place", item.place},
           {"holds", item.holds},
+          {"gone", item.gone},
           {"told_from", std::isnan(item.told_from) ? Json() : Json(item.told_from)}};
 }
 
@@ -114,6 +115,7 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   item->control = json.value("control", 0);
   item->place = json.value("place", std::vector<double>());
   item->holds = json.value("holds", std::vector<std::string>());
+  item->gone = json.value("gone", false);
   if (json.contains("told_from") && !json.at("told_from").is_null()) json.at("told_from").get_to(item->told_from);
   if (item->unset.size() != 0 && item->unset.size() != 3)
     throw std::runtime_error("where " + item->id + " stands unset has not three numbers");

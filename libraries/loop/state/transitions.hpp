@@ -23,6 +23,9 @@ void note(LoopStateT& state, LoopItemT& item, const Because& because);
 /// To a person, from wherever it stands; the journal has each step on the way.
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because);
 
+/// A panel that hung and does not any more: planned again, with nothing left of where it was.
+void unhang(LoopStateT& state, LoopItemT& panel, const Because& because);
+
 /// To a person what rests on a place of a sill that moved, or may have: the panels whose bottom edge it holds, but for
 /// those that are only planned, which wait (sill_for_a_person()).
 void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Because& because);

@@ -90,6 +90,39 @@ double rms_corner(const InstallationPlanT& plan, bool hanging_only) {
   return count > 0 ? std::sqrt(sum / count) : kUnknown;
 }
 
+std::vector<std::string> doubts_of(const plumbline::Deviation& deviation) {
+  std::vector<std::string> doubts;
+  if (deviation.doubts())
+    for (const auto* doubt : *deviation.doubts()) {
+      MeasurementDoubtT one;
+      doubt->UnPackTo(&one);
+      doubts.push_back(ifc::in_words(one));
+    }
+  return doubts;
+}
+
+/// What the state has, and neither the design nor this plan.
+std::vector<std::string> gone_from(const DesignT& design, const InstallationPlanT& plan, const LoopStateT& state) {
+  std::set<std::string> there, gone;
+  for (const auto& element : design.elements) there.insert(element->guid);
+  for (const auto& bracket : plan.brackets) there.insert(bracket->guid);
+  for (const auto& panel : plan.panels) there.insert(panel->guid);
+  for (const auto& item : state.items)
+    if (!item->guid.empty() && there.count(item->guid) == 0) gone.insert(item->guid);
+  return {gone.begin(), gone.end()};
+}
+
+/// A measurement that is in doubt proves nothing.
+void hold_all(InstallationPlanT& plan, const std::vector<std::string>& doubts) {
+  plan.doubts = doubts;
+  plan.hold += plan.go, plan.go = 0;
+  for (auto& panel : plan.panels)
+    if (panel->gate == GateDecision::go) {
+      panel->gate = GateDecision::hold;
+      panel->reason = "the measurement is in doubt: " + doubts.front() + "; " + panel->reason;
+    }
+}
+
 /// Of the direction that is known worst: along the view, mostly.
 double largest_variance(const Eigen::Matrix3d& covariance) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly).eigenvalues()[2];
@@ -134,8 +167,9 @@ void PlannerNode::run(Context& context) {
   std::vector<std::string> known;
   if (control)
     for (const auto* point : *control->points()) known.push_back(point->id()->str());
+  const DesignT designed = design.unpack();
   FacadeInput input =
-      facade_of(deviation.unpack(), model.unpack(), design.unpack(), state ? &before : nullptr, rules(), known);
+      facade_of(deviation.unpack(), model.unpack(), designed, state ? &before : nullptr, rules(), known);
   const std::vector<std::string> faults = faults_of(input.facade);
   if (!faults.empty()) {
     std::string text = "this facade cannot be planned:";
@@ -147,10 +181,14 @@ void PlannerNode::run(Context& context) {
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
   if (stations) add_stations(input, context);
-  const bool is_in_doubt = deviation->doubts() && deviation->doubts()->size() > 0;
+  std::vector<std::string> doubts = doubts_of(*deviation);
   InstallationPlanT told;
   RoundsEstimate rounds;
-  if (!is_in_doubt) rounds = with_campaigns_before(input, state ? &before : nullptr, told);
+  if (doubts.empty()) {
+    rounds = with_campaigns_before(input, state ? &before : nullptr, told);
+    // An old measurement verifies nothing that was done since.
+    if (!rounds.repetition.empty()) doubts.push_back(rounds.repetition);
+  }
   const Fit fit = settings(input.facade);
   const GateOptions how{*go_probability, *go_probability, *measurement_sigma};
   std::vector<PanelGate> gates = judge_plan(input.facade, fit, how);
@@ -162,23 +200,11 @@ void PlannerNode::run(Context& context) {
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
   result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
   result.control = std::move(told.control), result.readings = std::move(told.readings);
+  result.gone = gone_from(designed, result, before);
   for (const std::string& line : result.consistency) context.warn(line);
   result.go_probability = *go_probability,
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";
-  // A measurement that contradicts itself proves nothing, here neither.
-  if (is_in_doubt) {
-    for (const auto* doubt : *deviation->doubts()) {
-      MeasurementDoubtT one;
-      doubt->UnPackTo(&one);
-      result.doubts.push_back(ifc::in_words(one));
-    }
-    result.hold += result.go, result.go = 0;
-    for (auto& panel : result.panels)
-      if (panel->gate == GateDecision::go) {
-        panel->gate = GateDecision::hold;
-        panel->reason = "the measurement is in doubt: " + result.doubts.front() + "; " + panel->reason;
-      }
-  }
+  if (!doubts.empty()) hold_all(result, doubts);
   for (const std::string& relaxed : result.relaxations) context.warn(relaxed);
   context.metric("panels_go", result.go, "1");
   context.metric("panels_hold", result.hold, "1");

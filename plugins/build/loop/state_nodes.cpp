@@ -40,6 +40,9 @@ void UpdateState::run(Context& context) {
     if (const std::string objection = accept_look(state, id); !objection.empty())
       // It may be left from a round before: no error.
       context.warn("'accept': " + objection + ": nothing is accepted");
+  for (const std::string& id : *removed)
+    if (const std::string objection = remove_look(state, id); !objection.empty())
+      context.warn("'removed': " + objection + ": nothing changes");
   context.metric("reports_taken", static_cast<double>(taken), "1");
   context.metric("reports_refused", static_cast<double>(refused), "1");
   after.commit(state);
@@ -54,6 +57,11 @@ void ReleaseState::run(Context& context) {
   check_date("released_at", options.at);
   options.measured_at = *measured_at;
   check_date("measured_at", options.measured_at);
+  check_date("valid_until", *valid_until);
+  // Before anything is released that nobody may take.
+  if (!valid_until->empty() && !options.at.empty() && *seconds_of(*valid_until) <= *seconds_of(options.at))
+    throw std::runtime_error("the job would be valid until " + *valid_until + ", and it is released at " + options.at +
+                             ": every robot would refuse it; nothing is released");
   const InstallationPlanT planned = plan.unpack();
   const SettingScatter scatter = setting_scatter(state, planned, options.measured_at);
   for (const std::string& words : scatter_words(scatter, planned)) context.warn(words);
@@ -69,6 +77,7 @@ void ReleaseState::run(Context& context) {
   if (state.done) context.warn("next: " + next_step(state) + " (next.txt)");
   int panels = 0, hanging = 0, released = 0, reworks = 0;
   for (const auto& item : state.items) {
+    if (item->gone) continue;
     panels += item->kind == "panel", hanging += item->kind == "panel" && item->status == ItemStatus::verified;
     released += item->status == ItemStatus::released, reworks += item->reworks;
   }

@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 6,
+  static constexpr Info info{"update.state", "", 7,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};
@@ -23,8 +23,12 @@ struct UpdateState : Node {
       "accept", std::vector<std::string>{},
       "what a person has looked at after which round, as next.txt asks for it: 'F01-C02-R1@4' is planned again, a "
       "panel "
-      "was seen hanging; 'control of floor 3@4': its next measurement is the reference. Of another round than the "
-      "state's last one nothing is accepted"};
+      "was seen hanging ('F01-P02 hangs@4' where a report says that it does not); 'control of floor 3@4': its next "
+      "measurement is the reference. Of another round than the state's last one nothing is accepted"};
+  Param<std::vector<std::string>> removed{
+      "removed", std::vector<std::string>{},
+      "panels that somebody took down, or found not hanging, after which round, as next.txt asks for it: "
+      "'F01-P02@4' is planned again"};
   Param<std::string> now{"now", "",
                          "when this round is, ISO 8601 with zone: reports that are dated later are refused; empty: not "
                          "said"};
@@ -33,7 +37,7 @@ struct UpdateState : Node {
 };
 
 struct ReleaseState : Node {
-  static constexpr Info info{"release.state", "", 6,
+  static constexpr Info info{"release.state", "", 7,
                              "Verifies by a new plan what was done, and releases what is GO and whose turn it is"};
   In<LoopState> before{"state", frame("frame=?F"), "the state with all reports"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan on the measurement made since, with this state"};
@@ -49,6 +53,9 @@ struct ReleaseState : Node {
                          "least probability of a hanging panel that is verified, and of 1 - p for its rework"};
   Param<std::string> released_at{"released_at", "",
                                  "when, ISO 8601 with a zone: reports that are older are refused; empty: not said"};
+  Param<std::string> valid_until{"valid_until", "",
+                                 "until when robots may take what is released, ISO 8601 with a zone: refused if that "
+                                 "is over at released_at; empty: no end"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state of this round"};
   Out<File> journal{"journal", "journal.jsonl: every change, with the hash of the line before"};
   Out<File> file{"file", "state.json: what the next round of a site reads (read.state)"};

@@ -26,10 +26,18 @@ bool nobody_saw(const LoopItemT& item) {
   return item.kind == "panel" && item.status == ItemStatus::relocalised && item.hangs && !item.seen;
 }
 
+/// Why a panel that hangs is to be taken down; empty: it is not.
+std::string why_down(const LoopItemT& item) {
+  if (item.gone) return item.hangs ? "the design does not have it any more" : "";
+  return item.status == ItemStatus::rework && item.hangs ? item.why : "";
+}
+
 std::map<int, FloorWork, std::greater<>> work_of(const LoopStateT& state) {
   std::map<int, FloorWork, std::greater<>> floors;
   for (const auto& item : state.items) {
     FloorWork& floor = floors[item->floor];
+    if (!why_down(*item).empty()) floor.look.push_back(item->id);
+    if (item->gone) continue;
     const bool is_panel = item->kind == "panel";
     floor.panels += is_panel, floor.verified += is_panel && item->status == ItemStatus::verified;
     if (!item->by.empty()) floor.last = item->by;
@@ -106,7 +114,10 @@ void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT
                     " not taken in this round: the table of reports below says why");
   for (const std::string& words : plan.relaxations) lines.push_back(words);
   for (const auto& item : state.items)
-    if (item->status == ItemStatus::rejected || nobody_saw(*item)) lines.push_back(item->id + ": " + item->why);
+    if (const std::string why = why_down(*item); !why.empty())
+      lines.push_back("take down " + item->id + ": " + why);
+    else if (item->status == ItemStatus::rejected || nobody_saw(*item))
+      lines.push_back(item->id + ": " + item->why);
   if (lines.empty()) return;
   Scope box(html, "div", {{"class", "warnings"}});
   html.element("h2", "For a person");
@@ -118,7 +129,8 @@ void write_waiting(Markup& html, const LoopStateT& state) {
   std::vector<std::string> lines;
   for (const auto& item : state.items)
     if (item->kind == "panel" && item->status == ItemStatus::planned && !item->why.empty() &&
-        item->why != "waits for its brackets" && !item->why.ends_with("which is to hang before it"))
+        item->why != "waits for its brackets" && !item->why.ends_with("which is to hang before it") &&
+        !item->why.ends_with("is to be taken down"))
       lines.push_back(item->id + ": " + item->why);
   if (lines.empty()) return;
   html.element("h3", "What waits, and for what");
@@ -141,6 +153,8 @@ void write_next(Markup& html, const InstallationPlanT& plan, const LoopStateT& s
                 const std::map<int, std::string>& robots) {
   int panels = 0, verified = 0, rejected = 0, unseen = 0;
   for (const auto& item : state.items) {
+    rejected += !why_down(*item).empty();
+    if (item->gone) continue;
     panels += item->kind == "panel", rejected += item->status == ItemStatus::rejected, unseen += nobody_saw(*item);
     verified += item->kind == "panel" && item->status == ItemStatus::verified;
   }

@@ -164,6 +164,18 @@ TEST(InstallationBcf, ATopicOpensAndIsClosed) {
   EXPECT_EQ(markup_about(topics_of(site), "Bracket anchor 0"), "none");
 }
 
+/// Nobody reads of it elsewhere who works with the model.
+TEST(InstallationBcf, APanelThatIsToBeTakenDownHasATopic) {
+  Site site("IFC4");
+  LoopItemT& panel = *site.state.items.back();
+  panel.status = ItemStatus::rework, panel.hangs = true, panel.why = "hangs outside its limits: p 0.002";
+  const std::string title = "Panel " + panel.id + ": take it down: hangs outside its limits: p 0.002";
+  EXPECT_NE(markup_about(topics_of(site), title).find("TopicStatus=\"Open\""), std::string::npos);
+  for (auto& item : site.state.items) item->status = ItemStatus::verified;
+  panel.gone = true, panel.guid.clear(), panel.id = "panel of before";
+  EXPECT_NE(markup_about(topics_of(site), "1 item is open that no viewer can show"), "none");
+}
+
 TEST(InstallationBcf, ControlThatMovedAndWorkByHandHaveTopics) {
   Site site("IFC4");
   site.state.moved_control = {"control of floor 1"};

@@ -59,6 +59,21 @@ TEST(WriteJob, DatesThatRobotsWouldRefuseAreRefusedBeforeTheJobIsOut) {
 }
 
 /// A survey that is shifted by millimetres looks like no other frame, and is one.
+/// The job is refused after that, and the state would say that it is out.
+TEST(ReleaseState, NothingIsReleasedForAJobThatIsOver) {
+  const Released released;
+  const auto said = [&](const std::string& until) {
+    NodeHarness node("release.state");
+    node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", LoopStateT());
+    node.set("released_at", "2026-05-02T08:00:00Z"), node.set("valid_until", until);
+    return said_of(node);
+  };
+  EXPECT_EQ(said("2026-05-02T10:00:01+02:00"), "");
+  EXPECT_NE(said("2026-05-02T10:00:00+02:00").find("every robot would refuse it; nothing is released"),
+            std::string::npos);
+  EXPECT_NE(said("tomorrow").find("valid_until is 'tomorrow'; expected ISO 8601"), std::string::npos);
+}
+
 TEST(WriteJob, HandsOutWhatIsWhereTheControlIs) {
   const Released released;
   FrameLink link;

@@ -72,7 +72,7 @@ TEST(ReportOrder, TheLaterReportCountsWhateverTheOrderOfTheFiles) {
   for (const auto& files : {std::vector{done, failed}, {failed, done}}) {
     After doubt = after("p0", files);
     EXPECT_EQ(item(doubt.state, "p0").status, ItemStatus::rejected);
-    EXPECT_EQ(item(doubt.state, "p0").why, "reported done, then failed: look whether it hangs");
+    EXPECT_EQ(item(doubt.state, "p0").why, "reported done, then failed, look whether it hangs");
     After bracket = after("b0", files);
     EXPECT_EQ(item(bracket.state, "b0").status, ItemStatus::executed);
     ASSERT_EQ(bracket.refused.size(), 1u);

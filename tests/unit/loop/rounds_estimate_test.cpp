@@ -38,6 +38,7 @@ TEST(RoundsEstimate, WhatCampaignsShareIsNotAveragedAway) {
     facade = measured(seed);
     RoundsEstimate rounds = combine_rounds(facade, &state, kNoDrift);
     EXPECT_TRUE(rounds.words.empty());
+    EXPECT_EQ(rounds.repetition, "");
     state.estimate = std::move(rounds.estimate);
   }
   EXPECT_NEAR(facade.covariance(0, 0), 0.0005 * 0.0005 / 4, 1e-15);
@@ -148,6 +149,19 @@ TEST(RoundsEstimate, WhatIsReadFromACampaignBeforeWasNotMeasuredSince) {
   EXPECT_EQ(state.estimate->campaigns[0], own + " ");
   const RoundsEstimate once_more = combine_rounds(again, &state, kNoDrift, 500, repeated);
   EXPECT_EQ(once_more.estimate->campaigns, rounds.estimate->campaigns);
+}
+
+/// Exported again with fewer digits: no reading is the same, and all agree.
+TEST(RoundsEstimate, ACampaignOfBeforeWithOtherDigitsIsNoneThatWasMeasuredSince) {
+  LoopStateT state;
+  Facade first = measured(1), again = measured(1), other = measured(2), mixed = measured(2);
+  state.estimate = combine_rounds(first, &state, kNoDrift).estimate;
+  for (Bracket& bracket : again.brackets) bracket.deviation = 1e-4 * (1e4 * bracket.deviation).array().round().matrix();
+  EXPECT_NE(combine_rounds(again, &state, kNoDrift).repetition.find("agrees with those before far better than it can"),
+            std::string::npos);
+  EXPECT_EQ(combine_rounds(other, &state, kNoDrift).repetition, "");
+  // Of which readings these are is known: what they do not see counts.
+  EXPECT_EQ(combine_rounds(mixed, &state, kNoDrift, 500, {first.brackets[0].id}).repetition, "");
 }
 
 }  // namespace rounds_estimate_test

@@ -23,6 +23,7 @@ LoopStateT some_state() {
   state.readings = {"00aa", "11bb"};
   note_refused(state, {"staked.csv:7: the coordinates of 'b2' are no numbers"});
   item(state, "p0").place = {1.5, 2.5, 3.25, 0.001, 0.001, 0.002}, item(state, "p0").told_from = 0.0051;
+  item(state, "p1").gone = true;
   state.control.push_back(std::make_unique<ControlMarkT>());
   state.controls.push_back(std::make_unique<ControlSetT>());
   state.controls[0]->marks.push_back(std::make_unique<ControlMarkT>());
@@ -52,6 +53,7 @@ TEST(StateFile, ComesBackAndGoesOnAsIfNothingHadBeenBetween) {
   EXPECT_EQ(state_json(read), state_json(state));
   EXPECT_EQ(read.moved_control, state.moved_control);
   EXPECT_EQ(read.readings, state.readings);
+  EXPECT_TRUE(item(read, "p1").gone);
   ASSERT_EQ(read.refused.size(), 1u);
   EXPECT_EQ(read.refused[0]->round, 2);
   EXPECT_EQ(read.refused[0]->report, "staked.csv:7");

@@ -109,6 +109,19 @@ TEST(InstallationPage, ReportsThatWereNotTakenStandOnIt) {
       << next_of({}, state);
 }
 
+TEST(InstallationPage, WhatIsToBeTakenDownStandsOnTheFirstScreen) {
+  LoopStateT state = with_verified_panel();
+  state.items[0]->status = ItemStatus::rework, state.items[0]->why = "hangs outside its limits: p 0.002";
+  const std::string page = next_of({}, state);
+  EXPECT_NE(page.find("take down p0: hangs outside its limits: p 0.002"), std::string::npos) << page;
+  EXPECT_NE(page.find("class=\"verdict fail\""), std::string::npos);
+  EXPECT_NE(page.find("1\u00A0item waits"), std::string::npos);
+  state = with_verified_panel();
+  state.items[0]->gone = true;
+  EXPECT_NE(next_of({}, state).find("take down p0: the design does not have it any more"), std::string::npos);
+  EXPECT_FALSE(is_green(next_of({}, state)));
+}
+
 TEST(InstallationPage, WhoeverIsToSeeAPanelHangIsCounted) {
   LoopStateT state = with_verified_panel();
   state.items[0]->status = ItemStatus::relocalised, state.items[0]->seen = false;
