@@ -23,6 +23,7 @@ inline std::string in_words(const MeasurementDoubtT& doubt) {
   std::string text = std::string(name_of(doubt.part)) + ": " + doubt.reason;
   if (doubt.grade == DoubtGrade::doubt) {
     if (!doubt.mend.empty()) text += "; to decide it, run again with \"" + doubt.mend + "\" (" + doubt.mend_note + ")";
+    if (doubt.mend.empty() && !doubt.mend_note.empty()) text += "; to decide it, " + doubt.mend_note;
     return text;
   }
   text += fmt::format("; all standard deviations are {:.3g} times as large for it.", doubt.factor);

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <set>
 
 #include "building/judgement/figures.hpp"
 
@@ -141,6 +141,32 @@ double followed(const std::vector<Designed>& designed, const std::vector<Eigen::
   return std::min(1.0, most);
 }
 
+/// A known point whose coordinates may be the design's: its name, its place in the model, what was known of it.
+struct Candidate {
+  std::string name;
+  Eigen::Index at;
+  Part part;
+  Eigen::Vector3d sigma;
+};
+
+/// A target on the bolt is the anchor under another name, and known where that was designed it is copied as well.
+void add_other_names(const std::map<std::string, KnownPlace>& known, const FrameLink& link,
+                     const std::vector<AnchorCase>& anchors, const std::map<std::string, Eigen::Index>& places,
+                     std::vector<Candidate>& candidates) {
+  std::set<std::string> names;
+  for (const AnchorCase& anchor : anchors) names.insert(anchor.id);
+  for (const auto& [id, place] : known) {
+    const auto at = places.find(id);
+    if (at == places.end() || names.contains(id)) continue;
+    for (const AnchorCase& anchor : anchors) {
+      const Part part = part_of_design(place, link, anchor.design);
+      if (!part.plan || part.height != part.height_known) continue;
+      candidates.push_back({id + " (" + anchor.id + ")", at->second, part, place.sigma});
+      break;
+    }
+  }
+}
+
 }  // namespace
 
 bool DesignedControl::holds_the_datum() const { return !ids.empty() && hidden > kHidesLittle; }
@@ -156,18 +182,19 @@ DesignedControl designed_control(const SurveyNetwork& network, const FrameLink& 
   const double variance =
       network.scaled_with_sigma0() && network.statistics() ? std::pow(network.statistics()->sigma0(), 2) : 1;
   std::vector<Eigen::Index> judged;
-  std::vector<std::tuple<std::string, Eigen::Index, Part, Eigen::Vector3d>> candidates;
-  Copied copied;
+  std::vector<Candidate> candidates;
   for (const AnchorCase& anchor : anchors) {
     const auto at = places.find(anchor.id);
     if (at == places.end() || !model.positions[at->second].allFinite() || !anchor.design.allFinite()) continue;
     judged.push_back(at->second);
     const auto found = known.find(anchor.id);
     if (found == known.end()) continue;
-    const Part part = part_of_design(found->second, link, anchor.design);
-    copied.count(part);
-    candidates.emplace_back(anchor.id, at->second, part, found->second.sigma);
+    candidates.push_back(
+        {anchor.id, at->second, part_of_design(found->second, link, anchor.design), found->second.sigma});
   }
+  add_other_names(known, link, anchors, places, candidates);
+  Copied copied;
+  for (const Candidate& candidate : candidates) copied.count(candidate.part);
   std::vector<Designed> designed;
   bool weighted = model.covariance.size() > 0 && variance > 0;
   const Eigen::Matrix3d turn = link.to_from_from.rotation.toRotationMatrix();

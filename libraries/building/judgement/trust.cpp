@@ -71,28 +71,94 @@ std::optional<MeasurementDoubtT> doubt_of_control_as_a_whole(const SurveyNetwork
   return std::nullopt;
 }
 
-/// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
-/// no standard deviation, and which of two points is the wrong one is often not to be told. So nothing is decided until
-/// it is mended, left out, or the standard deviations of the control say that it may differ by so much.
-std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) {
-  if (!network.known_points()) return std::nullopt;
-  std::vector<const NetworkKnownPoint*> wrong;
-  for (const auto* k : *network.known_points())
-    if (k->rank() > 0 && k->statistic() > k->critical()) wrong.push_back(k);
-  if (wrong.empty()) return doubt_of_control_as_a_whole(network);
+using KnownPoints = std::vector<const NetworkKnownPoint*>;
+
+bool is_contradicted(const NetworkKnownPoint& k) { return k.rank() > 0 && k.statistic() > k.critical(); }
+
+/// Those that are contradicted, the clearest first.
+KnownPoints contradicted(const flatbuffers::Vector<flatbuffers::Offset<NetworkKnownPoint>>* points) {
+  KnownPoints wrong;
+  for (unsigned i = 0; points && i < points->size(); ++i)
+    if (is_contradicted(*points->Get(i))) wrong.push_back(points->Get(i));
   std::stable_sort(wrong.begin(), wrong.end(),
                    [](const auto* a, const auto* b) { return a->statistic() > b->statistic(); });
+  return wrong;
+}
+
+/// Whether what it contradicts is its height more than its plan.
+bool is_of_height(const NetworkKnownPoint& k) {
+  const Vec3& d = *k.difference();
+  return std::abs(d.z()) > std::hypot(d.x(), d.y());
+}
+
+bool is_known_in(const NetworkKnownPoint& k, bool height) {
+  return !std::isnan(height ? k.sigma()->z() : k.sigma()->x());
+}
+
+/// Known points that hold the survey in height, or in plan.
+std::size_t holding(const SurveyNetwork& network, bool height) {
+  std::size_t n = 0;
+  const unsigned known = network.known_points() ? network.known_points()->size() : 0;
+  for (unsigned i = 0; i < known; ++i) n += is_known_in(*network.known_points()->Get(i), height);
+  return known > 0 || !network.datum_points() ? n : network.datum_points()->size();
+}
+
+/// Of those that were left out, the ones that speak against the result where `one` does.
+std::vector<std::string> left_out_alike(const SurveyNetwork& network, const NetworkKnownPoint& one) {
+  std::vector<std::string> ids;
+  for (const auto* k : contradicted(network.left_out_known()))
+    if (is_of_height(*k) == is_of_height(one)) ids.push_back(text_of(k->id()));
+  return ids;
+}
+
+constexpr const char* kFindOut =
+    "measure a further known point, or find out which of them are wrong: these are left out with network.with.exclude, "
+    "and no longer speak against it once they are out of the control file";
+
+/// What was left out by somebody's word is no proof of it: known points that contradict the result are as good as those
+/// that hold it, and where they are as many nothing but that word decides which of them are right.
+std::optional<MeasurementDoubtT> doubt_of_what_was_left_out(const SurveyNetwork& network) {
+  const KnownPoints against = contradicted(network.left_out_known());
+  for (const NetworkKnownPoint* worst : against) {
+    const std::vector<std::string> alike = left_out_alike(network, *worst);
+    if (alike.size() < holding(network, is_of_height(*worst))) continue;
+    MeasurementDoubtT doubt =
+        finding(MeasurementPart::survey, DoubtGrade::doubt,
+                "known points that were left out contradict it, and are as many as those that hold it: " +
+                    text::join(alike, 4) + "; as measured minus as known: " + words_of(*worst));
+    doubt.mend_note = kFindOut;
+    return doubt;
+  }
+  return std::nullopt;
+}
+
+/// A known point that the survey contradicts bends it, and nothing says by how much: the estimate of the difference is
+/// no standard deviation, and which of two points is the wrong one is often not to be told. So nothing is decided until
+/// it is mended, left out, or the standard deviations of the control say that it may differ by so much. A command is
+/// given only where the test tells which one it is, and most of the others stay to say so.
+std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) {
+  const KnownPoints wrong = contradicted(network.known_points());
+  if (wrong.empty()) {
+    auto doubt = doubt_of_control_as_a_whole(network);
+    return doubt ? std::move(doubt) : doubt_of_what_was_left_out(network);
+  }
   constexpr double kNoWorse = 6.6;  // of the statistic, 99 %: the test does not tell which of the two it is
   std::vector<std::string> others, less;
   for (std::size_t i = 1; i < wrong.size(); ++i)
     (wrong.front()->statistic() - wrong[i]->statistic() < kNoWorse ? others : less).push_back(text_of(wrong[i]->id()));
   const std::string worst = text_of(wrong.front()->id());
+  const std::vector<std::string> out = left_out_alike(network, *wrong.front());
   MeasurementDoubtT doubt = finding(
       MeasurementPart::survey, DoubtGrade::doubt,
       "known points contradict it and each other, as measured minus as known: " + words_of(*wrong.front()) +
           (others.empty() ? ""
                           : "; as much, and the test does not tell which of them is wrong: " + text::join(others, 4)) +
-          (less.empty() ? "" : "; less so, and perhaps because of it: " + text::join(less, 4)));
+          (less.empty() ? "" : "; less so, and perhaps because of it: " + text::join(less, 4)) +
+          (out.empty() ? "" : "; and so do those that were left out: " + text::join(out, 4)));
+  if (!others.empty() || out.size() + 2 >= holding(network, is_of_height(*wrong.front()))) {
+    doubt.mend_note = kFindOut;
+    return doubt;
+  }
   doubt.mend = exclude_also(network, "control " + worst + ": contradicts the survey");
   doubt.mend_note =
       "if it has moved or its coordinates are wrong; else mend these or their standard deviations in the "

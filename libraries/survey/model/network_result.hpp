@@ -120,7 +120,9 @@ struct NetworkResult {
   std::vector<ResultGroup> groups;
   std::vector<SnoopingAction> snooping;
   std::vector<Finding> findings;
-  std::vector<KnownPoint> known_points;    ///< weighted or held; worst first, then by difference
+  std::vector<KnownPoint> known_points;  ///< weighted or held; worst first, then by difference
+  /// Known points that were left out, held against the result (left_out_control.hpp).
+  std::vector<KnownPoint> left_out_known;
   MeasuredControl measured_control;        ///< if AdjustOptions::measure_control
   DatumMode datum = DatumMode::automatic;  ///< as used
   std::vector<std::string> datum_points;

@@ -12,6 +12,7 @@
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
 #include "survey/adjust/exclusions.hpp"
+#include "survey/adjust/left_out_control.hpp"
 #include "survey/doctor/network_doctor.hpp"
 #include "survey/epochs/check_control.hpp"
 #include "survey/start/alike_names.hpp"
@@ -160,9 +161,11 @@ void AdjustNode::run(Context& context) {
   if (!remark.empty()) context.warn(remark);
   for (const std::string& text : instruments_without_profile(survey.instruments, o.instruments, o.profile))
     context.warn(text);
+  refuse_too_large(survey, o.largest_whole);
   announce_network(context, survey, o.largest_whole);
   NetworkResult result = adjust_or_say(context, merged, o, known);
   doubt_failed_control(survey, without_excluded(known, o.exclude), result);
+  result.left_out_known = compare_with_left_out(survey, known, o, result);
   for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),
                          merged.findings.end());

@@ -80,6 +80,21 @@ std::unique_ptr<NetworkObservationT> pack_row(const ResultRow& row) {
   return o;
 }
 
+std::vector<std::unique_ptr<NetworkKnownPointT>> pack_known(const std::vector<KnownPoint>& points) {
+  std::vector<std::unique_ptr<NetworkKnownPointT>> packed;
+  for (const KnownPoint& k : points) {
+    auto known = std::make_unique<NetworkKnownPointT>();
+    known->id = k.id;
+    known->difference = k.difference;
+    known->sigma = k.sigma;
+    known->statistic = k.statistic;
+    known->critical = k.critical;
+    known->rank = k.rank;
+    packed.push_back(std::move(known));
+  }
+  return packed;
+}
+
 void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
   for (const ResultRow& row : r.rows) n.observations.push_back(pack_row(row));
   for (const ResultPointing& p : r.pointings) {
@@ -200,16 +215,8 @@ SurveyNetworkT to_network_artifact(const NetworkResult& r, const AdjustOptions& 
   n.iterations = r.iterations;
   n.scaled_with_sigma0 = r.variance_factor != 1;
   pack_tables(r, n);
-  for (const KnownPoint& k : r.known_points) {
-    auto known = std::make_unique<NetworkKnownPointT>();
-    known->id = k.id;
-    known->difference = k.difference;
-    known->sigma = k.sigma;
-    known->statistic = k.statistic;
-    known->critical = k.critical;
-    known->rank = k.rank;
-    n.known_points.push_back(std::move(known));
-  }
+  n.known_points = pack_known(r.known_points);
+  n.left_out_known = pack_known(r.left_out_known);
   static const char* const validities[] = {"sound", "doubtful", "invalid"};
   n.validity = validities[static_cast<int>(r.validity)];
   n.verdict = r.verdict;

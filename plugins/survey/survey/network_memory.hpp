@@ -1,9 +1,15 @@
 // What the adjustment of a network takes at its largest, announced to the host: it waits until that much is free.
 #pragma once
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "plumbline/node.hpp"
@@ -19,6 +25,27 @@ inline std::uint64_t network_memory(const SurveyObservations& survey, int larges
   const auto unknowns = static_cast<double>(3 * survey.points.size() + 3 * survey.set_ups.size());
   const double joint = unknowns <= largest_whole ? unknowns : 0;
   return static_cast<std::uint64_t>(kReading * readings + 3 * kNumber * joint * joint);
+}
+
+/// Bytes that this process may have: of the machine, or less where somebody has set a limit.
+inline double memory_there() {
+  double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
+    there = std::min(there, static_cast<double>(limit.rlim_cur));
+  return there;
+}
+
+/// A joint covariance that cannot be had is refused before anything is computed: it would end without a word.
+inline void refuse_too_large(const SurveyObservations& survey, int largest_whole) {
+  constexpr double kGigabyte = 1e9;
+  const double needed = static_cast<double>(network_memory(survey, largest_whole)), there = memory_there();
+  if (needed <= there) return;
+  throw std::runtime_error("the joint covariance of " + std::to_string(survey.points.size()) + " points takes " +
+                           std::to_string(std::lround(needed / kGigabyte)) + " GB of memory, and there are " +
+                           std::to_string(std::lround(there / kGigabyte)) +
+                           "; with covariance=automatic (network.with.covariance=automatic) that of each point and of "
+                           "neighbouring markers is made, or adjust the facades one by one");
 }
 
 /// Bytes of a series of epochs: the largest network's, the covariance of all points of each epoch twice (as it was

@@ -114,6 +114,50 @@ TEST(Trust, AControlPointThatTheSurveyContradictsIsADoubtWithTheCommandThatMends
       << "one more command must not bring back what was left out before";
 }
 
+/// Known points that hold a survey (statistics against 14.3), and those that were left out of it, in height.
+Trust after_exclusion(const std::vector<double>& holding, const std::vector<double>& left_out) {
+  SurveyNetworkT network;
+  network.statistics = std::make_unique<StatisticsT>(), network.tests = std::make_unique<NetworkTestsT>();
+  network.validity = "sound", network.verdict = "sound";
+  const auto add = [](const std::string& id, double statistic, auto& to) {
+    auto known = std::make_unique<NetworkKnownPointT>();
+    known->id = id, known->rank = 3, known->critical = 14.3, known->statistic = statistic;
+    known->difference = Eigen::Vector3d(0.0002, 0.0001, 0.012), known->sigma.setConstant(0.0005);
+    to.push_back(std::move(known));
+  };
+  for (std::size_t i = 0; i < holding.size(); ++i) add("G" + std::to_string(i + 1), holding[i], network.known_points);
+  for (std::size_t i = 0; i < left_out.size(); ++i)
+    add("X" + std::to_string(i + 1), left_out[i], network.left_out_known);
+  flatbuffers::FlatBufferBuilder made;
+  made.Finish(SurveyNetwork::Pack(made, &network));
+  return trust_of(nullptr, flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()));
+}
+
+/// Once two bench marks that had settled with the building stayed, the two sound ones were left out by the commands
+/// that the program itself had given, and a building 12 mm low was ready to install.
+TEST(Trust, WhatWasLeftOutSpeaksAgainstTheResultWhereItIsAsManyAsWhatHoldsIt) {
+  EXPECT_TRUE(after_exclusion({1, 1, 1}, {520}).doubts.empty()) << "three against one";
+  EXPECT_TRUE(after_exclusion({1, 1}, {9, 8}).doubts.empty()) << "those that were left out agree with it";
+  const Trust split = after_exclusion({1, 1}, {527, 480});
+  ASSERT_EQ(split.doubts.size(), 1u);
+  EXPECT_EQ(split.doubts[0].reason,
+            "known points that were left out contradict it, and are as many as those that hold it: X1, X2; as measured "
+            "minus as known: X1 E +0.2, N +0.1, H +12.0 mm");
+  EXPECT_EQ(split.doubts[0].mend, "") << "no command decides what the survey does not show";
+  EXPECT_NE(split.doubts[0].mend_note.find("measure a further known point"), std::string::npos);
+  EXPECT_EQ(after_exclusion({1}, {527}).doubts.size(), 1u) << "of two known points each is as good as the other";
+}
+
+TEST(Trust, NoCommandIsGivenWhereTheTestDoesNotTellWhichKnownPointIsWrong) {
+  EXPECT_NE(with_control({371, 40, 2, 1}).doubts[0].mend, "");
+  EXPECT_EQ(with_control({371, 370, 2, 1}).doubts[0].mend, "") << "as much";
+  EXPECT_EQ(with_control({371, 40}).doubts[0].mend, "") << "one would be left, which nothing else confirms";
+  const Trust second = after_exclusion({40, 30, 527}, {480});
+  EXPECT_EQ(second.doubts[0].mend, "") << "with the one left out before it would be two against two";
+  EXPECT_NE(second.doubts[0].reason.find("; and so do those that were left out: X1"), std::string::npos)
+      << second.doubts[0].reason;
+}
+
 /// Four anchors in a row, two metres apart, that were measured to 0.3 mm beside control of 0.5 mm.
 struct OnDesign {
   SurveyNetworkT network;
@@ -143,12 +187,10 @@ struct OnDesign {
   DesignedControl found(const FrameLink& link = {}) {
     // Rigid readings: all anchors move with the mean of the known points, each of 0.5 mm.
     const auto n = static_cast<double>(network.known_points.size());
-    Eigen::MatrixXd common(12, 12);
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) common.block<3, 3>(3 * i, 3 * j) = Eigen::Matrix3d::Identity() * 0.25e-6 / n;
+    const auto points = static_cast<Eigen::Index>(model.ids.size());
+    Eigen::MatrixXd common = Eigen::MatrixXd(Eigen::Matrix3d::Identity() * 0.25e-6 / n).replicate(points, points);
     if (!link.covariance.isZero(0))  // a shift that all have in common
-      common += link.covariance(3, 3) *
-                Eigen::MatrixXd::Ones(12, 12).cwiseProduct(Eigen::MatrixXd::Identity(3, 3).replicate(4, 4));
+      common += Eigen::MatrixXd(link.covariance(3, 3) * Eigen::Matrix3d::Identity()).replicate(points, points);
     model.covariance = common;
     flatbuffers::FlatBufferBuilder made;
     made.Finish(SurveyNetwork::Pack(made, &network));
@@ -181,6 +223,20 @@ TEST(Trust, ControlWithTheCoordinatesOfTheDesignIsAFitToIt) {
   OnDesign free("inner");
   free.know("A1", free.anchors[0].design);
   EXPECT_TRUE(free.found().ids.empty()) << "nothing that was known holds a free network";
+}
+
+/// Once the same bolts were sighted as targets, too, and known as T1 and T4 where the anchors were designed.
+TEST(Trust, ControlAtTheDesignedPlaceOfAnAnchorIsAFitUnderAnyName) {
+  OnDesign made("weighted");
+  for (const std::size_t i : {0u, 3u}) {
+    const std::string name = "T" + std::to_string(i + 1);
+    made.know(name, made.anchors[i].design + Eigen::Vector3d(0.0004, 0, -0.0004));
+    made.model.ids.push_back(name), made.model.positions.push_back(made.model.positions[i]);
+  }
+  const DesignedControl control = made.found();
+  EXPECT_EQ(control.ids, (std::vector<std::string>{"T1 (A1)", "T4 (A4)"}));
+  EXPECT_NEAR(control.hidden, 1, 1e-9);
+  EXPECT_TRUE(control.holds_the_datum());
 }
 
 TEST(Trust, WhereOtherControlHoldsTheDatumOneAnchorOfTheDesignIsNoDoubt) {

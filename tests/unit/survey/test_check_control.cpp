@@ -1,6 +1,7 @@
 // Control points with one wrong coordinate, and without.
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/adjust/left_out_control.hpp"
 #include "survey/epochs/check_control.hpp"
 #include "survey/files/gama.hpp"
 #include "test_support.hpp"
@@ -198,6 +199,28 @@ TEST(CheckControl, SoundControlIsDoubtedInOneNetworkInAHundredAtMost) {
   EXPECT_LE(doubted, 7) << "binomial, p = 0.01: 0.1 % above";
   EXPECT_LE(of_held, 7);
   EXPECT_LE(of_noisy, 4);
+}
+
+/// What was left out is held against what came of it: sound points that were left out by mistake speak against it.
+TEST(CheckControl, KnownPointsThatAreLeftOutAreHeldAgainstTheResult) {
+  const auto network = test::simulate({}, 17);
+  const ControlPoints control = corners(network, 18);
+  AdjustOptions options = without_curvature();
+  options.exclude = {parse_exclusion("control " + control.ids[2] + ": hit")};
+  const auto held = [&](const ControlPoints& known) {
+    const auto left_out =
+        compare_with_left_out(network.survey, known, options, adjust_network(network.survey, options, known));
+    EXPECT_EQ(left_out.size(), 1u);
+    return left_out.at(0);
+  };
+  EXPECT_EQ(held(control).rank, 3);
+  EXPECT_TRUE(held(control).stands()) << held(control).statistic;
+  ControlPoints wrong = control;
+  wrong.coordinates[3 * 2 + 2] += 0.02;
+  EXPECT_FALSE(held(wrong).stands());
+  EXPECT_NEAR(held(wrong).difference.z(), -0.02, 0.003);
+  wrong.covariance.resize(0, 0);
+  EXPECT_FALSE(held(wrong).stands()) << "without standard deviations, too";
 }
 
 /// Once one was named with w = 19 beside a global test of 120 readings that passed, and nothing followed.
