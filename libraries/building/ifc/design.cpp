@@ -12,6 +12,7 @@
 #include "building/ifc/ifc_model.hpp"
 #include "building/ifc/ifc_placement.hpp"
 #include "building/ifc/ifc_units.hpp"
+#include "building/ifc/inherited_tolerances.hpp"
 #include "building/ifc/outer_sides.hpp"
 #include "building/ifc/what_hangs.hpp"
 #include "plumbline/stop.hpp"
@@ -308,13 +309,15 @@ class Reader {
   }
 
   void read_properties() {
-    if (choice_.needs_properties()) return;
-    std::unordered_set<std::uint64_t> judged;
-    for (const Element& element : design_.elements)
-      if (element.is_anchor || element.is_panel) judged.insert(element.instance);
-    properties_.find_sets(judged);
-    for (Element& element : design_.elements)
-      if (element.is_anchor || element.is_panel) element.properties = properties_.of(element.instance);
+    if (!choice_.needs_properties()) {
+      std::unordered_set<std::uint64_t> judged;
+      for (const Element& element : design_.elements)
+        if (element.is_anchor || element.is_panel) judged.insert(element.instance);
+      properties_.find_sets(judged);
+      for (Element& element : design_.elements)
+        if (element.is_anchor || element.is_panel) element.properties = properties_.of(element.instance);
+    }
+    inherit_tolerances(model_, tree_, units_.length, damage_, design_);
   }
 
   void read_site() {

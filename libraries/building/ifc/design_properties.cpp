@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "building/ifc/ifc_units.hpp"
+#include "building/ifc/tolerance_source.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -57,25 +58,45 @@ void Properties::find_sets(const std::unordered_set<std::uint64_t>& objects) {
   for_all(model_, "IFCRELDEFINESBYPROPERTIES", damage_, [&](const Entity& relation) {
     std::vector<std::uint64_t> sets;
     collect(relation.value("RelatingPropertyDefinition"), sets);
-    std::erase_if(sets, [&](std::uint64_t set) { return model_.keyword(set) != "IFCPROPERTYSET"; });
+    std::erase_if(sets, [&](std::uint64_t set) {
+      return model_.keyword(set) != "IFCPROPERTYSET" && model_.keyword(set) != "IFCELEMENTQUANTITY";
+    });
     for (const std::uint64_t id : relation.references("RelatedObjects"))
       if (objects.contains(id)) sets_[id].insert(sets_[id].end(), sets.begin(), sets.end());
   });
 }
 
-void Properties::add(std::uint64_t set_id, std::vector<Property>& to) {
-  const Entity set = model_.entity(set_id);
+/// Quantities are no properties, and a tolerance among them is not read: it is listed by its name, so that it is told.
+void Properties::add_quantities(const Entity& set, std::vector<Property>& to) const {
   const std::string set_name = set.text("Name");
+  if (!is_like_tolerance_set(set_name)) return;
+  for (const std::uint64_t id : set.references("Quantities")) {
+    const auto arguments = model_.entity(id, set.id()).arguments();  // every IfcPhysicalQuantity begins with its name
+    if (!arguments.empty())
+      to.push_back({set_name, arguments[0].text, "", Property::nan, std::string(model_.keyword(id))});
+  }
+}
+
+/// `before`: how many of `to` go before what this object itself says. Of two sets of one object that give a tolerance
+/// differently both are listed: nobody knows which is meant.
+void Properties::add(std::uint64_t set_id, std::size_t before, std::vector<Property>& to) {
+  const Entity set = model_.entity(set_id);
+  if (set.keyword() == "IFCELEMENTQUANTITY") return add_quantities(set, to);
+  const std::string set_name = set.text("Name");
+  const bool of_tolerances = is_like_tolerance_set(set_name);
   for (const std::uint64_t id : set.references("HasProperties")) {
     const std::string keyword(model_.keyword(id));
     if (!keyword.starts_with("IFCPROPERTY") && keyword != "IFCCOMPLEXPROPERTY") continue;
     const Entity entity = model_.entity(id, set_id);
     if (entity.arguments().empty()) continue;  // every IfcProperty begins with its name
     Property property{set_name, entity.arguments()[0].text, "", Property::nan, keyword};
-    const bool known = std::any_of(to.begin(), to.end(), [&](const Property& other) {
-      return same_name(other.set, property.set) && same_name(other.name, property.name);
-    });
-    if (known) continue;
+    const auto same = [&](const Property& other) {
+      return of_tolerances && is_like_tolerance_set(other.set)
+                 ? bare_name(other.set) == bare_name(property.set) && same_name(other.name, property.name)
+                 : same_name(other.set, property.set) && same_name(other.name, property.name);
+    };
+    const auto first_own = to.begin() + static_cast<std::ptrdiff_t>(before);
+    if (std::any_of(to.begin(), of_tolerances ? first_own : to.end(), same)) continue;
     const bool valued = keyword == "IFCPROPERTYSINGLEVALUE" || keyword == "IFCPROPERTYBOUNDEDVALUE";
     const step::Value unit = valued ? entity.value("Unit") : step::Value{};
     own_unit_ = unit.kind == step::Kind::reference ? unit.id : 0;
@@ -91,7 +112,14 @@ void Properties::add(std::uint64_t set_id, std::vector<Property>& to) {
         // What has no length below has no tolerance at all.
         if (std::isnan(property.lower)) property.upper = Property::nan;
       }
+      // IFC4 on; it is where the value is meant to be, and not the zero that the bounds are about.
+      constexpr std::size_t set_point = 5;
+      if (entity.arguments().size() > set_point && read_single(entity.arguments()[set_point], bound) &&
+          !(std::abs(bound.number) < 1e-12))
+        property.measure += " with a set point", property.text += " about " + bound.text;
     }
+    const auto alike = std::find_if(to.begin() + static_cast<std::ptrdiff_t>(before), to.end(), same);
+    if (alike != to.end() && alike->text == property.text && alike->measure == property.measure) continue;
     to.push_back(std::move(property));
   }
 }
@@ -114,9 +142,10 @@ bool Properties::read_single(const step::Value& value, Property& property) const
 
 std::vector<Property> Properties::of(std::uint64_t element) {
   std::vector<Property> properties;
+  std::size_t before = 0;
   const auto try_add = [&](std::uint64_t set) {
     try {
-      add(set, properties);
+      add(set, before, properties);
     } catch (const step::Error& error) {
       auto& [count, reason] = damage_["IFCPROPERTYSET"];
       if (++count == 1) reason = error.what();
@@ -124,6 +153,7 @@ std::vector<Property> Properties::of(std::uint64_t element) {
   };
   if (const auto sets = sets_.find(element); sets != sets_.end())
     for (const std::uint64_t set : sets->second) try_add(set);
+  before = properties.size();
   if (const auto type = types_.find(element); type != types_.end()) {
     const auto arguments = model_.file().arguments(*model_.file().find(type->second));
     // every IfcTypeObject: GlobalId, OwnerHistory, Name, Description, ApplicableOccurrence, HasPropertySets

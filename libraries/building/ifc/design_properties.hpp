@@ -25,12 +25,14 @@ class Properties {
   std::string kind_of_type(std::uint64_t object) const;
   /// Looks up which sets these objects have, once and for all of them; without it objects have those of their types.
   void find_sets(const std::unordered_set<std::uint64_t>& objects);
-  /// Its properties, those of the object before its type's: single and bounded values; of others the name only.
+  /// Its properties, those of the object before its type's: single and bounded values; of others the name only. A
+  /// property of Pset_Tolerance that two sets of the object give differently is there twice.
   std::vector<Property> of(std::uint64_t object);
 
  private:
   void read_types();
-  void add(std::uint64_t set, std::vector<Property>& to);
+  void add(std::uint64_t set, std::size_t before, std::vector<Property>& to);
+  void add_quantities(const Entity& set, std::vector<Property>& to) const;
   bool read_single(const step::Value& value, Property& property) const;
 
   const Model& model_;

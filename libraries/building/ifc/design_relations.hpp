@@ -5,6 +5,7 @@
 #include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "building/ifc/ifc_model.hpp"
 
@@ -29,10 +30,14 @@ void for_all(const Model& model, const char* keyword, Damage& damage, Use use) {
 /// Upward links of the spatial tree: containment first, then aggregation, nesting, and features to their host.
 struct Tree {
   std::unordered_map<std::uint64_t, std::uint64_t> container, whole;
+  std::unordered_map<std::uint64_t, std::vector<std::uint64_t>> groups;  ///< IfcRelAssignsToGroup
 
   Tree(const Model& model, Damage& damage);
 
   std::uint64_t parent(std::uint64_t id) const;
+  /// Whatever has an object below it, the nearest first: wholes, assemblies, storey, building, site and project, and
+  /// the groups that any of these or itself is in.
+  std::vector<std::uint64_t> holders(std::uint64_t id) const;
   /// The nearest storey above; 0 if there is none. Longer chains than 100 are cycles.
   std::uint64_t storey_above(const Model& model, std::uint64_t id) const;
 };

@@ -69,7 +69,8 @@ bool Selection::matches(const Term& term, const ElementFacts& element) const {
   if (!element.properties) return false;
   const std::size_t dot = term.key.find('.');
   return std::any_of(element.properties->begin(), element.properties->end(), [&](const Property& property) {
-    return property.set == term.key.substr(0, dot) && property.name == term.key.substr(dot + 1) && fits(property.text);
+    return property.holder.empty() && property.set == term.key.substr(0, dot) &&
+           property.name == term.key.substr(dot + 1) && fits(property.text);
   });
 }
 

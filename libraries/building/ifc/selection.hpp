@@ -24,6 +24,9 @@ struct Property {
   double number = 0;
   std::string measure = {};  ///< type of the value, such as IFCLENGTHMEASURE; of what is no single value, its keyword
   double lower = nan, upper = nan;  ///< of a bounded value, like `number`
+  /// What has it in the element's place, such as "IfcBuildingStorey 'Floor 2'"; empty: the element, or its type. Only
+  /// of sets about tolerances, and no term of a selection looks at it.
+  std::string holder = {};
 };
 
 /// What a selection looks at.

@@ -1,11 +1,11 @@
 #include "building/judgement/tolerance_rules.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "base/text/text.hpp"
 #include "building/ifc/selection_rule.hpp"
@@ -73,6 +73,45 @@ std::optional<Tolerance> two_sides(std::string_view text) {
   return tolerance;
 }
 
+/// Drops `what` from the beginning.
+bool drop(std::string_view& text, std::string_view what) {
+  if (!text.starts_with(what)) return false;
+  text = text::trim(text.substr(what.size()));
+  return true;
+}
+
+/// "10.5", "10,5" or "3/8"; nan for anything else. A comma with three digits behind may be one of thousands.
+double number_in_text(std::string_view text) {
+  std::string written(text);
+  const std::size_t comma = written.find(',');
+  if (comma != std::string::npos && (written.size() - comma == 4 || written.find('.') != std::string::npos))
+    return ifc::Property::nan;
+  if (comma != std::string::npos) written[comma] = '.';
+  const auto number = [](std::string_view part) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc() && end == part.data() + part.size() ? value : ifc::Property::nan;
+  };
+  const std::size_t slash = written.find('/');
+  if (slash == std::string::npos) return number(written);
+  return number(std::string_view(written).substr(0, slash)) / number(std::string_view(written).substr(slash + 1));
+}
+
+/// How people write a tolerance into a model: "10 mm", "±10 mm", "+/- 13 mm", "10,5 mm", "1.0 cm", "3/8 in", "0.40\""
+/// [m]; nan where it is no length with a unit.
+double length_in_text(std::string_view text) {
+  static constexpr std::pair<std::string_view, double> units[] = {{"mm", 1e-3},   {"cm", 1e-2},     {"m", 1},
+                                                                  {"in", 0.0254}, {"inch", 0.0254}, {"\"", 0.0254}};
+  text = text::trim(text);
+  if (!drop(text, "±") && !drop(text, "+/-")) drop(text, "+-");
+  const std::size_t end = text.find_first_not_of("0123456789.,/");
+  if (end == std::string_view::npos || end == 0) return ifc::Property::nan;
+  const std::string_view unit = text::trim(text.substr(end));
+  for (const auto& [name, factor] : units)
+    if (unit == name) return factor * number_in_text(text.substr(0, end));
+  return ifc::Property::nan;
+}
+
 /// What a property of Pset_Tolerance says: a tolerance, or why it is none.
 std::optional<Tolerance> read(const ifc::Property& property, Axis axis, std::string& reason) {
   Tolerance tolerance;
@@ -83,7 +122,8 @@ std::optional<Tolerance> read(const ifc::Property& property, Axis axis, std::str
     if (!(tolerance.value >= 0) || !(tolerance.lower() >= 0))
       reason = "its bounds are no lengths in the unit of the project on both sides of zero";
     if (!std::isnan(tolerance.below) && !has_sign(axis)) reason = "it has two sides, and this length has no sign";
-  } else if (property.measure.starts_with("IFCPROPERTY") || property.measure == "IFCCOMPLEXPROPERTY") {
+  } else if (property.measure.starts_with("IFCPROPERTY") || property.measure.starts_with("IFCQUANTITY") ||
+             property.measure == "IFCCOMPLEXPROPERTY") {
     reason = "it is an " + property.measure + ", expected a length";
   } else if (!std::isnan(property.number) &&
              (property.measure.empty() || property.measure.ends_with("LENGTHMEASURE"))) {
@@ -92,24 +132,19 @@ std::optional<Tolerance> read(const ifc::Property& property, Axis axis, std::str
     reason = "it is an " + property.measure + ", a number without a unit; expected a length";
   } else {
     const auto sides = two_sides(property.text);
-    const double length = ifc::length_with_unit(property.text);
+    const double plain = ifc::length_with_unit(property.text),
+                 length = std::isfinite(plain) ? plain : length_in_text(property.text);
     if (sides && has_sign(axis))
       tolerance = *sides;
     else if (std::isfinite(length))
       tolerance.value = length;
     else
-      reason = "it is a text without a length and its unit";
+      reason = "it is a text that is not read as a length with its unit, such as 10 mm";
   }
   if (reason.empty() && !(tolerance.value > 0 || tolerance.lower() > 0)) reason = "it is not above zero";
   if (reason.empty() && !(tolerance.value <= 1 && tolerance.lower() <= 1)) reason = "it is more than a metre";
   if (!reason.empty()) return {};
   return tolerance;
-}
-
-bool same_name(const std::string& a, const char* b) {
-  return a.size() == std::string_view(b).size() && std::equal(a.begin(), a.end(), b, [](char x, char y) {
-           return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
-         });
 }
 
 /// The set's words about a tolerance, which ask for nothing.
@@ -118,28 +153,84 @@ bool is_description(const std::string& name) { return name == "ToleranceDescript
 /// What the design asks for in vain: the property and the reason, with the axis that a rule may give instead.
 using Open = std::map<std::pair<std::string, std::string>, Axis>;
 
-void add_design(const ifc::Property& property, Tolerances& tolerances, Open& open) {
-  static const std::map<std::string, Axis> names = {{"HorizontalTolerance", Axis::horizontal},
-                                                    {"VerticalTolerance", Axis::vertical},
-                                                    {"OrthogonalTolerance", Axis::out_of_plane},
-                                                    {"OverallTolerance", Axis::space}};
-  if (!same_name(property.set, "Pset_Tolerance") || is_description(property.name)) return;
-  const std::string name = property.set + "." + property.name,
-                    value = property.text.empty() ? "" : " '" + property.text + "'";
-  const auto axis = names.find(property.name);
-  if (axis == names.end()) {
-    open.emplace(std::pair(name + value, std::string(kNothingMeasuresIt)),
-                 Axis::joint);  // of no anchor: no rule takes its place
-    return;
-  }
-  std::string reason;
-  if (auto tolerance = read(property, axis->second, reason)) {
-    tolerance->source = "design: " + name;
-    tolerances[axis->second] = *tolerance;
-  } else {
-    open.emplace(std::pair(name + value, reason), axis->second);
-  }
+/// A limit of zero on both sides says that the axis is not judged.
+bool is_wider(const Tolerance& later, const Tolerance& earlier) {
+  if (!(earlier.value > 0 || earlier.lower() > 0)) return false;
+  if (!(later.value > 0 || later.lower() > 0)) return true;
+  return later.value > earlier.value || later.lower() > earlier.lower();
 }
+
+/// The sets about tolerances of one element.
+class DesignTolerances {
+ public:
+  DesignTolerances(const std::vector<ifc::Property>& properties, Tolerances& tolerances, Open& open)
+      : tolerances_(tolerances), open_(open) {
+    for (const bool own : {true, false})
+      for (const ifc::Property& property : properties)
+        if (property.holder.empty() == own && ifc::is_like_tolerance_set(property.set) &&
+            !is_description(property.name))
+          add(property);
+  }
+
+ private:
+  void add(const ifc::Property& property) {
+    static const std::map<std::string, Axis> names = {{"HorizontalTolerance", Axis::horizontal},
+                                                      {"VerticalTolerance", Axis::vertical},
+                                                      {"OrthogonalTolerance", Axis::out_of_plane},
+                                                      {"OverallTolerance", Axis::space}};
+    const auto axis = names.find(property.name);
+    if (!ifc::is_tolerance_set(property.set))
+      refuse(property, "the set is called '" + property.set + "', expected Pset_Tolerance",
+             axis == names.end() ? Axis::joint : axis->second);
+    else if (axis == names.end())
+      refuse(property, std::string(kNothingMeasuresIt), Axis::joint);  // of no anchor: no rule takes its place
+    else if (property.holder.empty())
+      take_own(property, axis->second);
+    else if (!own_.contains(axis->second))
+      take_inherited(property, axis->second);
+  }
+
+  void refuse(const ifc::Property& property, const std::string& reason, Axis axis) {
+    open_.emplace(std::pair(name_of(property) + (property.text.empty() ? "" : " '" + property.text + "'"), reason),
+                  axis);
+  }
+
+  void take_own(const ifc::Property& property, Axis axis) {
+    std::string reason;
+    auto tolerance = read(property, axis, reason);
+    if (const auto first = own_.find(axis); first != own_.end()) {
+      refuse(property, "another set gives it as '" + first->second + "', and nobody knows which is meant", axis);
+      return;
+    }
+    own_[axis] = property.text;
+    if (!tolerance) return refuse(property, reason, axis);
+    tolerance->source = "design: " + name_of(property);
+    tolerances_[axis] = *tolerance;
+  }
+
+  /// It narrows what holds else. That it is meant to allow more than that is not taken from another object's set.
+  void take_inherited(const ifc::Property& property, Axis axis) {
+    std::string reason;
+    auto tolerance = read(property, axis, reason);
+    if (!tolerance) return refuse(property, reason, axis);
+    const auto holds = tolerances_.find(axis);
+    if (holds != tolerances_.end() && is_wider(*tolerance, holds->second))
+      return refuse(property,
+                    "it is wider than what holds without it, and is not the element's own; a rule says whether it is "
+                    "meant for it",
+                    axis);
+    tolerance->source = "design: " + name_of(property);
+    tolerances_[axis] = *tolerance;
+  }
+
+  static std::string name_of(const ifc::Property& property) {
+    return property.set + "." + property.name + (property.holder.empty() ? "" : " of " + property.holder);
+  }
+
+  Tolerances& tolerances_;
+  Open& open_;
+  std::map<Axis, std::string> own_;  // axes that the element itself is asked for, as written
+};
 
 }  // namespace
 
@@ -170,13 +261,6 @@ ToleranceRule parse_rule(const std::string& text) {
   return rule;
 }
 
-/// A limit of zero on both sides says that the axis is not judged.
-static bool is_wider(const Tolerance& later, const Tolerance& earlier) {
-  if (!(earlier.value > 0 || earlier.lower() > 0)) return false;
-  if (!(later.value > 0 || later.lower() > 0)) return true;
-  return later.value > earlier.value || later.lower() > earlier.lower();
-}
-
 Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& element, ToleranceFindings* findings) {
   Tolerances tolerances;
   for (const Axis axis : {Axis::horizontal, Axis::vertical})
@@ -184,13 +268,13 @@ Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& e
   tolerances[Axis::joint] = {2 * table.tau, std::string(ifc::kDefaultTolerance) + ": twice the tolerance"};
   Open open;
   std::map<Axis, std::size_t> rule_of;  // the rule that holds
-  if (table.from_design && element.properties)
-    for (const ifc::Property& property : *element.properties) add_design(property, tolerances, open);
+  if (table.from_design && element.properties) DesignTolerances(*element.properties, tolerances, open);
   for (std::size_t i = 0; i < table.rules.size(); ++i) {
     const ToleranceRule& rule = table.rules[i];
     if (!rule.selection.matches(element)) continue;
     if (findings) findings->rules.push_back(i);
     for (const auto& [axis, tolerance] : rule.tolerances) {
+      if (findings && rule_of.contains(axis)) findings->replaced.emplace_back(rule_of[axis], i);
       if (findings && rule_of.contains(axis) && is_wider(tolerance, table.rules[rule_of[axis]].tolerances.at(axis)))
         findings->widened[rule_of[axis]] = i;
       rule_of[axis] = i;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "building/ifc/selection.hpp"
@@ -55,13 +56,16 @@ struct ToleranceTable {
 struct ToleranceFindings {
   std::vector<std::size_t> rules;     ///< those that select it
   std::vector<std::size_t> in_force;  ///< those that give it a limit, or say that an axis is not judged
+  std::vector<std::pair<std::size_t, std::size_t>> replaced;  ///< rules whose limit a later one, the second, replaces
   std::map<std::size_t, std::size_t>
       widened;                           ///< rules whose limit a later one, the second, replaces by a wider one or none
   std::vector<ifc::NotApplied> refused;  ///< what the design asks for and cannot be judged, with the reason
 };
 
 /// A property of Pset_Tolerance that is no length (a number without unit, a text, a kind that nothing measures) is not
-/// left out: it is refused with its reason, unless a rule gives that axis.
+/// left out: it is refused with its reason, unless a rule gives that axis. So is one that two sets give differently,
+/// and one of a set whose name is nearly that. Of what holds the element (assembly, storey, group) it narrows what
+/// holds else; one that is wider is refused.
 Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& element,
                          ToleranceFindings* findings = nullptr);
 

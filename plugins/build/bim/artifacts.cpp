@@ -41,6 +41,7 @@ DesignElementT to_artifact(const Element& element) {
     auto item = std::make_unique<DesignPropertyT>();
     item->set = property.set, item->name = property.name, item->text = property.text, item->number = property.number;
     item->measure = property.measure, item->lower = property.lower, item->upper = property.upper;
+    item->holder = property.holder;
     to.properties.push_back(std::move(item));
   }
   return to;
@@ -74,7 +75,7 @@ Element from_artifact(const DesignElementT& element) {
   if (element.facade) to.facade = ifc::from_artifact(*element.facade);
   for (const auto& property : element.properties)
     to.properties.push_back({property->set, property->name, property->text, property->number, property->measure,
-                             property->lower, property->upper});
+                             property->lower, property->upper, property->holder});
   return to;
 }
 

@@ -33,7 +33,7 @@ constexpr double kOnePlace = 0.01;
 ifc::ElementFacts facts_of(const DesignElementT& element, std::vector<ifc::Property>& properties) {
   properties.clear();
   for (const auto& p : element.properties)
-    properties.push_back({p->set, p->name, p->text, p->number, p->measure, p->lower, p->upper});
+    properties.push_back({p->set, p->name, p->text, p->number, p->measure, p->lower, p->upper, p->holder});
   return {element.class_,      element.guid,      element.name,   element.tag,
           element.object_type, element.type_name, element.storey, &properties};
 }
@@ -149,7 +149,7 @@ class Builder {
       }
       for (const std::size_t rule : findings.rules) ++rules_[rule].second;
       held_rules_.apply(held_by_[p], ifc::last_of(held_by_[p]));
-      note(findings);
+      note(findings, panel.guid);
       inputs_.panels.push_back(std::move(panel));
     }
     const std::string reason =
@@ -194,7 +194,7 @@ class Builder {
     anchor.tolerances = judgement::tolerances_of(tolerances_, anchor.element, &findings);
     anchor.refused = findings.refused;
     for (const std::size_t rule : findings.rules) ++rules_[rule].first;
-    note(findings);
+    note(findings, element.guid);
     const std::vector<std::size_t> mounted_by = ifc::selecting(mounting_.rules, anchor.element);
     mounting_rules_.select(mounted_by, element.guid);
     mounting_rules_.apply(mounted_by, mounting_.that_hold(mounted_by));
@@ -281,9 +281,30 @@ class Builder {
 
   static std::string name_of(const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; }
 
-  void note(const judgement::ToleranceFindings& findings) {
+  void note(const judgement::ToleranceFindings& findings, const std::string& guid) {
     in_force_.insert(findings.in_force.begin(), findings.in_force.end());
     widened_.insert(findings.widened.begin(), findings.widened.end());
+    for (const std::size_t rule : findings.rules) selected_[rule].insert(guid);
+    for (const auto& [rule, later] : findings.replaced) replaced_[rule].insert(later);
+  }
+
+  /// Why a rule that selects something decides nothing: a later one stands in its place everywhere, a wider one, or one
+  /// that is about more than it. Empty: it decides, or later ones for parts of it have taken its place.
+  std::string why_idle(std::size_t rule) const {
+    if (in_force_.contains(rule)) return {};
+    if (const auto later = widened_.find(rule); later != widened_.end())
+      return "it holds nowhere: '" + tolerances_.rules[later->second].text +
+             "' stands after it and is wider; put the narrower rule last, or take it out";
+    const auto replaced = replaced_.find(rule);
+    if (replaced == replaced_.end()) return {};
+    const std::set<std::string>& own = selected_.at(rule);
+    for (const std::size_t later : replaced->second) {
+      const std::set<std::string>& others = selected_.at(later);
+      if (!std::includes(own.begin(), own.end(), others.begin(), others.end()))
+        return "it holds nowhere: '" + tolerances_.rules[later].text +
+               "' stands after it and selects what it selects and more; put the rule for fewer last, or take it out";
+    }
+    return {};
   }
 
   /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
@@ -300,9 +321,7 @@ class Builder {
           request.not_judged = std::string(judgement::name_of(axis)) + " is not judged of " +
                                (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
       }
-      if (request.not_judged.empty() && widened_.contains(i) && !in_force_.contains(i))
-        request.not_judged = "it holds nowhere: '" + tolerances_.rules[widened_.at(i)].text +
-                             "' stands after it and is wider; put the narrower rule last, or take it out";
+      if (request.not_judged.empty()) request.not_judged = why_idle(i);
       inputs_.requests.push_back(std::move(request));
     }
     const std::vector<std::string> mounting = ifc::texts_of(mounting_.rules), held = ifc::texts_of(held_below_.rules);
@@ -388,9 +407,11 @@ class Builder {
   const judgement::ToleranceTable& tolerances_;
   const judgement::Mounting& mounting_;
   const judgement::HeldBelow& held_below_;
-  std::vector<std::pair<int, int>> rules_;      // anchors and panels that each rule selects
-  std::set<std::size_t> in_force_;              // rules that hold somewhere
-  std::map<std::size_t, std::size_t> widened_;  // rules that a later, wider one replaces somewhere
+  std::vector<std::pair<int, int>> rules_;                 // anchors and panels that each rule selects
+  std::set<std::size_t> in_force_;                         // rules that hold somewhere
+  std::map<std::size_t, std::size_t> widened_;             // rules that a later, wider one replaces somewhere
+  std::map<std::size_t, std::set<std::string>> selected_;  // by rule: GlobalIds of anchors and panels
+  std::map<std::size_t, std::set<std::size_t>> replaced_;  // by rule: later ones that stand in its place somewhere
   ifc::RuleUse mounting_rules_, held_rules_;
   std::vector<int> sill_rules_;                    // anchors that each selects
   std::vector<std::vector<std::size_t>> held_by_;  // by panel, rules that select it

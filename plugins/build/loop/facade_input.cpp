@@ -293,7 +293,8 @@ class Builder {
     facts.object_type = element->second->object_type, facts.type_name = element->second->type_name;
     facts.storey = element->second->storey;
     properties_.clear();
-    for (const auto& p : element->second->properties) properties_.push_back({p->set, p->name, p->text, p->number});
+    for (const auto& p : element->second->properties)
+      properties_.push_back({p->set, p->name, p->text, p->number, p->measure, p->lower, p->upper, p->holder});
     facts.properties = &properties_;
     return facts;
   }

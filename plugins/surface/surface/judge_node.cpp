@@ -29,7 +29,7 @@ std::map<std::string, ifc::ElementFacts> facts_of(const DesignT& design,
     properties.emplace_back();
     for (const auto& property : element->properties)
       properties.back().push_back({property->set, property->name, property->text, property->number, property->measure,
-                                   property->lower, property->upper});
+                                   property->lower, property->upper, property->holder});
     facts[element->guid] = {element->class_,      element->guid,      element->name,   element->tag,
                             element->object_type, element->type_name, element->storey, &properties.back()};
   }

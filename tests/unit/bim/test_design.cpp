@@ -593,6 +593,46 @@ TEST(Properties, WhatIsNoSingleValueIsKeptByItsKind) {
   EXPECT_TRUE(std::isnan(found.at("OrthogonalTolerance").number));
 }
 
+/// Tolerances of what holds the anchor F1-C1: of a group, of its storey, of quantities; and two sets that differ.
+TEST(Properties, TolerancesOfWhatHoldsAnAnchorGoWithIt) {
+  const auto properties = [](const std::string& extra) {
+    return named(read(small_building("IFC4", extra)), "F1-C1").properties;
+  };
+  const std::string one = "#501=IFCPROPERTYSINGLEVALUE('VerticalTolerance',$,IFCPOSITIVELENGTHMEASURE(1.),$);",
+                    set = "#500=IFCPROPERTYSET('0evctVUKr0kugbFTf53O9L',#5,'Pset_Tolerance',$,(#501));" + one;
+  const auto in_group = properties(set +
+                                   "#510=IFCGROUP('3evctVUKr0kugbFTf53O9L',#5,'tight',$,$);"
+                                   "#511=IFCRELASSIGNSTOGROUP('2evctVUKr0kugbFTf53O9L',#5,$,$,(#103),$,#510);"
+                                   "#503=IFCRELDEFINESBYPROPERTIES('1evctVUKr0kugbFTf53O9L',#5,$,$,(#510),#500);");
+  ASSERT_EQ(in_group.size(), 1u);
+  EXPECT_EQ(in_group[0].holder, "IfcGroup 'tight'");
+  EXPECT_NEAR(in_group[0].number, 0.001, 1e-15);
+  const auto in_assembly = properties(set +
+                                      "#510=IFCELEMENTASSEMBLY('3evctVUKr0kugbFTf53O9L',#5,'A1',$,$,$,$,$,$,$);"
+                                      "#511=IFCRELAGGREGATES('2evctVUKr0kugbFTf53O9L',#5,$,$,#510,(#103));"
+                                      "#503=IFCRELDEFINESBYPROPERTIES('1evctVUKr0kugbFTf53O9L',#5,$,$,(#510),#500);");
+  ASSERT_EQ(in_assembly.size(), 1u);
+  EXPECT_EQ(in_assembly[0].holder, "IfcElementAssembly 'A1'");
+  const auto quantities = properties(
+      "#500=IFCELEMENTQUANTITY('0evctVUKr0kugbFTf53O9L',#5,'Pset_Tolerance',$,$,(#501));"
+      "#501=IFCQUANTITYLENGTH('VerticalTolerance',$,$,1.,$);"
+      "#503=IFCRELDEFINESBYPROPERTIES('1evctVUKr0kugbFTf53O9L',#5,$,$,(#103),#500);");
+  ASSERT_EQ(quantities.size(), 1u);
+  EXPECT_EQ(quantities[0].measure, "IFCQUANTITYLENGTH");
+  const std::string second =
+      "#520=IFCPROPERTYSET('4evctVUKr0kugbFTf53O9L',#5,'Pset_Tolerance',$,(#521));"
+      "#522=IFCRELDEFINESBYPROPERTIES('5evctVUKr0kugbFTf53O9L',#5,$,$,(#103),#520);"
+      "#521=IFCPROPERTYSINGLEVALUE('VerticalTolerance',$,IFCPOSITIVELENGTHMEASURE(";
+  const std::string first = set + "#503=IFCRELDEFINESBYPROPERTIES('1evctVUKr0kugbFTf53O9L',#5,$,$,(#103),#500);";
+  EXPECT_EQ(properties(first + second + "1.),$);").size(), 1u) << "twice the same is once";
+  EXPECT_EQ(properties(first + second + "3.),$);").size(), 2u) << "the judgement says that they differ";
+  const auto about = tolerances_in(kSetOfAnchor +
+                                   "#501=IFCPROPERTYBOUNDEDVALUE('VerticalTolerance',$,IFCLENGTHMEASURE(10.),"
+                                   "IFCLENGTHMEASURE(-4.),$,IFCLENGTHMEASURE(3.));");
+  EXPECT_EQ(about.at("VerticalTolerance").measure, "IFCPROPERTYBOUNDEDVALUE with a set point");
+  EXPECT_EQ(about.at("VerticalTolerance").text, "-4 to 10 about 3");
+}
+
 TEST(Properties, ASetOfSetsIsRead) {
   const auto found = tolerances_in(
       "#500=IFCPROPERTYSET('0evctVUKr0kugbFTf53O9L',#5,'Pset_Tolerance',$,(#501));"

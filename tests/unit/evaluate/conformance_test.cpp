@@ -170,6 +170,82 @@ TEST(ToleranceRules, WhatTheDesignAsksForIsAppliedOrRefusedWithItsReason) {
   EXPECT_TRUE(findings.refused.empty()) << "a rule takes its place";
 }
 
+/// Once every one of these was NOT JUDGED as "a text without a length and its unit".
+TEST(ToleranceRules, TextsAreReadAsPeopleWriteThem) {
+  const auto vertical = [](const std::string& text) {
+    const std::vector<ifc::Property> properties = {
+        property("Pset_Tolerance", "VerticalTolerance", text, NAN, "IFCLABEL")};
+    ifc::ElementFacts element;
+    element.properties = &properties;
+    ToleranceFindings findings;
+    const Tolerances found = tolerances_of({}, element, &findings);
+    return findings.refused.empty() ? found.at(Axis::vertical).value : NAN;
+  };
+  EXPECT_NEAR(vertical("±10 mm"), 10 * mm, 1e-12);
+  EXPECT_NEAR(vertical("+/- 13 mm"), 13 * mm, 1e-12);
+  EXPECT_NEAR(vertical("10,5 mm"), 10.5 * mm, 1e-12);
+  EXPECT_NEAR(vertical("1.0 cm"), 10 * mm, 1e-12);
+  EXPECT_NEAR(vertical("3/8 in"), 9.525 * mm, 1e-12);
+  EXPECT_NEAR(vertical("0.40\""), 10.16 * mm, 1e-12);
+  EXPECT_NEAR(vertical("+3/-2mm"), 3 * mm, 1e-12);
+  for (const char* unclear : {"10", "1,000 mm", "1,0.5 mm", "10 pt", "mm", "3/0 mm", "10 mm or 12 mm", "--5 mm"})
+    EXPECT_TRUE(std::isnan(vertical(unclear))) << unclear << ": " << vertical(unclear);
+}
+
+/// Once an anchor 3.2 mm high passed though its assembly, its storey or a set called Pset_Tolerances asked for 1 mm.
+TEST(ToleranceRules, WhatIsAskedOfWhatHoldsAnElementNarrowsItsTolerancesOrIsRefused) {
+  const auto found = [](const std::vector<ifc::Property>& properties, ToleranceFindings& findings,
+                        const std::vector<std::string>& rules = {}) {
+    ifc::ElementFacts element;
+    element.properties = &properties;
+    ToleranceTable table;
+    for (const std::string& rule : rules) table.rules.push_back(parse_rule(rule));
+    return tolerances_of(table, element, &findings);
+  };
+  const auto of = [](const std::string& holder, double value, const std::string& set = "Pset_Tolerance") {
+    ifc::Property p = property(set, "VerticalTolerance", "v", value, "IFCLENGTHMEASURE");
+    p.holder = holder;
+    return p;
+  };
+  const std::string storey = "IfcBuildingStorey 'Floor 2'", assembly = "IfcElementAssembly 'A1'";
+  ToleranceFindings findings;
+  const Tolerance narrow = found({of(storey, 1 * mm)}, findings)[Axis::vertical];
+  EXPECT_EQ(narrow.value, 1 * mm);
+  EXPECT_EQ(narrow.source, "design: Pset_Tolerance.VerticalTolerance of IfcBuildingStorey 'Floor 2'");
+  EXPECT_TRUE(findings.refused.empty());
+  EXPECT_EQ(found({of(storey, 1 * mm), of("", 8 * mm)}, findings)[Axis::vertical].value, 8 * mm)
+      << "its own goes before";
+  EXPECT_EQ(found({of(assembly, 2 * mm), of(storey, 1 * mm)}, findings)[Axis::vertical].value, 1 * mm);
+  EXPECT_TRUE(findings.refused.empty());
+  EXPECT_EQ(found({of(storey, 20 * mm)}, findings)[Axis::vertical].value, 5 * mm)
+      << "nothing is widened from elsewhere";
+  ASSERT_EQ(findings.refused.size(), 1u);
+  EXPECT_NE(findings.refused[0].reason.find("wider than what holds without it"), std::string::npos);
+  findings = {};
+  found({of(storey, 20 * mm)}, findings, {"*: vertical=20mm"});
+  EXPECT_TRUE(findings.refused.empty()) << "a rule says that it is meant";
+  EXPECT_EQ(found({of("", 1 * mm, "PSet_tolerance ")}, findings)[Axis::vertical].value, 1 * mm);
+  found({of("", 1 * mm, "Pset_Tolerances")}, findings);
+  ASSERT_EQ(findings.refused.size(), 1u);
+  EXPECT_NE(findings.refused[0].reason.find("expected Pset_Tolerance"), std::string::npos);
+  findings = {};
+  found({property("Pset_FireRating", "VerticalTolerance", "v", 1 * mm, "IFCLENGTHMEASURE")}, findings);
+  EXPECT_TRUE(findings.refused.empty()) << "other sets say nothing of tolerances";
+  found({property("Pset_Tolerance", "VerticalTolerance", "0.01", 10 * mm, "IFCLENGTHMEASURE"),
+         property("Pset_Tolerance", "VerticalTolerance", "0.003", 3 * mm, "IFCLENGTHMEASURE")},
+        findings);
+  ASSERT_EQ(findings.refused.size(), 1u) << "of two that differ nobody knows which is meant";
+  findings = {};
+  found({property("Pset_Tolerance", "VerticalTolerance", "", NAN, "IFCQUANTITYLENGTH")}, findings);
+  ASSERT_EQ(findings.refused.size(), 1u);
+  findings = {};
+  ifc::Property about = property("Pset_Tolerance", "VerticalTolerance", "-4 to 10 about 3", NAN,
+                                 "IFCPROPERTYBOUNDEDVALUE with a set point");
+  about.lower = -4 * mm, about.upper = 10 * mm;
+  found({about}, findings);
+  ASSERT_EQ(findings.refused.size(), 1u) << "the bounds are about another value than zero";
+}
+
 /// A facade of floors and columns, as built as designed.
 DeviationInputs grid(int columns, int rows) {
   DeviationInputs inputs;
@@ -189,6 +265,22 @@ DeviationInputs grid(int columns, int rows) {
   inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.4 * mm);
   plumbline::test::face(inputs, {0, -1, 0});
   return inputs;
+}
+
+/// Of a survey that is too large for a joint covariance only the anchors' own are known: taken as independent, a floor
+/// would be known eight times as well as it is, and "hang low" by what is one error of the control.
+TEST(Requests, WithoutAJointCovarianceNoMeanIsBetterKnownThanOneAnchor) {
+  DeviationInputs inputs = grid(8, 8);
+  const auto u_of_floor = [&] {
+    const DeviationT result = judge_deviations(inputs, {});
+    for (const auto& group : result.group_shifts)
+      if (group->kind == "floor") return group->u.z();
+    return 0.0;
+  };
+  EXPECT_LT(u_of_floor(), 0.25 * mm);
+  inputs.common_unknown = true;
+  EXPECT_GE(u_of_floor(), 0.4 * mm);
+  EXPECT_EQ(judge_deviations(inputs, {}).passed, 64) << "each anchor is as well known as before";
 }
 
 TEST(Requests, WhatIsNotJudgedForbidsReady) {

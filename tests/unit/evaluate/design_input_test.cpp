@@ -178,6 +178,11 @@ TEST(DesignInput, ANarrowRuleThatALaterWideOneReplacesIsNotJudged) {
   EXPECT_TRUE(not_judged({narrow, "name=" + site.design.elements[0]->name + ": vertical=8mm"}).empty())
       << "it holds for the others";
   EXPECT_TRUE(not_judged({"*: vertical=8mm", "*: vertical=2mm"}).empty()) << "nothing narrower is lost";
+  const std::string few = "name=" + site.design.elements[0]->name + ": vertical=8mm";
+  const auto drowned = not_judged({few, "*: vertical=2mm"});
+  ASSERT_EQ(drowned.size(), 1u) << "who gave one anchor more, and all of them less after it, asked for something else";
+  EXPECT_NE(drowned[0].find("selects what it selects and more"), std::string::npos) << drowned[0];
+  EXPECT_TRUE(not_judged({"*: vertical=2mm", few}).empty());
   EXPECT_EQ(not_judged({narrow, "*: vertical=0mm"}).size(), 1u) << "not judged at all is wider than any";
 }
 
