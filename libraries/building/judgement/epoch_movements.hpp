@@ -14,6 +14,8 @@ struct MeasuredTwice {
   AsBuiltChangeT* change;
   Eigen::Vector3d d;
   Eigen::Matrix3d covariance;
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< of the design [m]
+  int column = 0;                                   ///< 0: unknown
 };
 
 /// Chi-squared tests of 3 degrees of freedom, at 5 % for all anchors together (Bonferroni). Where more than half have

@@ -13,6 +13,7 @@
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/epoch_movements.hpp"
 #include "building/judgement/figures.hpp"
+#include "building/judgement/kept_open.hpp"
 #include "plumbline/failure.hpp"
 
 namespace plumbline::judgement {
@@ -205,15 +206,21 @@ std::unique_ptr<AsBuiltChangeT> change_between(const EpochItem* before, const Ep
   return out;
 }
 
-/// All of them moved alike: whether one that passes now was mended, or the frame moved under it, nobody can tell.
-void keep_open_for_the_frame(AsBuiltChangesT& out) {
-  if (out.together.isZero()) return;
-  for (auto& change : out.changes) {
-    if (!is_open(change->before) || change->after != ToleranceVerdict::pass) continue;
-    change->change = ChangeKind::still_open;
-    change->note += std::string(change->note.empty() ? "" : "; ") +
-                    "it passes now, and nothing counts as mended while all anchors seem to have moved by the same";
-  }
+/// What failed and is held against more than then may pass for that alone.
+void tell_wider_limits(const EpochItem& before, const EpochItem& now, AsBuiltChangeT& change) {
+  if (!is_open(change.before) || change.after != ToleranceVerdict::pass) return;
+  const bool wider = std::any_of(before.limits.begin(), before.limits.end(), [&](const auto& limit) {
+    const auto later = now.limits.find(limit.first);
+    return !now.limits.empty() && (later == now.limits.end() || later->second[0] > limit.second[0] + kSameTolerance ||
+                                   later->second[1] > limit.second[1] + kSameTolerance);
+  });
+  const auto old = before.limits.find(now.quantity);
+  const bool would_do = std::isfinite(now.value) && old != before.limits.end() && now.value <= old->second[0] &&
+                        -now.value <= old->second[1];
+  if (!wider || would_do) return;
+  change.change = ChangeKind::settled;
+  change.note +=
+      std::string(change.note.empty() ? "" : "; ") + "it passes by a wider limit than in the campaign before";
 }
 
 /// The topic of BCF that stood under another GlobalId is at an end, the element is not.
@@ -280,12 +287,13 @@ void compare_judgements(const EpochRecord& before, const DeviationT& after, std:
 }  // namespace
 
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before,
-                      const DesignElements* design, bool moved_together) {
+                      const DesignElements* design, const AsBuiltChangesT* changes) {
   EpochRecord record{epoch, deviation.design_file, deviation.tau, deviation.risk, items_of(deviation)};
   static const std::vector<EpochItem> none;
   static const EpochItem nowhere{};
   const Known known(before ? before->items : none);
   std::set<const EpochItem*> met;
+  const auto kept_open = items_kept_open(changes);
   for (EpochItem& item : record.items) {
     const EpochItem* earlier = known.find(item);
     if (earlier) met.insert(earlier);
@@ -295,7 +303,7 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
       if (item.verdict == ToleranceVerdict::pass) item.verdict = std::max(item.verdict, worst_of(left));
     }
     item.was_open = item.open() || (earlier && earlier->was_open);
-    if (moved_together && earlier && earlier->open() && item.verdict == ToleranceVerdict::pass)
+    if (earlier && earlier->open() && kept_open.contains({item.kind, item.id, item.guid, item.topic}))
       item.verdict = earlier->verdict;  // compare_epochs says why
     const bool is_measured = item.verdict != ToleranceVerdict::not_measured;
     if (is_measured && deviation.doubts.empty()) continue;
@@ -319,6 +327,8 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
   const Known known(before.items);
   std::set<const EpochItem*> met;
   std::vector<MeasuredTwice> pairs;
+  std::map<std::string, int> columns;  // by anchor
+  for (const auto& anchor : after.anchors) columns[anchor->id] = anchor->column;
   if (!after.datum.empty())
     out.warnings.push_back(
         "this campaign was fitted to its own anchors: what all of them moved by together is not seen, and a single one "
@@ -336,6 +346,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     out.changes.push_back(change_between(earlier, now, change));
     if (!earlier) continue;
     if (now.verdict != ToleranceVerdict::not_measured && is_judged_otherwise(*earlier, now)) ++other_limits[now.kind];
+    tell_wider_limits(*earlier, now, *out.changes.back());
     if (now.kind == "panel") {
       tell_gone(*earlier, known, design, *out.changes.back());
       keep_open(joints_left_open(*earlier, after, design), known, *out.changes.back());
@@ -344,7 +355,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
     if ((earlier->design - now.design).norm() > kSameDesign) ++other_design;
     if (earlier->position.allFinite() && now.position.allFinite())
       pairs.push_back({out.changes.back().get(), now.position - earlier->position,
-                       Eigen::Matrix3d(earlier->covariance + now.covariance)});
+                       Eigen::Matrix3d(earlier->covariance + now.covariance), now.design, columns[now.id]});
   }
   if (met.empty())
     throw BadInput("no anchor or panel of the campaign before (" + std::to_string(before.items.size()) + " of " +
@@ -368,7 +379,7 @@ AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& afte
                            list_of(open_elsewhere, 20) +
                            "; they stay open in as_built.json and in BCF until a design that has them is judged");
   test_movements(pairs, out);
-  keep_open_for_the_frame(out);
+  keep_open_for_the_frame(pairs, after, out);
   compare_judgements(before, after, other_design, other_limits, out);
   return out;
 }

@@ -54,16 +54,17 @@ void find_again(const DeviationT& after, EpochRecord& before, const DesignElemen
 /// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
 /// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
 /// What the design no longer has is forgotten unless it was open, and a joint to it is no joint.
-/// `moved_together`: compare_epochs told a movement of all, so that what was open is left so though it passes.
+/// `changes`: what compare_epochs found between the two: what it keeps open though it passes is left so.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr,
-                      const DesignElements* design = nullptr, bool moved_together = false);
+                      const DesignElements* design = nullptr, const AsBuiltChangesT* changes = nullptr);
 
 /// Compares by GlobalId, else by id. Movements by a chi-squared test of 3 degrees of freedom on the sum of the
 /// covariances, at 5 % for all anchors together (Bonferroni). Where more than half have moved, and at least nine tenths
 /// of all by the same, that is taken away and told: it is the control or the frame; nothing counts as mended then, as
-/// an anchor may pass for the shift alone. Throws BadInput if no anchor is in both: it is a record of another building.
-/// A panel that passes is not mended by it while a joint that was open is not judged again, unless the design has the
-/// neighbour no more.
+/// an anchor may pass for the shift alone. Nor does what has moved with its floor, facade, column or the whole, where
+/// the anchors that were in order before did so (group_motions.hpp), or what passes by a wider limit. Throws BadInput
+/// if no anchor is in both: it is a record of another building. A panel that passes is not mended by it while a joint
+/// that was open is not judged again, unless the design has the neighbour no more.
 AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch,
                                const DesignElements* design = nullptr);
 

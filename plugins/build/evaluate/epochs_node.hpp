@@ -11,7 +11,7 @@ namespace plumbline::judgement {
 
 struct EvaluateEpochs : Node {
   static constexpr Info info{
-      "evaluate.epochs", "", 3,
+      "evaluate.epochs", "", 4,
       "What was mended, opened again and moved since the campaign before, and the record for the "
       "next one"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
@@ -21,6 +21,9 @@ struct EvaluateEpochs : Node {
                          "as_built.json that the campaign before left; none: nothing is compared"};
   Param<std::string> epoch{"epoch", "", "name of this campaign, such as 2026-05"};
   Out<AsBuiltChanges> changes{"changes", frame("frame=?F"), "what became of every anchor and panel"};
+  Out<Deviation> judgement{"judgement", frame("frame=?F"),
+                           "the deviation, with what was open before and was not measured again as not judged: what is "
+                           "shown and written is this"};
   Out<File> record{"record", "as_built.json: what the next campaign takes as 'before'"};
 
   void run(Context& context) override;
