@@ -102,14 +102,17 @@ void BlockCovariance::index() {
 
 double BlockCovariance::operator()(Index row, Index column) const {
   const Place &a = where_[u(row / step_)], &b = where_[u(column / step_)];
-  if (a.cluster != b.cluster) return 0;
-  return clusters_[a.cluster].matrix(a.at * step_ + row % step_, b.at * step_ + column % step_);
+  const double common = common_.size() > 0 ? common_(row % step_, column % step_) : 0;
+  if (a.cluster != b.cluster) return common;
+  return common + clusters_[a.cluster].matrix(a.at * step_ + row % step_, b.at * step_ + column % step_);
 }
 
 Eigen::Matrix3d BlockCovariance::block(Index a, Index b) const {
   const Place &p = where_[u(a)], &q = where_[u(b)];
-  if (p.cluster != q.cluster) return Eigen::Matrix3d::Zero();
-  return clusters_[p.cluster].matrix.block<3, 3>(3 * p.at, 3 * q.at);
+  Eigen::Matrix3d found = Eigen::Matrix3d::Zero();
+  if (common_.size() > 0) found = common_;
+  if (p.cluster == q.cluster) found += clusters_[p.cluster].matrix.block<3, 3>(3 * p.at, 3 * q.at);
+  return found;
 }
 
 Eigen::VectorXd BlockCovariance::diagonal() const {
@@ -118,23 +121,33 @@ Eigen::VectorXd BlockCovariance::diagonal() const {
     for (std::size_t k = 0; k < cluster.items.size(); ++k)
       all.segment(cluster.items[k] * step_, step_) =
           cluster.matrix.diagonal().segment(static_cast<Index>(k) * step_, step_);
+  if (common_.size() > 0)
+    for (Index i = 0; i < items(); ++i) all.segment(i * step_, step_) += common_.diagonal();
   return all;
 }
 
 double BlockCovariance::sum() const {
-  double all = 0;
+  const auto n = static_cast<double>(items());
+  double all = common_.size() > 0 ? n * n * common_.sum() : 0;
   for (const Cluster& cluster : clusters_) all += cluster.matrix.sum();
   return all;
 }
 
 double BlockCovariance::squaredNorm() const {
-  double all = 0;
-  for (const Cluster& cluster : clusters_) all += cluster.matrix.squaredNorm();
-  return all;
+  double all = 0, pairs = 0;  // of items in one cluster
+  for (const Cluster& cluster : clusters_) {
+    const auto n = static_cast<Index>(cluster.items.size());
+    pairs += static_cast<double>(n * n);
+    all +=
+        (common_.size() > 0 ? Eigen::MatrixXd(cluster.matrix + common_.replicate(n, n)) : cluster.matrix).squaredNorm();
+  }
+  const auto n = static_cast<double>(items());
+  return all + (common_.size() > 0 ? (n * n - pairs) * common_.squaredNorm() : 0);
 }
 
 bool BlockCovariance::allFinite() const {
-  return std::all_of(clusters_.begin(), clusters_.end(), [](const Cluster& c) { return c.matrix.allFinite(); });
+  return common_.allFinite() &&
+         std::all_of(clusters_.begin(), clusters_.end(), [](const Cluster& c) { return c.matrix.allFinite(); });
 }
 
 double BlockCovariance::quadratic(const Eigen::SparseVector<double>& weights) const {
@@ -144,13 +157,15 @@ double BlockCovariance::quadratic(const Eigen::SparseVector<double>& weights) co
     double weight;
   };
   std::vector<Entry> entries;
+  Eigen::VectorXd together = Eigen::VectorXd::Zero(step_);
   for (Eigen::SparseVector<double>::InnerIterator w(weights); w; ++w) {
+    together[w.index() % step_] += w.value();
     const Place& place = where_[u(w.index() / step_)];
     entries.push_back({place.cluster, place.at * step_ + w.index() % step_, w.value()});
   }
   std::stable_sort(entries.begin(), entries.end(),
                    [](const Entry& a, const Entry& b) { return a.cluster < b.cluster; });
-  double all = 0;
+  double all = common_.size() > 0 ? together.dot(common_ * together) : 0;
   for (std::size_t begin = 0, end = 0; begin < entries.size(); begin = end) {
     while (end < entries.size() && entries[end].cluster == entries[begin].cluster) ++end;
     const Eigen::MatrixXd& matrix = clusters_[entries[begin].cluster].matrix;
@@ -165,11 +180,12 @@ Eigen::MatrixXd BlockCovariance::dense(const std::vector<std::size_t>& items) co
   if (size() == 0) return {};
   const auto n = static_cast<Index>(items.size());
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n * step_, n * step_);
+  if (common_.size() > 0) all = common_.replicate(n, n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) {
       const Place &a = where_[items[u(i)]], &b = where_[items[u(j)]];
       if (a.cluster == b.cluster)
-        all.block(i * step_, j * step_, step_, step_) =
+        all.block(i * step_, j * step_, step_, step_) +=
             clusters_[a.cluster].matrix.block(a.at * step_, b.at * step_, step_, step_);
     }
   return all;
@@ -192,9 +208,13 @@ BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) c
     Cluster cluster;
     for (const std::size_t k : places) own.push_back(items[k]), cluster.items.push_back(static_cast<Index>(k));
     cluster.matrix = dense(own);
+    if (common_.size() > 0)
+      cluster.matrix -= common_.replicate(static_cast<Index>(own.size()), static_cast<Index>(own.size()));
     part.push_back(std::move(cluster));
   }
-  return {std::move(part), static_cast<Index>(items.size()), step_};
+  BlockCovariance some(std::move(part), static_cast<Index>(items.size()), step_);
+  some.common_ = common_;
+  return some;
 }
 
 BlockCovariance BlockCovariance::subset(const std::vector<std::size_t>& items) && {
@@ -213,11 +233,14 @@ BlockCovariance BlockCovariance::heights() const {
       for (Index j = 0; j < n; ++j) matrix(i, j) = cluster.matrix(3 * i + 2, 3 * j + 2);
     part.push_back({cluster.items, std::move(matrix)});
   }
-  return {std::move(part), items(), 1};
+  BlockCovariance all(std::move(part), items(), 1);
+  if (common_.size() > 0) all.common_ = common_.block<1, 1>(2, 2);
+  return all;
 }
 
 BlockCovariance& BlockCovariance::operator*=(double factor) {
   for (Cluster& cluster : clusters_) cluster.matrix *= factor;
+  common_ *= factor;
   return *this;
 }
 

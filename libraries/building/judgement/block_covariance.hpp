@@ -31,6 +31,9 @@ class BlockCovariance {
   /// Of n points, from the lower triangle row by row as artifacts have it. Throws std::runtime_error that says what is
   /// wrong with the covariance `of` something.
   static BlockCovariance from_packed(std::span<const double> values, std::size_t points, const std::string& of);
+  /// The same with an error that all of them have in common besides.
+  void set_common(const Eigen::MatrixXd& covariance) { common_ = covariance; }
+  const Eigen::MatrixXd& common() const { return common_; }  ///< 0 x 0: none; it is in no cluster
   /// Of clusters that hold each of n items once.
   BlockCovariance(std::vector<Cluster> clusters, Index items, Index step);
 
@@ -74,6 +77,7 @@ class BlockCovariance {
   Index step_ = 3;
   std::vector<Cluster> clusters_;
   std::vector<Place> where_;  // of each item
+  Eigen::MatrixXd common_;    // of every item with every item, step x step
 };
 
 /// Items that are joined by any pair, as ascending lists, the one with the lowest item first.

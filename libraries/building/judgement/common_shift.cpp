@@ -179,6 +179,11 @@ std::unique_ptr<CommonShiftT> common_shift(
       gain.middleCols<3>(3 * static_cast<Index>(k)) = fit.gain.middleCols<3>(3 * cluster.items[k]);
     s += gain * cluster.matrix * gain.transpose();
   }
+  if (const Eigen::MatrixXd& common = covariance.common(); common.size() > 0) {
+    Eigen::Matrix<double, 6, 3> gain = Eigen::Matrix<double, 6, 3>::Zero();
+    for (Index i = 0; i < n; ++i) gain += fit.gain.middleCols<3>(3 * i);
+    s += gain * common * gain.transpose();
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(s);
   out->statistic = 0;
   for (int k = 0; k < 6; ++k)

@@ -84,6 +84,11 @@ void judge_anchors(Work& work, PointSet& model) {
   if (model.covariance.size() == 0) return;
   work.deviations.covariance = std::move(model.covariance).subset(places);
   model.covariance = {};
+  if (work.inputs.common_unknown && n > 0) {
+    Eigen::Matrix3d common = Eigen::Matrix3d::Zero();
+    for (Eigen::Index i = 0; i < n; ++i) common += work.deviations.covariance.block(i, i) / static_cast<double>(n);
+    work.deviations.covariance.set_common(common);
+  }
   for (Eigen::Index i = 0; i < n; ++i)
     work.deviations.covariance.add(i, work.inputs.anchors[work.deviations.anchors[i]].mounting);
 }

@@ -64,6 +64,9 @@ struct DeviationInputs {
   std::vector<PanelCase> loose;      ///< those that no anchor holds: not judged, though another may stand on them
   std::vector<ifc::Facade> facades;  ///< that the frames of anchors and panels name
   judgement::PointSet model;         ///< as built, by anchor id
+  /// What the errors of its points have in common is in the covariance of each and is not known by itself. Then as much
+  /// is taken to be common as the points are uncertain by, besides their own: no mean of them is better known than one.
+  bool common_unknown = false;
   std::string design_file;
   std::vector<Request> requests;      ///< beside what anchors and panels hold in `refused`
   std::vector<std::string> warnings;  ///< of what was put in

@@ -11,27 +11,45 @@ namespace {
 constexpr double kAsNear = 0.025;
 constexpr double kAlike = 0.94;  // cosine of the directions that panels of one facade face, which may bend a little
 
+/// Less thin than this share of its next edge a box is no plate: it is the box of an L or a U, which faces two ways.
+constexpr double kThin = 0.5;
+
 /// How far an anchor is from a panel, and in which direction the panel is thin.
 struct Candidate {
   std::size_t panel = 0;
-  double distance = 0, beside = 0;  ///< of its box; of that what is along the panel's face [m]
-  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+  double distance = 0;                               ///< of its box [m]
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();     ///< the way there
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();  ///< zero: it is no plate
 };
 
 Candidate distance_of(const PanelCase& panel, const Eigen::Vector3d& anchor) {
   const Eigen::Vector3d own = panel.frame_from_panel.inverse() * anchor;
   const Eigen::Vector3d off = (panel.low - own).cwiseMax(own - panel.high).cwiseMax(0);
+  const Eigen::Vector3d size = panel.high - panel.low;
   int thin = 0;
-  (panel.high - panel.low).minCoeff(&thin);
+  const double least = size.minCoeff(&thin);
+  const Eigen::Matrix3d axes = panel.frame_from_panel.rotation.toRotationMatrix();
   Candidate candidate;
   candidate.distance = off.norm();
-  candidate.beside = std::hypot(off[(thin + 1) % 3], off[(thin + 2) % 3]);
-  candidate.across = panel.frame_from_panel.rotation * Eigen::Vector3d::Unit(thin);
+  candidate.off = axes * (own.cwiseMax(panel.low).cwiseMin(panel.high) - own);
+  if (least < kThin * std::min(size[(thin + 1) % 3], size[(thin + 2) % 3])) candidate.across = axes.col(thin);
   return candidate;
 }
 
+/// What is along a face.
+double beside(const Candidate& candidate, const Eigen::Vector3d& across) {
+  return (candidate.off - across * across.dot(candidate.off)).norm();
+}
+
+/// Along the face where both face one way, and where one of them goes round a corner: its box is in front of anchors
+/// that are none of it.
 bool is_nearer(const Candidate& one, const Candidate& other) {
-  if (std::abs(one.across.dot(other.across)) > kAlike) return one.beside + kAsNear < other.beside;
+  if (std::abs(one.across.dot(other.across)) > kAlike)
+    return beside(one, one.across) + kAsNear < beside(other, other.across);
+  if (one.across.isZero() != other.across.isZero()) {
+    const Eigen::Vector3d& face = one.across.isZero() ? other.across : one.across;
+    return beside(one, face) + kAsNear < beside(other, face);
+  }
   return one.distance + kAsNear < other.distance;
 }
 

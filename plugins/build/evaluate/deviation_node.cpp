@@ -21,11 +21,25 @@ bool EvaluateDeviation::hangs_on_the_design(DeviationInputs& inputs) const {
   if (!network || fitted_datum(*model, frames ? &*frames : nullptr)) return false;
   FrameLink link;
   if (frames) link = frame_link(frames.unpack(), "building", "survey");
-  const DesignedControl control = designed_control(*network, link, inputs.anchors, inputs.model);
+  // Without a joint covariance nothing says how far known points take others along: then they count by number.
+  PointSet places{inputs.model.ids, inputs.model.positions, {}};
+  const DesignedControl control =
+      designed_control(*network, link, inputs.anchors, inputs.common_unknown ? places : inputs.model);
   if (!control.holds_the_datum()) return false;
   if (!frames || std::isnan(frames->datum_sigma())) inputs.doubts.push_back(doubt_of(control));
   return true;
 }
+
+namespace {
+
+std::string about_common_errors(std::size_t points) {
+  return "What the errors of the anchors have in common is not known by itself (the survey is too large for a joint "
+         "covariance): panels and common shifts count as no better known than single anchors; "
+         "network.with.covariance=full makes it joint, in some " +
+         std::to_string(1 + 3 * (72 * points * points >> 30U)) + " GB of memory.";
+}
+
+}  // namespace
 
 void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
@@ -40,6 +54,9 @@ void EvaluateDeviation::run(Context& context) {
   judgement::DeviationInputs inputs =
       deviation_inputs(design.unpack(), matches.unpack(), plates.unpack(), table, *panel_reach, how, stack);
   inputs.model = point_set(*model, "model");
+  inputs.common_unknown = network && network->covariances() && network->covariances()->size() > 0 &&
+                          !(model->covariance() && model->covariance()->size() > 0);
+  const bool common_unknown = inputs.common_unknown;
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
   const auto fitted = judgement::fitted_datum(*model, frames ? &*frames : nullptr);
@@ -54,6 +71,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.model.covariance *= inputs.misfit_factor;
   DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
   if (!dropped.empty()) result.warnings.push_back(dropped);
+  if (common_unknown) result.warnings.push_back(about_common_errors(model->points()->size()));
   if (fitted) result.datum = judgement::about_best_fit(*fitted);
   if (designed && frames && std::isfinite(frames->datum_sigma()))
     result.datum = judgement::about_designed_control(frames->datum_sigma());

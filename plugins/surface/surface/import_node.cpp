@@ -170,6 +170,21 @@ ScanPlace stated_place(double place_sigma, double turn_sigma, const Eigen::Vecto
   return place;
 }
 
+/// A scanner that was set up on the survey's control is in the survey's frame, and not in the one that the anchors were
+/// brought to. Empty where these are one, or so far apart that the scan would not lie on the panels.
+std::string other_frame(const TransformT& anchors, const Eigen::Vector3d& middle) {
+  constexpr double kSame = 1e-6, kFarthest = 1;  // [m]
+  const double scale = std::isfinite(anchors.scale) ? anchors.scale : 1;
+  const double moved =
+      (scale * (anchors.to_from_from.rotation * middle) + anchors.to_from_from.translation - middle).norm();
+  if (!(moved > kSame && moved < kFarthest)) return {};
+  return fmt::format(
+      "The anchors were moved by {:.1f} mm to the design, the scan was not: if it was registered to the control of the "
+      "survey, panels and anchors are judged in two frames, and depth.in.registration=frames.transform brings it "
+      "along.",
+      1e3 * moved);
+}
+
 /// What the scan's place is off by: from the registration, from what the user states, and, where anything is stated,
 /// also of each scan by itself (`apart`), from the steps that all coordinates of the file are written in.
 std::vector<ScanPlace> places_of(const std::optional<TransformT>& registration, double place_sigma, double turn_sigma,
@@ -301,6 +316,8 @@ void ImportCloud::run(Context& context) {
   if (!registration && !*place_confirmed) which = which_panels(faces.faces, tiles, near);
   if (!which.doubt.empty()) context.warn("nothing will be judged: " + which.doubt);
   if (!which.unconfirmed.empty()) context.warn(which.unconfirmed);
+  if (anchors && !registration) which.other_frame = other_frame(anchors.unpack(), middle_of(faces.faces));
+  if (!which.other_frame.empty()) context.warn(which.other_frame);
   const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
   const Eigen::Vector3d steps = to_faces.unit * to_faces.scale * read.resolution;
   const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
@@ -316,7 +333,8 @@ void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& 
                          const WhichPanels& which, const std::string& folder, const std::string& uri) const {
   SurfacePointsT artifact;
   artifact.place_doubt = which.doubt;
-  if (!which.unconfirmed.empty()) artifact.warnings.push_back(which.unconfirmed);
+  for (const std::string& open : {which.unconfirmed, which.other_frame})
+    if (!open.empty()) artifact.warnings.push_back(open);
   artifact.source = "scan", artifact.left_out = copies_of(faces.left_out), artifact.search = *search;
   artifact.beside = *beside;
   for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());

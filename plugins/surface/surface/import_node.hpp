@@ -15,14 +15,14 @@
 
 namespace plumbline::surface {
 
-/// What is open about which panels a scan shows; empty: nothing is.
+/// What is open about which panels a scan shows, and about the frame that it is in; empty: nothing is.
 struct WhichPanels {
-  std::string doubt, unconfirmed;
+  std::string doubt, unconfirmed, other_frame;
 };
 
 struct ImportCloud : Node {
   static constexpr Info info{
-      "dense.import", "depth", 7,
+      "dense.import", "depth", 8,
       "Reads a point cloud (PLY, LAS 1.0 to 1.4, E57, PTS, XYZ) and keeps the points on the faces of a design"};
   Param<FilePath> file{"file", FilePath{}, "the cloud: .ply, .las, .e57, .pts, .xyz, recognised by its content"};
   Optional<File> by_reference{"scan", "the cloud by reference, in the place of 'file'"};
@@ -31,6 +31,11 @@ struct ImportCloud : Node {
   Optional<Transform> registration{
       "registration", frame("to=?F,from=?S"),
       "the way from the scan's frame, with its covariance; without it the scan is in the frame of the design"};
+  Optional<Transform> anchors{
+      "anchors", frame("to=?F,from=?A"),
+      "the way on which the anchors came into the frame of the design; the scan is not moved by it: where it moves "
+      "them "
+      "and no 'registration' is connected, the two may be judged in two frames, and that is said"};
   Param<std::string> unit{"unit", "from_file", one_of("from_file", "m", "cm", "mm", "ft", "us_ft"),
                           "of the file's coordinates; from_file: what the file says, metres if it says nothing"};
   Param<double> noise{"noise", 0.002, "m", between(1e-6, 1),

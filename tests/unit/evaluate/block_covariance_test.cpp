@@ -65,6 +65,32 @@ TEST(BlockCovariance, IsTheMatrixItWasMadeOf) {
   EXPECT_LT((more.dense() - expected).norm(), 1e-12);
 }
 
+/// What all have in common is as if it stood in every block.
+TEST(BlockCovariance, ACommonErrorIsThatOfAllPairs) {
+  const Eigen::MatrixXd own = matrix(3);
+  Eigen::Matrix3d common = Eigen::Matrix3d::Identity() * 2;
+  common(0, 1) = common(1, 0) = 0.5;
+  const Eigen::MatrixXd full = own + common.replicate(6, 6);
+  BlockCovariance blocks = own;
+  blocks.set_common(common);
+  EXPECT_TRUE(blocks.dense().isApprox(full, 1e-13));
+  EXPECT_TRUE(blocks.block(1, 5).isApprox(full.block<3, 3>(3, 15)) &&
+              blocks.block(2, 2).isApprox(full.block<3, 3>(6, 6)));
+  EXPECT_NEAR(blocks(4, 12), full(4, 12), 1e-12);
+  EXPECT_TRUE(blocks.diagonal().isApprox(full.diagonal(), 1e-13));
+  EXPECT_NEAR(blocks.sum(), full.sum(), 1e-9);
+  EXPECT_NEAR(blocks.squaredNorm(), full.squaredNorm(), 1e-9);
+  Eigen::SparseVector<double> weights(18);
+  for (Eigen::Index k : {0, 4, 8, 17}) weights.insert(k) = 1.0 + static_cast<double>(k);
+  const Eigen::VectorXd w = weights;
+  EXPECT_NEAR(blocks.quadratic(weights), w.dot(full * w), 1e-9);
+  const BlockCovariance some = std::as_const(blocks).subset({5, 0, 3});
+  EXPECT_NEAR(some(0, 3), full(15, 0), 1e-12);
+  EXPECT_NEAR(some(8, 8), full(11, 11), 1e-12);
+  EXPECT_NEAR(blocks.heights()(1, 4), full(5, 14), 1e-12);
+  EXPECT_NEAR((blocks *= 4)(0, 0), 4 * full(0, 0), 1e-12);
+}
+
 TEST(BlockCovariance, UnknownAndWrongOnesSaySo) {
   EXPECT_EQ(BlockCovariance().size(), 0);
   EXPECT_EQ(BlockCovariance(Eigen::MatrixXd()).size(), 0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "../bim/facing.hpp"
+#include "building/judgement/own_anchors.hpp"
 #include "building/judgement/worst_first.hpp"
 #include "small_building.hpp"
 
@@ -38,6 +39,25 @@ DeviationInputs facade(std::size_t anchors) {
 void move(DeviationInputs& inputs, const Eigen::Vector3d& shift, const Eigen::Vector3d& turn) {
   for (Eigen::Vector3d& p : inputs.model.positions)
     p += shift + turn.cross(Eigen::Vector3d(p - Eigen::Vector3d(1, 0, 1)));
+}
+
+/// An L goes round a corner, and its box is in front of anchors that are the neighbour's: that had two of its four.
+TEST(Panels, APanelRoundACornerTakesNoAnchorFromItsNeighbours) {
+  std::vector<PanelCase> panels(3);  // about the corner at (0, 0): to -y, to -x, and round it
+  panels[0].low = {1.01, -0.125, 1.05}, panels[0].high = {2.99, -0.075, 2.95};
+  panels[1].low = {-0.125, 1.01, 1.05}, panels[1].high = {-0.075, 2.99, 2.95};
+  panels[2].low = {-0.125, -0.125, 1.05}, panels[2].high = {0.97, 0.97, 2.95};
+  std::vector<AnchorCase> anchors;
+  for (const double along : {1.0, 3.0})
+    for (const double z : {1.0, 3.0})
+      for (const bool west : {false, true}) {
+        AnchorCase& anchor = anchors.emplace_back();
+        anchor.design = west ? Eigen::Vector3d(0, along, z) : Eigen::Vector3d(along, 0, z);
+      }
+  find_own_anchors(panels, std::vector<std::set<std::string>>(3), anchors, 0.3);
+  EXPECT_EQ(panels[0].anchors.size(), 4u);
+  EXPECT_EQ(panels[1].anchors.size(), 4u);
+  EXPECT_EQ(panels[2].anchors.size(), 4u) << "the two mullions at its ends hold it as well";
 }
 
 TEST(Panels, AStiffMotionIsFoundAndLeavesNothing) {

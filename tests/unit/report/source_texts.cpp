@@ -16,10 +16,21 @@ const std::set<std::string> kWithoutReader = {"language.cpp", "catalogue.cpp", "
                                               "workbook.cpp", "markup.cpp",    "building_lines.cpp"};
 
 /// Of the judgement: what it writes into its artifacts for a reader.
-const char* const kJudgement[] = {"accuracy",     "anchor_doubts",   "anchor_judgement",   "common_shift",
-                                  "group_shifts", "deviation",       "deviation_surfaces", "epoch_movements",
-                                  "epochs",       "panels",          "surfaces",           "trust",
-                                  "mounting",     "designed_control"};
+const char* const kJudgement[] = {"accuracy",
+                                  "anchor_doubts",
+                                  "anchor_judgement",
+                                  "common_shift",
+                                  "group_shifts",
+                                  "deviation",
+                                  "deviation_surfaces",
+                                  "epoch_movements",
+                                  "epochs",
+                                  "kept_open",
+                                  "panels",
+                                  "surfaces",
+                                  "trust",
+                                  "mounting",
+                                  "designed_control"};
 
 /// Not for readers: classes of elements, names of files, what is matched, what a user types.
 const std::set<std::string> kNotRead = {
