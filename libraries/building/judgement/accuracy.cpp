@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "building/judgement/anchor_doubts.hpp"
+#include "building/judgement/check_anchors.hpp"
 #include "building/judgement/comparison.hpp"
 #include "building/judgement/difference.hpp"
 #include "building/judgement/drift.hpp"
@@ -30,6 +31,7 @@ struct Evaluation {
   PointSet model, survey;  ///< as given, without a covariance that cannot be used
   PointIndex model_index, survey_index, truth_index;
   AccuracyT result;
+  bool other_checks_hold = false;  ///< some contradict the model, are named, and without them it is not contradicted
 
   void warn(const std::string& text) { result.warnings.push_back(text); }
 };
@@ -222,6 +224,22 @@ void add_comparisons(Evaluation& evaluation, const DifferenceSet& all, AccuracyR
   add_comparison(evaluation, all, AnchorUse::control, reference);
 }
 
+/// A check anchor that was surveyed wrongly is named; the uncertainties are told to be too small only if the others
+/// say so, too.
+void name_contradicting_checks(Evaluation& evaluation, const DifferenceSet& survey) {
+  const std::vector<std::string> words = words_of_contradicting(evaluation.result);
+  if (words.empty()) return;
+  for (const std::string& text : words) evaluation.warn(text);
+  std::set<std::string> wrong;
+  for (const AnchorAccuracyT* anchor : contradicting_checks(evaluation.result)) wrong.insert(anchor->id);
+  const auto& table = evaluation.inputs.anchors;
+  std::vector<std::size_t> others = positions_of_use(survey, table, AnchorUse::check);
+  std::erase_if(others, [&](std::size_t i) { return wrong.contains(table[survey.anchors[i]].id); });
+  const AccuracyComparisonT rest = compare(survey.subset(others), table, evaluation.options, false);
+  const ErrorConsistencyT* test = rest.consistency_3d.get();
+  evaluation.other_checks_hold = !test || !(test->statistic > chi_squared_quantile(0.999, test->degrees_of_freedom));
+}
+
 /// 3 x 3 block, or 0 x 0.
 Eigen::MatrixXd block_of(const DifferenceSet& set, std::size_t i) {
   if (set.covariance.size() == 0) return {};
@@ -316,6 +334,8 @@ void warn_of_evidence(Evaluation& evaluation) {
       evaluation.warn("D(F) was asked for on control anchors. It is not evidence: " + comparison->evidence_note);
     const ErrorConsistencyT* test = comparison->consistency_3d.get();
     // At the level of the intervals one sound campaign in twenty fails; a warning is for what is certain.
+    const bool is_survey = comparison->reference == AccuracyReference::survey;
+    if (is_survey && evaluation.other_checks_hold) continue;
     if (comparison->evidence && test && test->statistic > chi_squared_quantile(0.999, test->degrees_of_freedom))
       evaluation.warn(std::string("The errors of the check anchors against the ") +
                       (comparison->reference == AccuracyReference::truth ? "truth" : "survey") +
@@ -372,6 +392,7 @@ AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       if (is_left_out(evaluation, inputs.anchors[i])) take_back_verdict(*result.anchors[i]);
     add_comparisons(evaluation, survey, AccuracyReference::survey);
+    name_contradicting_checks(evaluation, survey);
   }
   if (inputs.truth) {
     evaluation.truth_index = index_points(*inputs.truth, "truth");

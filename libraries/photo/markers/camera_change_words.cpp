@@ -186,7 +186,10 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
                                empirical.by_order)
                  : fmt::format(" (of that {:.1f} times because photographs from places near to each other err alike)",
                                empirical.by_place);
-  return words + (list.empty() ? ". Nothing that could be its cause stands out" : ". It is that of " + list);
+  return words + (list.empty() ? ". None of the causes that are tried stands out; tags or a board that are bent, and "
+                                 "photographs of which a "
+                                 "program enlarged some, are not among them"
+                               : ". It is that of " + list);
 }
 
 double hidden_focus_change(const CameraTruth& truth) {

@@ -4,9 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 
+#include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
 #include "photo/bundle/adjust.hpp"
 
@@ -96,23 +98,69 @@ class Adjustment {
     return worst;
   }
 
-  /// One after the other, the worst first, because a wrong point makes sound ones look wrong (Baarda 1968). Where more
-  /// than a third would go, it is no matter of single points: all stay, and each that contradicts is named.
-  void set_contradictions_aside() {
-    const auto count = [&] { return static_cast<size_t>(std::count_if(targets_.begin(), targets_.end(), holds)); };
-    const size_t all = count();
-    std::vector<size_t> aside;
+  size_t holding() const { return static_cast<size_t>(std::count_if(targets_.begin(), targets_.end(), holds)); }
+
+  /// One after the other, the worst first, because a wrong point makes sound ones look wrong (Baarda 1968). False where
+  /// more than a third would have to go.
+  bool search_contradictions(std::vector<size_t>& aside) {
+    const size_t all = holding();
     for (;;) {
       const auto [j, w] = worst_control();
-      if (!(w > critical_w(count()))) break;
-      if (3 * (aside.size() + 1) > all || count() <= 3) {
-        for (const size_t a : aside) targets_[a].aside = false;
-        if (!aside.empty()) solve();
-        return;
-      }
+      if (!(w > critical_w(holding()))) return true;
+      if (3 * (aside.size() + 1) > all || holding() <= 3) return false;
       targets_[j].aside = true;
       aside.push_back(j);
       solve();
+    }
+  }
+
+  void take_back(std::vector<size_t>& aside) {
+    for (const size_t a : aside) targets_[a].aside = false;
+    aside.clear();
+  }
+
+  /// How many times as much as their standard deviations say all of the control scatters; 1 where it may be chance. By
+  /// the median, which a few wrong points hardly move (Hampel 1974), of what is no blunder even then. Control of which
+  /// the worst was set aside fits by that: without it, noise would be sold as wrong points and small standard
+  /// deviations.
+  double scatter_of_control(const std::vector<size_t>& aside) const {
+    std::vector<Eigen::Vector3d> points;
+    for (size_t k = 0; k < problem_.known.size(); ++k) {
+      if (problem_.known[k].group != group_control) continue;
+      const auto& rows = reliability_.known[k];
+      points.emplace_back(std::abs(rows[0].w), std::abs(rows[1].w), std::abs(rows[2].w));
+    }
+    for (const size_t a : aside)
+      points.push_back(difference(a).cwiseQuotient(covariance_of_differences({a}).diagonal().cwiseSqrt()).cwiseAbs());
+    const double redundancy = reliability_.groups[group_control].redundancy + 3 * static_cast<double>(aside.size());
+    constexpr double of_sound = 0.6745, efficiency = 0.37, one_in_a_thousand = 3.09, few = 6;
+    if (redundancy < few) return 1;
+    double scatter = std::numeric_limits<double>::infinity();
+    for (int step = 0; step < 10; ++step) {
+      std::vector<double> w;
+      for (const Eigen::Vector3d& point : points)
+        if (!(point.maxCoeff() > critical_w(points.size()) * scatter)) w.insert(w.end(), point.begin(), point.end());
+      scatter = median(w) / of_sound;
+    }
+    return scatter > 1 + one_in_a_thousand / std::sqrt(2 * efficiency * redundancy) ? scatter : 1;
+  }
+
+  /// Where more than a third would go, it is no matter of single points: all stay, and each that contradicts is named.
+  void set_contradictions_aside() {
+    const size_t all = holding();
+    std::vector<size_t> aside;
+    bool few = search_contradictions(aside);
+    if (const double scatter = scatter_of_control(aside); scatter > 1) {
+      take_back(aside);
+      result_.control_scatter = scatter;
+      solve();
+      few = search_contradictions(aside);
+    }
+    if (!few) {
+      const bool changed = !aside.empty();
+      take_back(aside);
+      if (changed) solve();
+      return;
     }
     // What agrees with the result after all, once the worse ones are gone, takes part again.
     bool changed = false;
@@ -135,8 +183,7 @@ class Adjustment {
     for (const size_t j : points) blocks.push_back(layout_->block({Kind::point, static_cast<int>(j)}));
     Eigen::MatrixXd covariance = adjusted_.cofactors->joint(blocks);
     for (size_t k = 0; k < points.size(); ++k)
-      covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)) +=
-          sigma_of(*targets_[points[k]].control, options_).cwiseAbs2();
+      covariance.diagonal().segment<3>(3 * static_cast<Eigen::Index>(k)) += taken_sigma(points[k]).cwiseAbs2();
     return covariance;
   }
 
@@ -194,6 +241,12 @@ class Adjustment {
       }
   }
 
+  /// Check points are held against what their file states: they are the evidence, not what is to be explained.
+  Eigen::Vector3d taken_sigma(size_t j) const {
+    const ControlPoint& point = *targets_[j].control;
+    return sigma_of(point, options_) * (point.check ? 1 : result_.control_scatter);
+  }
+
   static bool holds(const Target& t) { return t.control && !t.control->check && !t.aside; }
 
   /// Problem and state from the model and the targets as they are now.
@@ -235,7 +288,7 @@ class Adjustment {
       bundle::Known term;
       term.refs = {{Kind::point, j}};
       term.target = t.control->position - result_.origin;
-      term.whitening = Eigen::MatrixXd(sigma_of(*t.control, options_).cwiseInverse().asDiagonal());
+      term.whitening = Eigen::MatrixXd(taken_sigma(static_cast<size_t>(j)).cwiseInverse().asDiagonal());
       term.group = group_control;
       problem_.known.push_back(std::move(term));
     }
@@ -306,6 +359,7 @@ class Adjustment {
     result_.groups = reliability_.groups;
     for (const size_t g : {size_t{group_ties}, size_t{group_measured}})
       result_.groups[g].factor *= sigma_factor(g) * sigma_factor(g);
+    result_.groups[group_control].factor *= std::pow(result_.control_scatter, 2);
     std::erase_if(result_.groups, [](const auto& g) { return g.rows == 0; });
     const auto own = adjusted_.cofactors->all_own();
     const auto cofactor = [&](Kind kind, size_t index) -> const Eigen::MatrixXd& {
@@ -360,7 +414,7 @@ class Adjustment {
     AdjustedControlPoint p;
     p.name = t.name, p.check = t.control->check, p.used = true, p.aside = t.aside;
     if (t.aside) p.reason = "set aside: it contradicts the photographs and the other control points";
-    p.surveyed = t.control->position, p.surveyed_sigma = sigma_of(*t.control, options_);
+    p.surveyed = t.control->position, p.surveyed_sigma = taken_sigma(j);
     p.position = state_.points[j] + result_.origin;
     p.covariance = covariance;
     p.rays = static_cast<int>(t.rays.size());

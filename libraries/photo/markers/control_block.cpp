@@ -7,6 +7,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/csv_table.hpp"
+#include "geometry/statistics.hpp"
 #include "photo/block/control_words.hpp"
 #include "photo/markers/control_adjustment.hpp"
 #include "photo/markers/robust_similarity.hpp"
@@ -64,16 +66,22 @@ void align(ColmapModel& model, std::vector<Target>& targets, ControlResult& resu
 /// All control points together: standard deviations that nobody stated, or stated too small.
 void warn_about_control(const std::vector<ControlPoint>& control, const ControlOptions& options,
                         ControlResult& result) {
-  constexpr double limit = 9;  // three times the stated standard deviations
   const bool assumed =
       std::any_of(control.begin(), control.end(), [](const ControlPoint& p) { return std::isnan(p.sigma.sum()); });
+  const std::string whose =
+      assumed ? ", which their file does not state (" + short_number(options.control_sigma) + " m is assumed): say them"
+              : ": they are too small, or points are confused";
+  if (result.control_scatter > 1) {
+    result.warnings.push_back("the control points scatter " + short_number(result.control_scatter) +
+                              " times as much as their standard deviations say" + whose +
+                              ". They are taken as so much larger, and with them those of the result grow");
+    return;
+  }
   for (const auto& group : result.groups)
-    if (group.name == "control" && group.redundancy > 2 && group.factor > limit)
+    if (group.name == "control" && group.redundancy > 2 &&
+        group.factor > chi_squared_quantile(0.999, group.redundancy) / group.redundancy)
       result.warnings.push_back("the control points fit " + short_number(std::sqrt(group.factor)) +
-                                " times worse than their standard deviations" +
-                                (assumed ? ", which their file does not state (" + short_number(options.control_sigma) +
-                                               " m is assumed): say them"
-                                         : ": they are too small, or points are confused") +
+                                " times worse than their standard deviations" + whose +
                                 ". All standard deviations of the result are too small by that");
 }
 
@@ -103,6 +111,30 @@ void warn_about_points(ControlResult& result) {
 }
 
 }  // namespace
+
+std::string role_of(const AdjustedControlPoint& p) {
+  return p.check ? "check" : p.aside ? "control, set aside" : "control";
+}
+
+std::string control_table(const ControlResult& result) {
+  std::string text =
+      "name,role,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,dx_m,dy_m,dz_m,w_x,w_y,w_z,rays,rms_px,reason\n";
+  for (const auto& p : result.points) {
+    text += text::csv_field(p.name) + "," + text::csv_field(role_of(p));
+    const auto add = [&](double value) {
+      const std::string number = fmt::format(",{:.6f}", value);
+      text += std::isfinite(value) && p.used ? number : ",";
+    };
+    for (int k = 0; k < 3; ++k) add(p.position(k));
+    for (int k = 0; k < 3; ++k) add(std::sqrt(p.covariance(k, k)));
+    for (int k = 0; k < 3; ++k) add(p.position(k) - p.surveyed(k));
+    for (int k = 0; k < 3; ++k) add(p.w(k));
+    text += "," + std::to_string(p.rays);
+    add(p.rms);
+    text += "," + text::csv_field(p.reason) + "\n";
+  }
+  return text;
+}
 
 ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options) {
@@ -145,7 +177,7 @@ void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoin
     unused.position.setConstant(std::nan(""));
     unused.reason = "it is not measured in two photographs of the model, or disagrees with the others";
     result.points.push_back(unused);
-    result.left_out.push_back("control point " + p.name + ": " + unused.reason);
+    result.left_out.push_back((p.check ? "check point " : "control point ") + p.name + ": " + unused.reason);
   }
   warn_about_control(control, options, result);
   warn_about_points(result);

@@ -61,7 +61,8 @@ struct ControlResult {
   std::optional<block::CheckJudgement> checks;  ///< nothing without check points
   std::vector<ControlObservation> observations;
   std::vector<least_squares::VarianceComponent> groups;
-  double scale = 1;  ///< metres a unit of the model
+  double scale = 1;            ///< metres a unit of the model
+  double control_scatter = 1;  ///< how many times their stated standard deviations those of all control were taken
   double sigma0 = 0, rms = 0, weighted_sum_of_squares = 0;
   int n_observations = 0, unknowns = 0, degrees_of_freedom = 0, tie_points = 0, rejected = 0;
   std::vector<std::string> warnings, left_out;
@@ -74,5 +75,11 @@ ControlResult adjust_with_control(const ColmapModel& model, const std::vector<Co
 /// The same; where it throws, the warnings of `result` say what was noticed before.
 void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
                          const std::vector<ImagePoint>& measured, const ControlOptions& options, ControlResult& result);
+
+/// "control", "check", or what became of control that contradicts.
+std::string role_of(const AdjustedControlPoint& point);
+
+/// points.csv: every surveyed point, adjusted minus surveyed, and its tests. What is not known is an empty cell.
+std::string control_table(const ControlResult& result);
 
 }  // namespace plumbline::markers

@@ -15,6 +15,7 @@
 #include "photo/markers/marker_model.hpp"
 #include "photo/markers/marker_truth.hpp"
 #include "photo/markers/marker_words.hpp"
+#include "photo/markers/tag_places.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -414,13 +415,56 @@ std::array<Eigen::Vector3d, 4> shaped_corners(double half, const TagShape& shape
   return corners;
 }
 
+namespace {
+
+/// Of each such tag the larger part of its photographs takes part again, and no other.
+void keep_one_place(const MarkerBlock& block, const std::vector<TagAtTwoPlaces>& found, Trial& trial) {
+  for (const TagAtTwoPlaces& tag : found) {
+    for (const MarkerView& view : block.views)
+      if (view.marker == tag.marker) trial.use[static_cast<size_t>(&view - block.views.data())] = false;
+    for (const int v : tag.views[tag.larger()]) trial.use[v] = true;
+    const MarkerView& first = block.views[tag.views[tag.larger()].front()];
+    auto& place = trial.start.world_from_tag[tag.marker];
+    const auto poses = poses_of_view(block, first, trial.start.cameras[block.images[first.image].camera]);
+    if (!place && !poses.empty())
+      place = trial.start.cam_from_world[first.image]->inverse() * poses.front().cam_from_figure;
+    if (place) place->translation = tag.places[tag.larger()];
+  }
+}
+
+/// A tag that was moved during the photographs is adjusted where most of them have it, and named. What cannot be
+/// adjusted so stays as it was.
+std::vector<TagAtTwoPlaces> adjust_tags_at_one_place(const MarkerBlock& block, const MarkerOptions& options,
+                                                     Trial& trial, std::unique_ptr<Run>& run, MarkerResult& result) {
+  Trial mended = trial;
+  mended.start = start_of(block, run->model, trial.start);
+  std::vector<TagAtTwoPlaces> found = tags_at_two_places(block, mended.start, mended.use);
+  if (found.empty() || !(options.reject_above > 0)) return {};
+  keep_one_place(block, found, mended);
+  MarkerResult again;
+  auto second = std::make_unique<Run>();
+  try {
+    run_adjustment(block, options, mended, *second, again);
+  } catch (const std::runtime_error&) {
+    return {};
+  }
+  for (size_t v = 0; v < mended.use.size(); ++v)
+    if (!mended.use[v]) again.rejected.push_back(static_cast<int>(v));
+  trial = std::move(mended), run = std::move(second), result = std::move(again);
+  return found;
+}
+
+}  // namespace
+
 MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& options) {
   require_usable(block);
   MarkerResult result;
   Trial trial = best_start(block, options);
   find_blunders(block, options, trial, result);
-  Run run;
-  run_or_explain(block, options, trial, run, result);
+  auto owned = std::make_unique<Run>();
+  run_or_explain(block, options, trial, *owned, result);
+  const std::vector<TagAtTwoPlaces> moved = adjust_tags_at_one_place(block, options, trial, owned, result);
+  Run& run = *owned;
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
   judge_cameras(block, run.model, *run.layout, run.adjusted, result);
@@ -434,6 +478,8 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
     to_first_tag(block, in_one_line(block, run.model), result);
     state_scale(block, options, result);
   }
+  for (const auto& words : {words_of(block, moved), words_of_rejected(block, result, moved)})
+    result.warnings.insert(result.warnings.end(), words.begin(), words.end());
   warn_about_variance(result);
   explain_images(block, result);
   explain_single_tags(block, result);

@@ -362,8 +362,13 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
   }
   for (const auto& marker : result.markers) {
     const Marker& m = block.markers[marker.marker];
-    if (marker.images == 1)
-      result.warnings.push_back("tag " + m.name() + " is seen in one photograph only: nothing checks it");
+    if (marker.images != 1) continue;
+    const auto seen = std::count_if(block.views.begin(), block.views.end(),
+                                    [&](const MarkerView& view) { return view.marker == marker.marker; });
+    result.warnings.push_back("tag " + m.name() +
+                              (seen == 1 ? " is seen in one photograph only: nothing checks it"
+                                         : " stands where one of its " + std::to_string(seen) +
+                                               " photographs has it, the others contradict each other: do not use it"));
   }
 }
 

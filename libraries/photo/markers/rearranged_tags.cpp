@@ -45,6 +45,16 @@ std::map<std::pair<int, int>, std::vector<SeenDistance>> distances_of(const Mark
   return distances;
 }
 
+/// The one tag that all pairs which moved have in common, where most of its own did; else -1.
+int common_tag(const std::vector<std::pair<int, int>>& moved, const std::map<int, int>& pairs_of) {
+  for (const int tag : {moved.front().first, moved.front().second}) {
+    const bool in_all = std::all_of(moved.begin(), moved.end(),
+                                    [&](const auto& pair) { return pair.first == tag || pair.second == tag; });
+    if (in_all && 2 * static_cast<int>(moved.size()) > pairs_of.at(tag)) return tag;
+  }
+  return -1;
+}
+
 }  // namespace
 
 std::string rearranged_tags(const MarkerBlock& block) {
@@ -52,10 +62,11 @@ std::string rearranged_tags(const MarkerBlock& block) {
   int pairs = 0, moved = 0;
   double furthest = 0;
   std::string example;
-  std::map<int, int> times;  // in pairs that moved
+  std::map<int, int> times, pairs_of;  // in pairs that moved, and in all
+  std::vector<std::pair<int, int>> moved_pairs;
   for (auto& [pair, seen] : distances_of(block)) {
     if (seen.size() < 2) continue;
-    ++pairs;
+    ++pairs, ++pairs_of[pair.first], ++pairs_of[pair.second];
     const auto [least, most] =
         std::minmax_element(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.metres < b.metres; });
     std::vector<double> all;
@@ -64,12 +75,18 @@ std::string rearranged_tags(const MarkerBlock& block) {
     const double allowed = apart * upper_median(all) + std::max(a.size, b.size), off = most->metres - least->metres;
     if (!(off > allowed)) continue;
     ++moved, ++times[pair.first], ++times[pair.second];
+    moved_pairs.push_back(pair);
     if (!(off / allowed > furthest)) continue;
     furthest = off / allowed;
     example = fmt::format("tags {} and {} are {:.2f} m apart in {} and {:.2f} m in {}", a.name(), b.name(),
                           least->metres, block.images[least->image].path, most->metres, block.images[most->image].path);
   }
-  if (moved < 2 || 2 * moved < pairs) return "";
+  if (moved < 2) return "";
+  if (const int one = common_tag(moved_pairs, pairs_of); one >= 0)
+    return "tag " + block.markers[one].name() +
+           " stands elsewhere from photograph to photograph, or two tags carry that number: " + example +
+           ". Take it out, or print every id once and photograph an arrangement that stays";
+  if (2 * moved < pairs) return "";
   std::string names;
   for (const auto& [marker, count] : times) names += (names.empty() ? "" : ", ") + block.markers[marker].name();
   return "the tags stand elsewhere from photograph to photograph, or several tags have one number: " + example +

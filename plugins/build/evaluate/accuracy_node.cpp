@@ -19,6 +19,7 @@
 #include "build/evaluate/surface_deviation_node.hpp"
 #include "build/evaluate/surface_errors_node.hpp"
 #include "building/judgement/accuracy.hpp"
+#include "building/judgement/check_anchors.hpp"
 #include "plumbline/node.hpp"
 
 namespace plumbline::judgement {
@@ -78,7 +79,7 @@ FileT file_of(const std::string& name, const std::string& media_type, const std:
 }  // namespace
 
 struct EvaluateAccuracy : Node {
-  static constexpr Info info{"evaluate.accuracy", "metric", 5,
+  static constexpr Info info{"evaluate.accuracy", "metric", 6,
                              "Anchor, floor and column accuracy of a model: (1)-(3) and (9)-(13); the metrics files"};
   In<Points> model{"model", frame("frame=?F"), "points of the model with their covariance"};
   In<Points> survey{"survey", frame("frame=?F"), "surveyed points with their covariance"};
@@ -105,6 +106,10 @@ struct EvaluateAccuracy : Node {
       "mounting_sigma", 0.0, "m", between(0, 0.1),
       "of a plate's place on its anchor, each axis: part of what is expected against the truth, "
       "which is of anchors"};
+  Param<std::string> contradicting_checks{"contradicting_checks", "warn", one_of("warn", "invalid"),
+                                          "what a model is that its own check anchors contradict, one of them or all "
+                                          "together, at 0.1 %: told, or not to be "
+                                          "used as it is (exit code 3)"};
   Out<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Out<File> metrics{"metrics", "metrics.json"};
   Out<File> table{"table", "metrics.csv"};
@@ -143,6 +148,7 @@ struct EvaluateAccuracy : Node {
       context.metric("max_abs_dz_" + name, c->max_abs_dz, "m");
       context.metric("rmse_3d_" + name, c->rmse_3d, "m");
     }
+    if (*contradicting_checks == "invalid") context.metric("invalid", check_anchors_hold(result) ? 0 : 1, "1");
     accuracy.commit(result);
     DeviationT built;
     if (deviation) built = deviation.unpack();

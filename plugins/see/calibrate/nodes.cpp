@@ -12,6 +12,7 @@
 #include "geometry/median.hpp"
 #include "output.hpp"
 #include "photo/markers/camera_groups.hpp"
+#include "photo/markers/repeated_sights.hpp"
 #include "plumbline/node.hpp"
 
 namespace {
@@ -37,7 +38,7 @@ CameraT artifact_of(const Calibrated& one, const std::string& id) {
 
 struct CalibrateBoard : Node {
   static constexpr Info info{
-      "calibrate.board", "", 9,
+      "calibrate.board", "", 10,
       "Calibrates cameras on photographs of a board: parameters, covariance, uncertainty over the image, rigs"};
   List<BoardPoints> points{"points", "the board's points in each photograph"};
   Param<std::string> lens{"lens", "by_photographs", one_of("by_photographs", "brown", "fisheye"),
@@ -101,6 +102,7 @@ struct CalibrateBoard : Node {
         throw Failure(kind_of(error), "camera " + one.selection.camera + ": " + error.what());
       }
       const std::string name = one.selection.camera.empty() ? "" : one.selection.camera + ": ";
+      if (const std::string text = repeated_sights(one.selection.views); !text.empty()) context.warn(name + text);
       for (const auto& text : warnings_of(one)) context.warn(name + text);
       const auto& camera = one.calibration.camera;
       const auto sigma = [&](int i) { return std::sqrt(one.calibration.covariance(i, i)); };

@@ -1,13 +1,10 @@
 #include "colmap_node.hpp"
 
-#include <fmt/core.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "base/text/csv_table.hpp"
 #include "base/text/whole_file.hpp"
 #include "control/points/control_files.hpp"
 #include "control/points/image_points.hpp"
@@ -97,10 +94,6 @@ Json images_json(const ControlResult& result) {
   return images;
 }
 
-std::string role_of(const AdjustedControlPoint& p) {
-  return p.check ? "check" : p.aside ? "control, set aside" : "control";
-}
-
 std::string block_text(const ControlResult& result) {
   Json groups = Json::array(), points = Json::array(), observations = Json::array(), warnings = Json::array(),
        left_out = Json::array();
@@ -173,26 +166,6 @@ std::string block_text(const ControlResult& result) {
   return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-std::string table_text(const ControlResult& result) {
-  std::string text =
-      "name,role,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,dx_m,dy_m,dz_m,w_x,w_y,w_z,rays,rms_px,reason\n";
-  for (const auto& p : result.points) {
-    text += text::csv_field(p.name) + "," + role_of(p);
-    const auto add = [&](double value) {
-      const std::string number = fmt::format(",{:.6f}", value);
-      text += std::isfinite(value) && p.used ? number : ",";
-    };
-    for (int k = 0; k < 3; ++k) add(p.position(k));
-    for (int k = 0; k < 3; ++k) add(std::sqrt(p.covariance(k, k)));
-    for (int k = 0; k < 3; ++k) add(p.position(k) - p.surveyed(k));
-    for (int k = 0; k < 3; ++k) add(p.w(k));
-    text += "," + std::to_string(p.rays);
-    add(p.rms);
-    text += "," + text::csv_field(p.reason) + "\n";
-  }
-  return text;
-}
-
 /// How far control was moved; without check points it is all there is, and no evidence.
 void tell_control(const ControlResult& result, Context& context) {
   double squares = 0, largest = 0;
@@ -203,6 +176,7 @@ void tell_control(const ControlResult& result, Context& context) {
     squares += square, largest = std::max(largest, square), ++count;
   }
   context.metric("control_points", count, "1");
+  context.metric("control_scatter", result.control_scatter, "1");
   if (count) {
     context.metric("control_rms_3d", std::sqrt(squares / count), "m");
     context.metric("control_largest_3d", std::sqrt(largest), "m");
@@ -257,7 +231,7 @@ void AdjustColmapControl::run(Context& context) {
     context.metric("invalid", result.checks->holds ? 0 : 1, "1");
   }
   block.commit(file_of("block.json", "application/json", block_text(result)));
-  table.commit(file_of("points.csv", "text/csv", table_text(result)));
+  table.commit(file_of("points.csv", "text/csv", control_table(result)));
   const auto folder = adjusted.make_folder();
   adjusted.commit(write_model(result.model, folder.uri, folder.path, context));
   for (const CameraT& camera : camera_artifacts(result.model)) cameras.commit(camera);

@@ -11,7 +11,7 @@
 namespace plumbline::markers {
 
 struct AdjustColmapControl : Node {
-  static constexpr Info info{"adjust.colmap_control", "", 4,
+  static constexpr Info info{"adjust.colmap_control", "", 5,
                              "Adjusts a COLMAP model together with surveyed points measured in its photographs"};
   Optional<Folder> sparse{"sparse", "the model, such as that of colmap.sfm, in place of the parameter"};
   Param<FolderPath> model{"model", FolderPath{}, "folder with cameras, images and points3D, .bin or .txt"};

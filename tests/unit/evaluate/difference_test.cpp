@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 #include <limits>
 
+#include "building/judgement/check_anchors.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -222,6 +223,30 @@ TEST(Truth, HasNoUncertaintyOfItsOwn) {
   EXPECT_NEAR(c->mean_dz, (8.0 / 6 - 1) * mm, 1e-12);
   EXPECT_NEAR(c->predicted_rmse_z, 0.3 * mm, 1e-12);
   EXPECT_NEAR(accuracy.anchors[0]->truth->u_dz, 0.3 * mm, 1e-12);
+}
+
+/// 50 mm off, 90 standard deviations: "the stated uncertainties are too small" was said, which were right, and no name.
+TEST(CheckAnchors, OneThatWasSurveyedWronglyIsNamedAndTheUncertaintiesAreNotBlamed) {
+  test::Normal normal(4);
+  Inputs inputs;
+  for (int k = 1; k <= 6; ++k)
+    test::add_anchor(inputs, "A" + std::to_string(k), 1, k, AnchorUse::check,
+                     0.5 * mm * Eigen::Vector3d(normal(), normal(), normal()));
+  test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
+  AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_TRUE(check_anchors_hold(accuracy));
+  EXPECT_FALSE(test::warns(accuracy, "contradicts the model"));
+  inputs.model.positions[2].z() += 50 * mm;
+  accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_FALSE(check_anchors_hold(accuracy));
+  EXPECT_TRUE(test::warns(accuracy, "The check anchor A3 contradicts the model: it is off by "));
+  EXPECT_FALSE(test::warns(accuracy, "larger than their covariance allows"));
+  // Where all are off by more than is stated, it is no matter of single points.
+  test::set_sigmas(inputs, 0.03 * mm, 0.04 * mm);
+  accuracy = evaluate_accuracy(inputs, {});
+  EXPECT_FALSE(check_anchors_hold(accuracy));
+  EXPECT_FALSE(test::warns(accuracy, "contradicts the model"));
+  EXPECT_TRUE(test::warns(accuracy, "larger than their covariance allows"));
 }
 
 TEST(Incomplete, MissingAnchorsAreListedAndInNoMean) {

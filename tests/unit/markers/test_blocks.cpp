@@ -4,6 +4,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <functional>
+#include <map>
 #include <random>
 
 #include "geometry/similarity.hpp"
@@ -14,6 +16,7 @@
 #include "photo/markers/marker_halves.hpp"
 #include "photo/markers/marker_words.hpp"
 #include "photo/markers/planar_pose.hpp"
+#include "photo/markers/repeated_sights.hpp"
 #include "plumbline/stop.hpp"
 #include "scene.hpp"
 #include "test_support.hpp"
@@ -203,6 +206,68 @@ TEST(MarkerBlock, NamesATagThatIsNotWhereTheOthersSayItIs) {
   const MarkerResult result = adjust_marker_block(s.block, {});
   EXPECT_EQ(result.rejected, std::vector<int>{5});
   EXPECT_LT(error_of(s, result), 5e-4);
+}
+
+/// A scene in which `moved` tags stand elsewhere from photograph `from` on.
+Scene scene_with_a_change(unsigned seed, int photographs, const std::map<int, Eigen::Vector3d>& moved,
+                          const std::function<bool(int)>& changed) {
+  Scene s = scene(0.2, seed, photographs);
+  std::mt19937_64 random(seed + 1);
+  std::normal_distribution<double> noise(0, 0.2);
+  for (MarkerView& view : s.block.views) {
+    const auto by = moved.find(view.marker);
+    if (by == moved.end() || !changed(view.image)) continue;
+    RigidTransform tag = s.tags[view.marker];
+    tag.translation += by->second;
+    for (size_t q = 0; q < 4; ++q)
+      view.corners[q] = *project(true_camera(), s.images[view.image] * (tag * corner(0.12, q))) +
+                        Eigen::Vector2d(noise(random), noise(random));
+  }
+  return s;
+}
+
+std::string all_of(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+/// 13 of 14 photographs of it were left out as blunders, and all that was said was that one shows it.
+TEST(MarkerBlock, NamesATagThatWasMovedMeanwhileAndTheFirstPhotographAfterIt) {
+  for (const double by : {0.02, 0.004}) {
+    const Scene s = scene_with_a_change(5, 14, {{4, {by, 0, 0}}}, [](int image) { return image >= 8; });
+    const MarkerResult result = adjust_marker_block(s.block, {});
+    EXPECT_THAT(all_of(result.warnings),
+                testing::AnyOf(HasSubstr(by > 0.01 ? "tag 4 was moved by 20." : "tag 4 was moved by 4."),
+                               HasSubstr(by > 0.01 ? "tag 4 was moved by 19.9" : "tag 4 was moved by 3.9")))
+        << by;
+    EXPECT_THAT(all_of(result.warnings), HasSubstr("before image8.jpg (by the order of the names); 6 photographs"))
+        << by;
+    EXPECT_LT(error_of(s, result), 3e-4) << "it stands where it was before, as in most of the photographs";
+    EXPECT_EQ(result.markers.size(), 12u);
+  }
+}
+
+TEST(MarkerBlock, NamesTagsThatChangedPlacesAndANumberThatTwoCarry) {
+  const Scene first = scene(0.2, 6, 14);
+  const Eigen::Vector3d across = first.tags[4].translation - first.tags[1].translation;
+  const Scene swapped = scene_with_a_change(6, 14, {{1, across}, {4, -across}}, [](int image) { return image >= 7; });
+  EXPECT_THAT(all_of(adjust_marker_block(swapped.block, {}).warnings),
+              HasSubstr("tags 1 and 4 changed places before image7.jpg"));
+  const Scene twice = scene_with_a_change(7, 14, {{2, {0.15, 0.1, 0}}}, [](int image) { return image % 3 == 0; });
+  const std::string told = all_of(adjust_marker_block(twice.block, {}).warnings);
+  EXPECT_THAT(told, HasSubstr("tag 2 stands at two places 1"));
+  EXPECT_THAT(told, HasSubstr("two tags carry that number"));
+}
+
+TEST(MarkerBlock, SaysNothingOfTheKindOfTagsThatStay) {
+  for (unsigned seed = 50; seed < 70; ++seed) {
+    Scene s = scene(0.2, seed, 14);
+    for (size_t v = seed % 7; v < s.block.views.size(); v += 23) s.block.views[v].corners[0].x() += 15;  // blunders
+    const std::string told = all_of(adjust_marker_block(s.block, {}).warnings);
+    EXPECT_EQ(told.find("was moved"), std::string::npos) << seed << "\n" << told;
+    EXPECT_EQ(told.find("two places"), std::string::npos) << seed << "\n" << told;
+  }
 }
 
 TEST(MarkerBlock, KeepsBothPosesOfASingleTagUntilImagesDecide) {
@@ -415,6 +480,16 @@ TEST(Calibration, RecoversCameraAndBendAndStatesTheirUncertainty) {
   BrownCamera turned = true_camera();
   turned.cx += 0.5;
   EXPECT_LT(projection_difference(true_camera(), turned, 9, 7)[31], 0.2);
+}
+
+/// The same sixteen photographs saved three times made the camera better known by a fourth.
+TEST(Calibration, ABurstIsTold) {
+  const auto first = board_views(0.15, 0, 3), again = board_views(0.15, 0, 4);  // of the same poses
+  EXPECT_EQ(repeated_sights(first), "");
+  auto views = first;
+  views.insert(views.end(), again.begin(), again.begin() + 5);
+  EXPECT_THAT(repeated_sights(views),
+              testing::StartsWith("5 of the 19 photographs show the board from where another one does"));
 }
 
 TEST(Calibration, SaysWhatIsMissing) {
