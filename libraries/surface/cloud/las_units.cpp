@@ -186,7 +186,7 @@ void take_las_unit(CloudStream& stream, const LasRecords& records, CloudSummary&
     stream.fail_at_byte(records.header_size, "plan and height have different units: one is " +
                                                  std::to_string(units.plan) + " m, the other " +
                                                  std::to_string(units.height) + " m; bring both to metres");
-  summary.unit = units.plan;
+  summary.unit = units.plan, summary.unit_of_heights = units.height;
   if (!std::isfinite(units.plan)) summary.without_unit_of = units.system;
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/text/text.hpp"
+#include "surface/cloud/unit_names.hpp"
 
 namespace plumbline::cloud {
 namespace {
@@ -31,20 +32,11 @@ PlyType type_or_fail(const CloudStream& stream, std::string_view name) {
   return *type;
 }
 
-/// Feet of which nobody says whether they are international or those of US surveys.
-bool says_feet(std::string_view unit) { return unit == "ft" || unit == "feet" || unit == "foot"; }
-
 /// "comment unit: mm", "comment units metres".
 double unit_of(const Words& words) {
   if (words.size() != 3 || !text::to_lower(std::string(words[1])).starts_with("unit"))
     return std::numeric_limits<double>::quiet_NaN();
-  const std::string unit = text::to_lower(std::string(words[2]));
-  if (unit == "m" || unit == "metre" || unit == "metres" || unit == "meter" || unit == "meters") return 1;
-  if (unit == "mm" || unit == "millimetres" || unit == "millimeters") return 0.001;
-  if (unit == "cm") return 0.01;
-  if (says_feet(unit)) return 0.3048;
-  if (unit == "us_ft" || unit == "us-ft" || unit == "ftus") return 1200.0 / 3937;
-  return std::numeric_limits<double>::quiet_NaN();
+  return unit_named(text::to_lower(std::string(words[2])));
 }
 
 void take_element(const CloudStream& stream, const Words& words, PlyHeader& header) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/text/text.hpp"
 #include "surface/cloud/cloud_stream.hpp"
+#include "surface/cloud/unit_names.hpp"
 
 namespace plumbline::cloud {
 namespace {
@@ -54,6 +57,26 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
+/// What stands in the brackets of a name: "m" of "X[m]" and of "[m]".
+std::string in_brackets(std::string_view word) {
+  const size_t from = word.find_first_of("[(");
+  if (from == std::string_view::npos) return "";
+  return text::to_lower(std::string(word.substr(from + 1, word.find_first_of("])", from) - from - 1)));
+}
+
+/// Takes brackets that stand by themselves to the name before them; what they say, name by name.
+std::vector<std::string> join_brackets(std::vector<std::string_view>& names) {
+  std::vector<std::string> said;
+  std::vector<std::string_view> joined;
+  for (const std::string_view name : names) {
+    const bool alone = !joined.empty() && name.find_first_of("[(") == 0;
+    if (!alone) joined.push_back(name), said.push_back(in_brackets(name));
+    if (alone) said.back() = in_brackets(name);
+  }
+  names = std::move(joined);
+  return said;
+}
+
 /// Which columns x, y and z stand in, by their names; nothing if the names do not say it, or say it twice.
 std::optional<std::array<size_t, 3>> columns_of(const std::vector<std::string_view>& names) {
   constexpr std::array<std::array<std::string_view, 6>, 3> others{{{"easting", "east", "e", "coordx", "x_coord", "x"},
@@ -90,6 +113,9 @@ class TextPoints {
     split_words(text, words_);
     if (words_.size() == 1 && block_starts(words_[0])) return std::nullopt;
     if (taken_ == 0 && !counted_ && !headed_ && words_.size() >= 3 && !number_of(words_[0])) return take_names(text);
+    // A remark with as many words as there are columns names them; another only has x, y and z in it.
+    if (remarked_ > 0 && remarked_ != words_.size()) columns_ = {0, 1, 2}, summary_.unit = unknown_;
+    remarked_ = 0;
     Eigen::Vector3d point;
     for (size_t axis = 0; axis < 3; ++axis) {
       const auto value = columns_[axis] < words_.size() ? number_of(words_[columns_[axis]]) : std::nullopt;
@@ -132,18 +158,32 @@ class TextPoints {
   }
   /// Names of columns in the first line; where x, y and z are not named, nobody knows which columns they are.
   std::optional<Eigen::Vector3d> take_names(std::string_view text) {
+    const std::vector<std::string> said = join_brackets(words_);
     const auto columns = columns_of(words_);
     if (!columns)
       stream_.fail_at_line("the columns are named " + text::quoted(text) +
                            "; expected x, y and z, or easting, northing and height, each once");
     columns_ = *columns, headed_ = true;
+    take_units(said);
     return std::nullopt;
+  }
+  void take_units(const std::vector<std::string>& said) {
+    std::array<double, 3> units{};
+    for (size_t axis = 0; axis < 3; ++axis) units[axis] = unit_named(said[columns_[axis]]);
+    if (std::isfinite(units[0]) && (units[1] != units[0] || units[2] != units[0]))
+      stream_.fail_at_line("x is in " + said[columns_[0]] + ", y in " + said[columns_[1]] + ", z in " +
+                           said[columns_[2]] + "; expected one unit");
+    summary_.unit = units[0], summary_.either_foot = says_feet(said[columns_[0]]);
   }
   /// A remark before the first point may name the columns: "//X Y Z R G B".
   std::optional<Eigen::Vector3d> take_remark(std::string_view text) {
     if (taken_ > 0 || counted_ || headed_) return std::nullopt;
     split_words(text.substr(std::min(text.find_first_not_of("#/ "), text.size())), words_);
-    if (const auto columns = columns_of(words_)) columns_ = *columns, headed_ = true;
+    const std::vector<std::string> said = join_brackets(words_);
+    const auto columns = columns_of(words_);
+    if (!columns) return std::nullopt;
+    columns_ = *columns, headed_ = true, remarked_ = words_.size();
+    take_units(said);
     return std::nullopt;
   }
   bool block_starts(std::string_view word) {
@@ -168,6 +208,8 @@ class TextPoints {
   CloudSummary& summary_;
   std::vector<std::string_view> words_;
   std::array<size_t, 3> columns_ = {0, 1, 2};
+  size_t remarked_ = 0;  ///< words of the remark that named them, until the first point
+  static constexpr double unknown_ = std::numeric_limits<double>::quiet_NaN();
   Steps steps_;
   bool counted_ = false, headed_ = false, is_index_ = true;  // until a point says otherwise
   double index_ = 0;

@@ -91,6 +91,11 @@ TEST(Cloud, LasSaysItsUnitByKeysOrText) {
   EXPECT_EQ(unit(keys(3076, 9002)), 0.3048);
   EXPECT_NEAR(unit(keys(3076, 9003)), 0.3048006096, 1e-10);
   EXPECT_TRUE(std::isnan(unit(keys(3072, 25832))));
+  LasFile heights;
+  heights.records = keys(4099, 9002), heights.record_count = 1;
+  const CloudSummary of_heights = read_bytes("a.las", las_file(heights, {heights.offset})).summary;
+  EXPECT_TRUE(std::isnan(of_heights.unit)) << "of the plan it says nothing";
+  EXPECT_EQ(of_heights.unit_of_heights, 0.3048);
   const std::string wkt =
       R"(PROJCS["A",GEOGCS["B",UNIT["degree",0.0174532925199433]],PROJECTION["C"],UNIT["US survey foot",0.304800609601219]])";
   EXPECT_NEAR(unit(las_record(2112, wkt)), 0.304800609601219, 1e-15);
@@ -229,12 +234,22 @@ TEST(Cloud, XyzWithSeparatorsHeaderRemarksAndWithoutLastLineEnd) {
   }
 }
 
+TEST(Cloud, XyzInTheUnitOfItsColumns) {
+  const auto unit = [](const std::string& head) { return read_bytes("a.xyz", head + "\n1 2 3\n").summary; };
+  EXPECT_EQ(unit("X[ft],Y[ft],Z[ft]").unit, 0.3048);
+  EXPECT_TRUE(unit("X[ft],Y[ft],Z[ft]").either_foot);
+  EXPECT_EQ(unit("//X (mm) Y (mm) Z (mm)").unit, 0.001);
+  EXPECT_TRUE(std::isnan(unit("x y z").unit));
+  EXPECT_THROW(unit("X[m] Y[m] Z[ft]"), CloudError);
+}
+
 TEST(Cloud, XyzByTheNamesOfItsColumns) {
   const Points one = {{1.5, 2.5, 3.5}};
   for (const char* text :
        {"Row Column X Y Z\n7 8 1.5 2.5 3.5\n", "id,x,y,z\n7,1.5,2.5,3.5\n", "Northing Easting Height\n2.5 1.5 3.5\n",
         "\"N\";\"E\";\"H\"\n2.5;1.5;3.5\n", "//Nx Ny Nz X Y Z\n0 0 1 1.5 2.5 3.5\n",
-        "Easting[m] Northing[m] Elevation[m]\n1.5 2.5 3.5\n",
+        "Easting[m] Northing[m] Elevation[m]\n1.5 2.5 3.5\n", "X [m] Y [m] Z [m] Intensity\n1.5 2.5 3.5 206\n",
+        "# 2026-05-12 scanner x y z exported\n1.5 2.5 3.5\n",
         "\xEF\xBB\xBF"
         "1.5 2.5 3.5\n",
         "\xEF\xBB\xBFX Y Z\n1.5 2.5 3.5\n"})
