@@ -17,7 +17,7 @@ namespace plumbline::surface {
 
 /// What is open about which panels a scan shows, and about the frame that it is in; empty: nothing is.
 struct WhichPanels {
-  std::string doubt, unconfirmed, other_frame;
+  std::string doubt, unconfirmed, other_frame = {};
 };
 
 struct ImportCloud : Node {
