@@ -188,6 +188,7 @@ std::string CsvTable::dialect() const {
 
 Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& columns) {
   Thousands result;
+  if (table.delimiter == ',' && table.decimal == '.') return result;  // who groups with '.' separates cells with ';'
   for (const CsvRow& row : table.rows)
     for (std::size_t column = 1; column < row.cells.size(); ++column) {  // the first has names
       if (!table.number(row.cells[column])) continue;
@@ -198,6 +199,7 @@ Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& co
       if (at == std::string_view::npos) {
         if (!asked || digits.find_first_not_of("0123456789") != digits.npos) continue;
         if (digits.size() > 3) return {};  // nobody groups here
+        if (digits == "0") continue;       // says nothing
         result.integers = true;
         continue;
       }

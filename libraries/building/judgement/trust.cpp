@@ -209,6 +209,7 @@ std::optional<FittedDatumT> fitted_datum(const Points& model, const Transform* d
   FittedDatumT datum;
   if (const FittedDatum* of_points = model.fitted_to_design()) {
     of_points->UnPackTo(&datum);
+    if (!std::isfinite(datum.datum_sigma) && design_from_survey) datum.datum_sigma = design_from_survey->datum_sigma();
     return datum;
   }
   if (!design_from_survey || !design_from_survey->fitted_to_design()) return std::nullopt;

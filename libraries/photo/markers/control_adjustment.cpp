@@ -140,6 +140,7 @@ class Adjustment {
       std::vector<double> w;
       for (const Eigen::Vector3d& point : points)
         if (!(point.maxCoeff() > critical_w(points.size()) * scatter)) w.insert(w.end(), point.begin(), point.end());
+      if (w.empty()) break;
       scatter = median(w) / of_sound;
     }
     return scatter > 1 + one_in_a_thousand / std::sqrt(2 * efficiency * redundancy) ? scatter : 1;

@@ -167,6 +167,7 @@ const TagAtTwoPlaces* exchanged_with(const MarkerBlock& block, const TagAtTwoPla
 std::vector<TagAtTwoPlaces> tags_at_two_places(const MarkerBlock& block, const MarkerStart& placed,
                                                const std::vector<bool>& use) {
   constexpr double fits = 4, does_not = 5, least_unit = 0.02;  // in the misfit of tags that stayed; [px]
+  constexpr double clearly = 0.5;  // of the misfit of one place: any two places fit better than one
   const std::map<int, Sights> sights = sights_of(block, placed, use);
   std::vector<double> sound;
   for (const auto& [marker, seen] : sights) {
@@ -177,14 +178,16 @@ std::vector<TagAtTwoPlaces> tags_at_two_places(const MarkerBlock& block, const M
   if (sound.empty()) return found;
   const double unit = std::max(least_unit, median(sound));
   for (const auto& [marker, seen] : sights) {
-    if (seen.size() < 2 * fewest || !(misfit(meeting_of(seen).squares, seen.size()) > does_not * unit)) continue;
+    const double whole = misfit(meeting_of(seen).squares, seen.size());
+    if (seen.size() < 2 * fewest || !(whole > does_not * unit)) continue;
     const Parted in_order = parted_in_order(seen);
-    if (in_order.enough() && in_order.rms() < fits * unit) {
+    if (in_order.enough() && in_order.rms() < std::min(fits * unit, clearly * whole)) {
       found.push_back(as_found(marker, true, in_order));
       continue;
     }
     const Parted anyhow = parted_anyhow(seen, fits * unit);
-    if (anyhow.enough() && anyhow.rms() < fits * unit) found.push_back(as_found(marker, false, anyhow));
+    if (anyhow.enough() && anyhow.rms() < std::min(fits * unit, clearly * whole))
+      found.push_back(as_found(marker, false, anyhow));
   }
   return found;
 }

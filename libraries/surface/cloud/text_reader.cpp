@@ -170,10 +170,15 @@ class TextPoints {
   void take_units(const std::vector<std::string>& said) {
     std::array<double, 3> units{};
     for (size_t axis = 0; axis < 3; ++axis) units[axis] = unit_named(said[columns_[axis]]);
-    if (std::isfinite(units[0]) && (units[1] != units[0] || units[2] != units[0]))
+    double unit = std::numeric_limits<double>::quiet_NaN();  // of those that say one
+    bool one = true;
+    for (const double said_unit : units)
+      if (std::isfinite(said_unit)) one = one && (!std::isfinite(unit) || unit == said_unit), unit = said_unit;
+    if (!one)
       stream_.fail_at_line("x is in " + said[columns_[0]] + ", y in " + said[columns_[1]] + ", z in " +
                            said[columns_[2]] + "; expected one unit");
-    summary_.unit = units[0], summary_.either_foot = says_feet(said[columns_[0]]);
+    summary_.unit = unit;
+    for (const size_t column : columns_) summary_.either_foot = summary_.either_foot || says_feet(said[column]);
   }
   /// A remark before the first point may name the columns: "//X Y Z R G B".
   std::optional<Eigen::Vector3d> take_remark(std::string_view text) {

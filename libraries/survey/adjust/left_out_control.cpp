@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "geometry/statistics.hpp"
 
@@ -80,8 +81,9 @@ KnownPoint compared(const std::string& id, const Place& known, const NetworkResu
 std::vector<KnownPoint> compare_with_left_out(const SurveyObservations& survey, const ControlPoints& control,
                                               const AdjustOptions& options, const NetworkResult& adjusted) {
   std::vector<KnownPoint> left_out;
+  std::set<std::string> ids;  // one may be excluded in two places
   for (const ExcludedItem& item : options.exclude)
-    if (item.kind == ExcludedItem::Kind::control)
+    if (item.kind == ExcludedItem::Kind::control && ids.insert(item.what).second)
       left_out.push_back(compared(item.what, known_place(item.what, survey, control, options.known_sigma), adjusted));
   const auto tested = std::count_if(left_out.begin(), left_out.end(), [](const KnownPoint& k) { return k.rank > 0; });
   for (KnownPoint& k : left_out)

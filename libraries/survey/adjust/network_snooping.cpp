@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "geometry/statistics.hpp"
 #include "survey/adjust/adjuster.hpp"
@@ -30,6 +31,7 @@ void Adjuster::snoop(Pass& pass) {
   const NetworkModel model = m_;
   const StochasticState before = state_;
   const std::vector<SnoopingAction> actions = actions_;
+  const std::string undecided = undecided_;
   mend(pass);
   // What a wrong known point contradicts is not to be mended by taking its readings out.
   if (clean(pass) || options_.robust_start || !rows_of_wrong_points(pass).empty()) return;
@@ -37,7 +39,8 @@ void Adjuster::snoop(Pass& pass) {
   const NetworkModel mended = m_;
   const StochasticState after = state_;
   const std::vector<SnoopingAction> taken = actions_;
-  m_ = model, state_ = before, actions_ = actions;
+  const std::string told = undecided_;
+  m_ = model, state_ = before, actions_ = actions, undecided_ = undecided;
   find_set_ups_of_rows();
   try {
     remove_by_robust_weights();
@@ -49,7 +52,7 @@ void Adjuster::snoop(Pass& pass) {
     }
   } catch (const NetworkError&) {  // the first attempt stands
   }
-  m_ = mended, state_ = after, actions_ = taken;
+  m_ = mended, state_ = after, actions_ = taken, undecided_ = told;
   find_set_ups_of_rows();
 }
 
@@ -177,13 +180,16 @@ int Adjuster::worst_row(const Pass& pass, const std::set<int>& kept) const {
 
 std::set<int> Adjuster::rows_of_wrong_points(const Pass& pass) const {
   constexpr double kClearly = 10.8;  // of v'Pv: a point has three coordinates to explain with, a reading one
-  double single = 0;
+  // A sight to the wrong prism makes direction, distance and zenith angle wrong together.
+  std::map<std::pair<int, std::string>, double> sights;
   for (size_t r = 0; r < pass.problem.rows.size(); ++r)
     if (const int row = pass.problem.rows[r]; row >= 0 && m_.rows[row].removable)
-      single = std::max(single, std::abs(pass.reliability.rows[r].w));
+      sights[{set_up_of_row_[row], m_.rows[row].to}] += std::pow(pass.reliability.rows[r].w, 2);
+  double single = 0;
+  for (const auto& [sight, squares] : sights) single = std::max(single, squares);
   std::set<int> rows;
   for (const KnownPoint& k : compare_with_known(m_, pass.problem, pass.solution, pass.cofactors, false)) {
-    if (k.stands() || k.explained < single * single + kClearly) continue;
+    if (k.stands() || k.explained < single + kClearly) continue;
     for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row)
       if (m_.rows[row].removable && (m_.rows[row].from == k.id || m_.rows[row].to == k.id)) rows.insert(row);
   }

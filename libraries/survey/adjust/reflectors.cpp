@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kFewest = 3;         // sights of a set, and of the rest
 constexpr std::size_t kMostTargets = 300;  // beyond, targets are not sorted one by one: each would be a solve
+constexpr std::size_t kMostRuns = 150;     // sights of a set-up: beyond, runs of them are not tried
 constexpr std::size_t kMostCuts = 24;      // between targets, at the widest gaps
 
 /// A distance: row of the problem and of the model.
@@ -85,6 +86,7 @@ class ReflectorSearch {
   void by_runs(Distances list, int set_up) {
     std::sort(list.begin(), list.end(), [&](const Distance& a, const Distance& b) { return first(a) < first(b); });
     const std::size_t n = list.size();
+    if (n > kMostRuns) return;  // 4 n sets, each with as many solutions as it has sights
     for (std::size_t k = 1; k < n; ++k) add_run(list, set_up, k, n), add_run(list, set_up, 0, k);
     const std::vector<CommonError> ends = test_sets();
     if (ends.empty()) return;
@@ -210,6 +212,9 @@ std::vector<CommonError> Adjuster::reflectors(const Pass& pass) const {
   // Where the readings are noisier than stated, so is what the best of many explains by chance.
   const int degrees = pass.solution.degrees_of_freedom();
   std::vector<CommonError> result = search.result();
+  const auto classes = std::count_if(result.begin(), result.end(), [](const CommonError& e) { return e.penalty == 0; });
+  for (CommonError& e : result)
+    if (e.penalty == 0) e.penalty = 2 * std::log(static_cast<double>(classes));  // the best of all that is written
   for (CommonError& e : result)
     e.penalty *= std::max(1.0, (pass.solution.sum_of_squares() - e.w * e.w) / std::max(1, degrees - 1));
   return result;

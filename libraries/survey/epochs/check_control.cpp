@@ -15,9 +15,11 @@ namespace plumbline::survey {
 
 namespace {
 
-/// Points as one epoch; `survey` adds those that its files hold fixed, or have as known.
-Epoch given_points(const SurveyObservations& survey, const ControlPoints& control) {
+/// Points as one epoch; `survey` adds those that its files hold fixed, or have as known, each coordinate then with
+/// `known_sigma` [m].
+Epoch given_points(const SurveyObservations& survey, const ControlPoints& control, double known_sigma) {
   Epoch e{control.ids, control.coordinates, control.covariance};
+  std::vector<Eigen::Index> keyed_in;
   const auto n = static_cast<Eigen::Index>(3 * control.ids.size());
   if (e.covariance.rows() != n) e.covariance = Eigen::MatrixXd::Zero(n, n);
   if (n == 0) e.coordinates.resize(0);
@@ -33,6 +35,7 @@ Epoch given_points(const SurveyObservations& survey, const ControlPoints& contro
     const Eigen::MatrixXd covariance = e.covariance;
     e.covariance = Eigen::MatrixXd::Zero(old + 3, old + 3);
     e.covariance.topLeftCorner(old, old) = covariance;
+    for (Eigen::Index i = old; known && i < old + 3; ++i) keyed_in.push_back(i);
   }
   std::vector<double> written;  // without a standard deviation
   for (Eigen::Index i = 0; i < e.covariance.rows(); ++i)
@@ -40,6 +43,7 @@ Epoch given_points(const SurveyObservations& survey, const ControlPoints& contro
   const double rounding = rounding_variance(written);
   for (Eigen::Index i = 0; i < e.covariance.rows(); ++i)
     if (e.covariance(i, i) == 0) e.covariance(i, i) = rounding;
+  for (const Eigen::Index i : keyed_in) e.covariance(i, i) = std::max(rounding, known_sigma * known_sigma);
   return e;
 }
 
@@ -185,7 +189,7 @@ Epoch measured_with_the_network(const MeasuredControl& measured, const Epoch& gi
 ControlCheck check_control(const SurveyObservations& survey, const ControlPoints& control, AdjustOptions adjustment,
                            ComparisonOptions options, const MeasuredControl& known) {
   ControlCheck check;
-  const Epoch given = given_points(survey, control);
+  const Epoch given = given_points(survey, control, adjustment.known_sigma);
   if (given.ids.empty()) {
     check.problem = "there are no control points to check";
     return check;
@@ -211,19 +215,24 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
   return check;
 }
 
-bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, NetworkResult& r) {
-  constexpr double kAlpha = 0.01;     // as survey.check_control has it
+bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, double known_sigma,
+                          NetworkResult& r) {
+  constexpr double kAlpha = 0.001;    // as the global test: each point by itself is tested beside
   constexpr double kClearly = 0.001;  // readings worse than stated by more than chance: measured by their own agreement
   MeasuredControl measured = r.measured_control;
   const bool single =
       std::any_of(r.known_points.begin(), r.known_points.end(), [](const KnownPoint& k) { return !k.stands(); });
   if (measured.ids.empty() || r.datum == DatumMode::inner || single) return false;
   const int degrees = measured.degrees_of_freedom;
-  if (r.variance_factor == 1 && degrees > 0 && measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
-    measured.covariance *= measured.sum_of_squares / degrees;
+  bool estimated = r.variance_factor != 1;
+  if (!estimated && degrees > 0 && measured.sum_of_squares > chi_squared_quantile(1 - kClearly, degrees))
+    measured.covariance *= measured.sum_of_squares / degrees, estimated = true;
   ComparisonOptions options;
   options.alpha = kAlpha;
-  const ControlCheck check = check_control(survey, control, {}, options, measured);
+  if (estimated) options.variance_degrees = degrees;
+  AdjustOptions adjustment;
+  adjustment.known_sigma = known_sigma;
+  const ControlCheck check = check_control(survey, control, adjustment, options, measured);
   if (!check.problem.empty() || check.comparison.congruent) return false;
   r.findings.push_back({Finding::Severity::warning,
                         "the control as a whole does not fit the readings: test statistic " +

@@ -27,7 +27,8 @@ ControlCheck check_control(const SurveyObservations& survey, const ControlPoints
 
 /// The same of an adjusted network that has `measured_control`, as survey.check_control would tell it: where it fails
 /// though each known point stands by itself, that is a finding, a sound network is doubtful, and true comes back.
-bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, NetworkResult& adjusted);
+bool doubt_failed_control(const SurveyObservations& survey, const ControlPoints& control, double known_sigma,
+                          NetworkResult& adjusted);
 
 /// What two networks with these rank defects may differ by, as ComparisonOptions::free_motions; `epoch` says whether
 /// they have plan positions and heights.

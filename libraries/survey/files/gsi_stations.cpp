@@ -11,12 +11,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kSamePlace = 0.03;      // [m]: coordinates and readings are rounded to 1 mm and 1 mgon
-constexpr double kSameHeight = 0.006;    // [m]
-constexpr double kOtherPoint = 0.5;      // [m] between sightings of one number
-constexpr double kLongestOffset = 5;     // [m]: what is keyed in for a point that cannot be sighted
-constexpr std::size_t kMostOffsets = 4;  // in a row: two points in both faces
-constexpr double kSameDistance = 0.05;   // [m] between a reading and coordinates that were measured before
+constexpr double kSamePlace = 0.03;         // [m]: coordinates and readings are rounded to 1 mm and 1 mgon
+constexpr double kSameHeight = 0.006;       // [m]
+constexpr double kOtherPoint = 0.5;         // [m] between sightings of one number
+constexpr double kLargestReduction = 5e-4;  // of a distance: what maps and heights make of it
+constexpr double kLongestOffset = 5;        // [m]: what is keyed in for a point that cannot be sighted
+constexpr std::size_t kMostOffsets = 4;     // in a row: two points in both faces
+constexpr double kSameDistance = 0.05;      // [m] between a reading and coordinates that were measured before
 
 /// What one block is to the planning.
 struct Fact {
@@ -283,6 +284,7 @@ void Planner::follow_computed_coordinates() {
   Vector2d here = Vector2d::Constant(kNotGiven);  // of the current set-up
   double station_height = kNotGiven, axis = kNotGiven;
   bool has_station = false;
+  int fits = 0;  // sightings of the set-up whose coordinates were computed from `here`
   for (std::size_t i = 0; i < facts_.size(); ++i) {
     const Fact& fact = facts_[i];
     if (fact.kind == Fact::Kind::station || fact.kind == Fact::Kind::names_its_station || plan_.starts.contains(i)) {
@@ -291,6 +293,7 @@ void Planner::follow_computed_coordinates() {
       station_height = stated ? fact.at.z() : kNotGiven;
       axis = station_height + fact.instrument_height;
       has_station = true;
+      fits = 0;
     }
     if (fact.kind != Fact::Kind::sighting || !fact.is_polar() || !fact.has_coordinates()) continue;
     if (here.array().isNaN().any() && has_station) here = fact.implied();
@@ -298,7 +301,10 @@ void Planner::follow_computed_coordinates() {
       const Fact* place = place_of(fact.implied());
       const std::size_t length = run_from(i), offsets = place ? 0 : offsets_from(i, here);
       if (offsets > 0 || (length < 2 && !place)) {  // one odd sighting shows no station
-        if ((fact.implied() - here).norm() < kLongestOffset) note_offset(i, here, axis);
+        // A turned orientation, or distances that were reduced to a map, move every sighting by as much as it is long.
+        const double off = (fact.implied() - here).norm();
+        if ((offsets > 0 || fits > 0) && off > kSamePlace + kLargestReduction * fact.horizontal && off < kLongestOffset)
+          note_offset(i, here, axis);
         continue;
       }
       plan_.starts[i] = start_at(fact);
@@ -306,7 +312,9 @@ void Planner::follow_computed_coordinates() {
       station_height = place ? place->at.z() : kNotGiven;
       axis = fact.implied_axis();
       has_station = true;
+      fits = 0;
     } else {
+      ++fits;
       follow_axis(i, station_height, axis);
     }
     plan_.oriented.insert(i);

@@ -82,14 +82,16 @@ class Assembler {
     using Kind = ExtraUnknown::Kind;
     const Observation& o = m_.observations[observation].observation;
     const bool distance = o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance;
+    bool of_reflector = false;
     for (size_t k = 0; k < state_.extra.size(); ++k) {
       const auto& [kind, set_up, target_height, sights] = state_.extra[k];
-      if (set_up >= 0 && o.set_up != set_up) continue;
+      const bool reflector = kind == Kind::reflector && std::binary_search(sights.begin(), sights.end(), observation);
+      if (!reflector && set_up >= 0 && o.set_up != set_up)
+        continue;  // sights stay what they are where a set-up is split
       const int parameter = p.extra_blocks[k];
-      if (kind == Kind::constant && distance) eq.additive_constant = slot(block, parameter);
+      if (kind == Kind::constant && distance && !of_reflector) eq.additive_constant = slot(block, parameter);
       // Of sights that have a constant already it is another one in its place.
-      if (kind == Kind::reflector && std::binary_search(sights.begin(), sights.end(), observation))
-        eq.additive_constant = slot(block, parameter);
+      if (reflector) eq.additive_constant = slot(block, parameter), of_reflector = true;
       if (kind == Kind::scale && distance) eq.scale = slot(block, parameter);
       if (kind == Kind::index && o.kind == ObservationKind::zenith_angle) eq.index = slot(block, parameter);
       // What is a mean of both faces is free of it.

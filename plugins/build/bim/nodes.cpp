@@ -176,7 +176,7 @@ struct WriteIfc : Node {
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
     const DeviationT judged = deviation.unpack();
     for (const auto& anchor : judged.anchors)
-      if (!anchor->as_built.allFinite())
+      if (!anchor->as_built.allFinite() && !anchor->as_built.array().isNaN().all())  // all unknown: not measured
         throw std::runtime_error("anchor '" + anchor->id +
                                  "' has no as-built position in all of x, y and z, so it cannot be written: measure it "
                                  "whole, or leave it out of plates.csv");

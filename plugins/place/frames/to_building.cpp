@@ -284,6 +284,8 @@ void ToBuilding::run(Context& context) {
   if (is_fitted(*use)) {
     in_building.fitted_to_design.reset();  // where it lay before counts no more
     mark_fitted(in_building, link.origin, *datum_sigma);
+  } else if (in_building.fitted_to_design && std::isfinite(*datum_sigma)) {
+    in_building.fitted_to_design->datum_sigma = *datum_sigma;
   }
   building.commit(in_building);
   PlatesT turned = plates.unpack();

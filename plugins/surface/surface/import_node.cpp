@@ -97,16 +97,18 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                              ", " + std::to_string(most) + " if they are in " + better->name + "; " +
                              (unit_stated ? "is the stated unit wrong? " : "") + advice(*better, file));
   if (!none) return;
-  constexpr double kOffTheFaces = 0.005;  // [m]
-  if (const double step = file.resolution.maxCoeff() * to_faces.unit * to_faces.scale; step > kOffTheFaces)
-    throw std::runtime_error(
-        "no point of the scan lies on a face: its coordinates are written in steps of " + in_millimetres(step) +
-        ", which takes them off it; write doubles, more decimals or a finer scale of LAS, or shift "
-        "the cloud to smaller coordinates before it is written");
   Eigen::Vector3d low = Eigen::Vector3d::Constant(1e300), high = -low, face_low = low, face_high = high;
   for (const auto& point : sample.points()) low = low.cwiseMin(to_faces(point)), high = high.cwiseMax(to_faces(point));
   for (const PanelFace& face : faces)
     face_low = face_low.cwiseMin(face.plane.origin), face_high = face_high.cwiseMax(face.plane.origin);
+  constexpr double kOffTheFaces = 0.005;  // [m]
+  if (const double step = file.resolution.maxCoeff() * to_faces.unit * to_faces.scale;
+      step > kOffTheFaces && ((low.array() - step) <= face_high.array()).all() &&
+      ((high.array() + step) >= face_low.array()).all())
+    throw std::runtime_error(
+        "no point of the scan lies on a face: its coordinates are written in steps of " + in_millimetres(step) +
+        ", which takes them off it; write doubles, more decimals or a finer scale of LAS, or shift "
+        "the cloud to smaller coordinates before it is written");
   throw std::runtime_error("no point of the scan lies on a face: the scan reaches from " + box_text(low, high) +
                            " m, the middles of the faces from " + box_text(face_low, face_high) +
                            " m; is it in another frame? Connect the 'registration' that leads to the design's, or look "
@@ -173,7 +175,7 @@ ScanPlace stated_place(double place_sigma, double turn_sigma, const Eigen::Vecto
 /// A scanner that was set up on the survey's control is in the survey's frame, and not in the one that the anchors were
 /// brought to. Empty where these are one, or so far apart that the scan would not lie on the panels.
 std::string other_frame(const TransformT& anchors, const Eigen::Vector3d& middle) {
-  constexpr double kSame = 1e-6, kFarthest = 1;  // [m]
+  constexpr double kSame = 1e-4, kFarthest = 1;  // [m]
   const double scale = std::isfinite(anchors.scale) ? anchors.scale : 1;
   const double moved =
       (scale * (anchors.to_from_from.rotation * middle) + anchors.to_from_from.translation - middle).norm();

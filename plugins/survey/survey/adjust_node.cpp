@@ -164,7 +164,7 @@ void AdjustNode::run(Context& context) {
   refuse_too_large(survey, o.largest_whole);
   announce_network(context, survey, o.largest_whole);
   NetworkResult result = adjust_or_say(context, merged, o, known);
-  doubt_failed_control(survey, without_excluded(known, o.exclude), result);
+  doubt_failed_control(survey, without_excluded(known, o.exclude), o.known_sigma, result);
   result.left_out_known = compare_with_left_out(survey, known, o, result);
   for (Finding& finding : examine_alike_points(result)) result.findings.push_back(std::move(finding));
   result.findings.insert(result.findings.begin() + result.compares_known_points(), merged.findings.begin(),

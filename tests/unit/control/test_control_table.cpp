@@ -55,6 +55,18 @@ TEST(ControlFiles, ThousandsAreNotTakenForDecimals) {
   EXPECT_THAT(untold.warnings[0], HasSubstr("not as thousands: nothing in the table tells"));
 }
 
+/// A grid of the building that begins at 0, and an origin of 100 and 200: nobody who separates cells by ',' groups by
+/// '.'.
+TEST(ControlFiles, ALocalGridIsNoTableOfThousands) {
+  for (const char* const text :
+       {"id,e,n,h\nA,0,0,0\nB,12.345,0,0\n", "id,e,n,h\nP1,100,200,10.512\nP2,110.234,205.111,10.498\n",
+        "id;e;n;h\nA;0;0;0\nB;12,345;0;0\n"}) {
+    const auto table = control::parse_control(text, "c.csv");
+    EXPECT_EQ(table.points.size(), 2u) << text;
+  }
+  EXPECT_THAT(control::parse_control("id,e,n,h\nB,12.345,1.000,2.000\n", "c.csv").warnings, testing::IsEmpty());
+}
+
 /// A map of the USA counts in survey feet: read in feet of 0.3048 m its points lay 3.9 m elsewhere.
 TEST(ControlFiles, FeetThatMayBeSurveyFeetAreTold) {
   const auto notes = [](const std::string& text) { return control::parse_control(text, "c.csv").notes; };

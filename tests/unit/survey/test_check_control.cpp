@@ -23,6 +23,8 @@ ControlPoints corners(const test::SimulatedNetwork& network, std::uint64_t seed)
   return control;
 }
 
+const double kKnownSigma = AdjustOptions().known_sigma;
+
 AdjustOptions without_curvature() {
   AdjustOptions options;
   options.curvature = Switch::off;
@@ -253,7 +255,7 @@ TEST(CheckControl, OneThatIsWrongMakesANetworkDoubtfulThoughItsReadingsAgree) {
 TEST(CheckControl, OneThatFailsAsAWholeTakesSoundAway) {
   const auto network = test::simulate({}, 17);
   ControlPoints control = corners(network, 18);
-  EXPECT_FALSE(doubt_failed_control(network.survey, control,
+  EXPECT_FALSE(doubt_failed_control(network.survey, control, kKnownSigma,
                                     *std::make_unique<NetworkResult>(on_control(network.survey, control))));
   bool found = false;
   for (double size = 0.0004; !found && size < 0.004; size += 0.0001) {
@@ -261,7 +263,7 @@ TEST(CheckControl, OneThatFailsAsAWholeTakesSoundAway) {
     for (int i = 0; i < 4; ++i) bent.coordinates[3 * i + 2] += (i % 2 == 0) == (i < 2) ? size : -size;
     NetworkResult r = on_control(network.survey, bent);
     if (r.validity != Validity::sound) continue;
-    if (!(found = doubt_failed_control(network.survey, bent, r))) continue;
+    if (!(found = doubt_failed_control(network.survey, bent, kKnownSigma, r))) continue;
     EXPECT_EQ(r.validity, Validity::doubtful);
     EXPECT_EQ(r.verdict.find("doubtful: the control does not fit the readings; of the readings: sound"), 0U)
         << r.verdict;
@@ -284,8 +286,39 @@ TEST(CheckControl, AfterRemovalsItIsThatOfTheReadingsThatStay) {
   ASSERT_EQ(without.snooping.size(), 1U);
   ASSERT_EQ(without.measured_control.ids.size(), 4U);
   EXPECT_LT(without.measured_control.sum_of_squares, with.measured_control.sum_of_squares - 100);
-  EXPECT_FALSE(doubt_failed_control(network.survey, control, without));
+  EXPECT_FALSE(doubt_failed_control(network.survey, control, kKnownSigma, without));
   EXPECT_EQ(without.validity, Validity::sound) << without.verdict;
+}
+
+/// Keyed in to half a centimetre, as the user states: as a whole they were held to a third of a millimetre.
+TEST(CheckControl, WhatWasKeyedInIsAsGoodAsIsStated) {
+  auto network = test::simulate({}, 17);
+  test::Normal normal(5);
+  for (const size_t i : {size_t{0}, size_t{3}, size_t{8}, size_t{11}}) {
+    network.survey.points[i].known.fill(true);
+    network.survey.points[i].coordinates = network.truth[i];
+    for (int c = 0; c < 3; ++c)
+      network.survey.points[i].coordinates[c] = std::round(1e3 * (network.truth[i][c] + 0.004 * normal())) / 1e3;
+  }
+  AdjustOptions options = without_curvature();
+  options.measure_control = true, options.known_sigma = 0.005;
+  NetworkResult r = adjust_network(network.survey, options, {});
+  EXPECT_FALSE(doubt_failed_control(network.survey, {}, 0.005, r)) << r.verdict;
+  EXPECT_TRUE(doubt_failed_control(network.survey, {}, kKnownSigma, r)) << "the test would see them";
+}
+
+/// The variance is estimated of few readings: against chi-squared one sound network in eight was doubted.
+TEST(CheckControl, FewReadingsThatTellTheirOwnVarianceDoubtNoSoundControl) {
+  int doubted = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const auto network = test::simulate({}, 5000 + seed);
+    const ControlPoints control = corners(network, 6000 + seed);
+    AdjustOptions options = without_curvature();
+    options.measure_control = true, options.scale_with_sigma0 = Switch::on;
+    NetworkResult r = adjust_network(network.survey, options, control);
+    doubted += doubt_failed_control(network.survey, control, kKnownSigma, r);
+  }
+  EXPECT_LE(doubted, 1);
 }
 
 /// What a file itself has as known is left out likewise.
