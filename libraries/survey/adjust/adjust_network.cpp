@@ -70,6 +70,11 @@ Pass Adjuster::adjust(bool statistics, const Pass* before) {
     if (statistics) add_statistics(pass);
     return pass;
   } catch (const least_squares::RankDefect& defect) {
+    if (defect.directions.cols() == 0)
+      throw NetworkError(
+          "the adjustment runs away: its equations became singular on the way, though no movement of the network is "
+          "open. Readings contradict each other grossly, or their units, or the approximate coordinates are wrong",
+          {}, {}, PLUMBLINE_NOT_CONVERGED);
     const bool held = m_.datum == DatumMode::file || m_.datum == DatumMode::fixed;
     fail_with(name_defects(m_, problem, defect.directions),
               held ? ". Fix points, give control points, or adjust it as a free network (datum: inner)" : "");

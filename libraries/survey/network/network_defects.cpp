@@ -101,7 +101,7 @@ class DefectNamer {
 
   /// Does a movement of these points that turns orientations with it lie in the open directions?
   bool is_open(const Eigen::VectorXd& movement) const {
-    if (movement.norm() == 0) return false;
+    if (movement.norm() == 0 || open_.cols() == 0) return false;
     const Eigen::VectorXd fit = open_ * linear_algebra::minimum_norm_solution(open_, movement);
     return (movement - fit).norm() < 1e-4 * movement.norm();
   }
@@ -291,6 +291,7 @@ class DefectNamer {
 
   /// Movements of the whole that are open only together, such as a shift along the only sight to a control point.
   void name_combined(const std::vector<int>& points, const std::string& of) {
+    if (open_.cols() == 0) return;
     const Eigen::Vector3d centre = anchor_of(points);
     Eigen::MatrixXd motions(unknowns_.count(), 4);
     for (int axis = 0; axis < 3; ++axis) motions.col(axis) = translation(points, axis);
