@@ -156,6 +156,13 @@ Eigen::Vector3d by_compass(const Eigen::Vector3d& out, double true_north) {
 
 /// Within 10 degrees what somebody read from a compass is the facade's own direction.
 const double kByCompass = std::cos(10 * std::numbers::pi / 180);
+/// Within 15 degrees of along or across it a plate corrects what was guessed: the side, or at a corner the face.
+const double kSquare = std::sin(15 * std::numbers::pi / 180);
+
+bool corrects_guess(const FacadeFrame& frame, double along) {
+  const double across = std::sqrt(std::max(0.0, 1 - along * along));
+  return !frame.confirmed && std::min(std::abs(along), across) < kSquare;
+}
 
 }  // namespace
 
@@ -171,7 +178,7 @@ void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out, double true_north
   if (!frame.known()) return replace(level, true, "");
   const double along = frame.out.dot(level);
   if (along > kPlateAlike) return replace(frame.out, true, "");
-  if (by_compass(level, true_north).dot(frame.out) > kByCompass)
+  if (!corrects_guess(frame, along) && by_compass(level, true_north).dot(frame.out) > kByCompass)
     return replace(frame.out, false,
                    "its plates face " + facing_words(level) + " by the plate table, which is " +
                        facing_words(frame.out) +

@@ -62,7 +62,7 @@ void assign_facades(Design& design, const std::vector<FacadeRule>& rules, bool a
 /// Takes what the plate at an anchor says into its frame: `out` of the plate, true to a few degrees. It goes before all
 /// but rules; what it contradicts is no longer confirmed. Where it would not if its azimuth counted from `true_north`
 /// (that of the design, clockwise from y [rad]; nan: not said), it is that of a compass, and the frame stays as it was
-/// until somebody confirms it.
+/// until somebody confirms it; a mere guess is corrected by a plate that is along or across it, whatever the north.
 void add_plate(FacadeFrame& frame, const Eigen::Vector3d& out, double true_north = FacadeFrame::nan);
 
 /// An anchor or panel with the facade that it is in, for a rule that selects all of one facade.

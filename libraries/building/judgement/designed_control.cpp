@@ -16,8 +16,8 @@ namespace {
 /// Control that hides less than this leaves a shift of the whole to be seen: what it bends the datum by stays within
 /// one standard deviation of the datum, as long as the test of known points finds nothing.
 constexpr double kHidesLittle = 0.1;
-/// Coordinates that were copied are off by how they were rounded: to whole millimetres at the most [m].
-constexpr double kWritten = 0.0005;
+/// Fewer coordinates of one kind may be those of the design by themselves.
+constexpr int kFewestParts = 4;
 
 struct KnownPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Constant(AnchorCase::nan), sigma = Eigen::Vector3d::Zero();
@@ -56,20 +56,30 @@ struct Part {
   bool plan = false, height = false;
 };
 
+/// Half the step that its known coordinates are multiples of, a millimetre or a tenth of one, as copied ones are off by
+/// how they were rounded; half a tenth where they are finer [m].
+double half_step(const Eigen::Vector3d& place) {
+  constexpr double kCoarse = 1e-3, kFine = 1e-4, kRepresented = 1e-7;
+  const Eigen::Vector3d given = place.array().isNaN().select(0, place);
+  const Eigen::Vector3d rounded = kCoarse * (given / kCoarse).array().round();
+  return 0.5 * ((given - rounded).cwiseAbs().maxCoeff() < kRepresented ? kCoarse : kFine);
+}
+
+/// Compared where it was written: in the survey's own frame.
 Part part_of_design(const KnownPlace& known, const FrameLink& link, const Eigen::Vector3d& design) {
+  constexpr double kDrawn = 1e-5;  // what a design's own numbers are rounded to [m]
   Part part;
   if (!design.allFinite()) return part;
-  // The turn is about the vertical: a height that is not known changes nothing in plan.
-  const Eigen::Vector3d here = link.apply(known.position.array().isNaN().select(0, known.position));
-  const Eigen::Vector3d off = (here - design).cwiseAbs();
+  const Eigen::Vector3d off = (known.position - link.apply_inverse(design)).cwiseAbs();
+  const double most = half_step(known.position) + kDrawn;
   part.plan_known = known.position.head<2>().allFinite(), part.height_known = std::isfinite(known.position.z());
-  part.plan = part.plan_known && off.head<2>().maxCoeff() <= kWritten;
-  part.height = part.height_known && off.z() <= kWritten;
+  part.plan = part.plan_known && off.head<2>().maxCoeff() <= most;
+  part.height = part.height_known && off.z() <= most;
   return part;
 }
 
 /// Of many anchors one is in place in plan or in height by itself. So where not all of a point is the design's, its
-/// plan or its height counts as copied if that of at least two points, and of more than two thirds of all, is.
+/// plan or its height counts as copied if that of at least four points, and of more than two thirds of all, is.
 class Copied {
  public:
   void count(const Part& part) {
@@ -80,7 +90,7 @@ class Copied {
   bool height(const Part& part) const { return part.height && (part.plan || most(heights_, known_heights_)); }
 
  private:
-  static bool most(int of_design, int known) { return of_design >= 2 && 3 * of_design > 2 * known; }
+  static bool most(int of_design, int known) { return of_design >= kFewestParts && 3 * of_design > 2 * known; }
   int plans_ = 0, known_plans_ = 0, heights_ = 0, known_heights_ = 0;
 };
 

@@ -22,13 +22,14 @@ struct DesignedControl {
   bool holds_the_datum() const;
 };
 
-/// A known point counts if each of its coordinates is within 0.5 mm of the design: copied, and written in whole
-/// millimetres; under the name of the anchor, or under another one at the designed place of any. Where its plan or its
-/// height alone is so near, that one counts if so it is of at least two known points and of more than two thirds of
-/// them. How much they hide is how far they take the judged anchors along when all of them are elsewhere: dx = Q P dl,
-/// with the anchors' covariance Q and the weights P of the known coordinates. Other control that holds the datum leaves
-/// little of it. Without a joint covariance their share of the known points counts.
-/// `model`: with the covariance that the survey gives it; what the link is uncertain by no known coordinate moves.
+/// A known point counts if each of its coordinates is the design's but for how it is written (to half a millimetre
+/// where they are whole ones, else to half a tenth): copied; under the name of the anchor, or under another one at the
+/// designed place of any. Where its plan or its height alone is so near, that one counts if so it is of at least four
+/// known points and of more than two thirds of them. How much they hide is how far they take the judged anchors along
+/// when all of them are elsewhere: dx = Q P dl, with the anchors' covariance Q and the weights P of the known
+/// coordinates. Other control that holds the datum leaves little of it. Without a joint covariance their share of the
+/// known points counts. `model`: with the covariance that the survey gives it; what the link is uncertain by no known
+/// coordinate moves.
 DesignedControl designed_control(const SurveyNetwork& network, const FrameLink& building_from_survey,
                                  const std::vector<AnchorCase>& anchors, const PointSet& model);
 

@@ -219,8 +219,10 @@ void tell_wider_limits(const EpochItem& before, const EpochItem& now, AsBuiltCha
                         -now.value <= old->second[1];
   if (!wider || would_do) return;
   change.change = ChangeKind::settled;
-  change.note +=
-      std::string(change.note.empty() ? "" : "; ") + "it passes by a wider limit than in the campaign before";
+  // Of anchors and panels each axis has its own value, which no record keeps: the limit may not be what it passes by.
+  change.note += std::string(change.note.empty() ? "" : "; ") +
+                 (now.quantity.empty() ? "a limit is wider than in the campaign before"
+                                       : "it passes by a wider limit than in the campaign before");
 }
 
 /// The topic of BCF that stood under another GlobalId is at an end, the element is not.

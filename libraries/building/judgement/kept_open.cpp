@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "building/judgement/figures.hpp"
 #include "building/judgement/group_motions.hpp"
 
 namespace plumbline::judgement {
@@ -83,6 +84,32 @@ std::set<KeptItem> items_kept_open(const AsBuiltChangesT* changes) {
     if (change->change == ChangeKind::still_open && change->after == ToleranceVerdict::pass)
       kept.insert({change->kind, change->id, change->guid, change->topic});
   return kept;
+}
+
+std::vector<std::string> leave_open(const AsBuiltChangesT& changes, DeviationT& judged) {
+  constexpr std::size_t kNamed = 8;
+  std::vector<std::string> unseen, by_joint, warnings;  // by_joint: measured, but for the neighbour at the open joint
+  int panels = 0, panels_by_joint = 0;
+  for (const auto& change : changes.changes) {
+    if (!was_open(change->before) || change->change != ChangeKind::unseen || change->kind == "anchor") continue;
+    const bool seen = change->after != ToleranceVerdict::not_measured;
+    (seen ? by_joint : unseen).push_back(change->kind + " " + change->id);
+    (seen ? panels_by_joint : panels) += change->kind == "panel";
+  }
+  const bool forbids = judged.verdict == ToleranceVerdict::pass;
+  const auto tell = [&](const std::vector<std::string>& names, int count, const std::string& why) {
+    if (names.empty()) return;
+    auto request = std::make_unique<JudgementRequestT>();
+    request->asked = list_of(names, kNamed), request->by = "campaign before", request->panels = count;
+    request->not_judged = "open" + (changes.before.empty() ? std::string() : " since " + changes.before) + why;
+    warnings.push_back((forbids ? "Not judged: " : "Still open: ") + request->asked + ": " + request->not_judged + ".");
+    if (!forbids) return;
+    judged.requests.push_back(std::move(request));
+    ++judged.not_judged, judged.verdict = ToleranceVerdict::undecided;
+  };
+  tell(unseen, panels, " and not measured again");
+  tell(by_joint, panels_by_joint, " at a joint whose other panel was not measured again");
+  return warnings;
 }
 
 }  // namespace plumbline::judgement

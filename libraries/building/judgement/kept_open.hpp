@@ -22,4 +22,10 @@ using KeptItem = std::array<std::string, 4>;  // kind, id, guid, topic
 /// What passes and was not closed, because of how anchors have moved.
 std::set<KeptItem> items_kept_open(const AsBuiltChangesT* changes);
 
+/// What else was open than anchors (those are counted as not measured already) and was not closed for want of a
+/// measurement, as warnings. Where all that was measured is in order it is as open as before: it is counted as not
+/// judged, and the verdict of the whole is undecided. Of a campaign in part, or one in which something fails, the
+/// verdict says so already.
+std::vector<std::string> leave_open(const AsBuiltChangesT& changes, DeviationT& judged);
+
 }  // namespace plumbline::judgement

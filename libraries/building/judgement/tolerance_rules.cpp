@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -152,6 +153,8 @@ bool is_description(const std::string& name) { return name == "ToleranceDescript
 
 /// What the design asks for in vain: the property and the reason, with the axis that a rule may give instead.
 using Open = std::map<std::pair<std::string, std::string>, Axis>;
+/// What of the design is told as well: a property that nothing is taken from, with the axis.
+using Told = std::map<std::string, Axis>;
 
 /// A limit of zero on both sides says that the axis is not judged.
 bool is_wider(const Tolerance& later, const Tolerance& earlier) {
@@ -163,8 +166,8 @@ bool is_wider(const Tolerance& later, const Tolerance& earlier) {
 /// The sets about tolerances of one element.
 class DesignTolerances {
  public:
-  DesignTolerances(const std::vector<ifc::Property>& properties, Tolerances& tolerances, Open& open)
-      : tolerances_(tolerances), open_(open) {
+  DesignTolerances(const std::vector<ifc::Property>& properties, Tolerances& tolerances, Open& open, Told& wider)
+      : tolerances_(tolerances), open_(open), wider_(wider) {
     for (const bool own : {true, false})
       for (const ifc::Property& property : properties)
         if (property.holder.empty() == own && ifc::is_like_tolerance_set(property.set) &&
@@ -208,17 +211,18 @@ class DesignTolerances {
     tolerances_[axis] = *tolerance;
   }
 
-  /// It narrows what holds else. That it is meant to allow more than that is not taken from another object's set.
+  /// It narrows what holds else. That it is meant to allow more than that is not taken from another object's set: the
+  /// narrower limit is the safe one. Beside that of a nearer holder a wider one is no question at all.
   void take_inherited(const ifc::Property& property, Axis axis) {
     std::string reason;
     auto tolerance = read(property, axis, reason);
     if (!tolerance) return refuse(property, reason, axis);
+    const bool is_nearest = inherited_.insert(axis).second;
     const auto holds = tolerances_.find(axis);
-    if (holds != tolerances_.end() && is_wider(*tolerance, holds->second))
-      return refuse(property,
-                    "it is wider than what holds without it, and is not the element's own; a rule says whether it is "
-                    "meant for it",
-                    axis);
+    if (holds != tolerances_.end() && is_wider(*tolerance, holds->second)) {
+      if (is_nearest) wider_.emplace(name_of(property), axis);
+      return;
+    }
     tolerance->source = "design: " + name_of(property);
     tolerances_[axis] = *tolerance;
   }
@@ -229,7 +233,9 @@ class DesignTolerances {
 
   Tolerances& tolerances_;
   Open& open_;
+  Told& wider_;
   std::map<Axis, std::string> own_;  // axes that the element itself is asked for, as written
+  std::set<Axis> inherited_;         // axes that something that holds it is asked for
 };
 
 }  // namespace
@@ -267,8 +273,9 @@ Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& e
     tolerances[axis] = {table.tau, std::string(ifc::kDefaultTolerance)};
   tolerances[Axis::joint] = {2 * table.tau, std::string(ifc::kDefaultTolerance) + ": twice the tolerance"};
   Open open;
+  Told wider;
   std::map<Axis, std::size_t> rule_of;  // the rule that holds
-  if (table.from_design && element.properties) DesignTolerances(*element.properties, tolerances, open);
+  if (table.from_design && element.properties) DesignTolerances(*element.properties, tolerances, open, wider);
   for (std::size_t i = 0; i < table.rules.size(); ++i) {
     const ToleranceRule& rule = table.rules[i];
     if (!rule.selection.matches(element)) continue;
@@ -283,12 +290,15 @@ Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& e
       else
         tolerances.erase(axis);
       if (axis != Axis::joint) std::erase_if(open, [&](const auto& entry) { return entry.second == axis; });
+      std::erase_if(wider, [&](const auto& entry) { return entry.second == axis; });
     }
   }
   if (findings)
     for (const auto& [axis, rule] : rule_of) findings->in_force.push_back(rule);
   if (findings)
     for (const auto& [refusal, axis] : open) findings->refused.push_back({refusal.first, "design", refusal.second});
+  if (findings)
+    for (const auto& [property, axis] : wider) findings->wider.push_back(property);
   return tolerances;
 }
 

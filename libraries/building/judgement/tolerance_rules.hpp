@@ -60,12 +60,13 @@ struct ToleranceFindings {
   std::map<std::size_t, std::size_t>
       widened;                           ///< rules whose limit a later one, the second, replaces by a wider one or none
   std::vector<ifc::NotApplied> refused;  ///< what the design asks for and cannot be judged, with the reason
+  std::vector<std::string> wider;        ///< properties of what holds it that are wider than what holds without them
 };
 
 /// A property of Pset_Tolerance that is no length (a number without unit, a text, a kind that nothing measures) is not
 /// left out: it is refused with its reason, unless a rule gives that axis. So is one that two sets give differently,
 /// and one of a set whose name is nearly that. Of what holds the element (assembly, storey, group) it narrows what
-/// holds else; one that is wider is refused.
+/// holds else; one that is wider is told, where no nearer one gives that axis and no rule does.
 Tolerances tolerances_of(const ToleranceTable& table, const ifc::ElementFacts& element,
                          ToleranceFindings* findings = nullptr);
 

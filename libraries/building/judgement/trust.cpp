@@ -48,9 +48,9 @@ std::string words_of(const NetworkKnownPoint& k) {
   return text + " mm";
 }
 
-/// As an item of a list that is typed: one with a comma is quoted.
+/// As an item of a list that is typed: one with a comma, or what ends a list or begins a remark, is quoted.
 std::string list_item(const std::string& text) {
-  if (text.find_first_of(",'\"") == std::string::npos) return text;
+  if (text.find_first_of(",'\"[]{}#") == std::string::npos) return text;
   const char quote = text.find('\'') == std::string::npos ? '\'' : '"';
   return quote + text + quote;
 }
@@ -60,7 +60,7 @@ std::string exclude_also(const SurveyNetwork& network, const std::string& item) 
   std::string text = "network.with.exclude=[";
   if (network.exclusions())
     for (const auto* before : *network.exclusions()) text += list_item(text_of(before)) + ", ";
-  return text + item + "]";
+  return text + list_item(item) + "]";
 }
 
 std::optional<MeasurementDoubtT> doubt_of_control_as_a_whole(const SurveyNetwork& network) {

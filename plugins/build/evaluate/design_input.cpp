@@ -167,6 +167,10 @@ class Builder {
     add_rules();
     warn_of_storeys();
     warn_of_compass();
+    for (const std::string& property : wider_)
+      inputs_.warnings.push_back(property +
+                                 " is wider than what holds without it, and is not the own one of what it is asked of: "
+                                 "the narrower limit holds; a rule says where the wider one is meant.");
     inputs_.design_file = design_.file_name;
     inputs_.mounting = mounting_.words(from_table_);
     return std::move(inputs_);
@@ -283,28 +287,35 @@ class Builder {
 
   void note(const judgement::ToleranceFindings& findings, const std::string& guid) {
     in_force_.insert(findings.in_force.begin(), findings.in_force.end());
+    wider_.insert(findings.wider.begin(), findings.wider.end());
     widened_.insert(findings.widened.begin(), findings.widened.end());
     for (const std::size_t rule : findings.rules) selected_[rule].insert(guid);
     for (const auto& [rule, later] : findings.replaced) replaced_[rule].insert(later);
   }
 
-  /// Why a rule that selects something decides nothing: a later one stands in its place everywhere, a wider one, or one
-  /// that is about more than it. Empty: it decides, or later ones for parts of it have taken its place.
+  /// Why a rule that selects something is not judged: a later, wider one stands in its place. Empty: it decides, or
+  /// nothing that it asks for is lost.
   std::string why_idle(std::size_t rule) const {
-    if (in_force_.contains(rule)) return {};
-    if (const auto later = widened_.find(rule); later != widened_.end())
-      return "it holds nowhere: '" + tolerances_.rules[later->second].text +
-             "' stands after it and is wider; put the narrower rule last, or take it out";
+    const auto later = widened_.find(rule);
+    if (in_force_.contains(rule) || later == widened_.end()) return {};
+    return "it holds nowhere: '" + tolerances_.rules[later->second].text +
+           "' stands after it and is wider; put the narrower rule last, or take it out";
+  }
+
+  /// A rule that decides nothing because a later one, at least as narrow, is about what it is about and more.
+  void warn_of_idle(std::size_t rule) {
     const auto replaced = replaced_.find(rule);
-    if (replaced == replaced_.end()) return {};
+    if (in_force_.contains(rule) || replaced == replaced_.end()) return;
     const std::set<std::string>& own = selected_.at(rule);
     for (const std::size_t later : replaced->second) {
       const std::set<std::string>& others = selected_.at(later);
-      if (!std::includes(own.begin(), own.end(), others.begin(), others.end()))
-        return "it holds nowhere: '" + tolerances_.rules[later].text +
-               "' stands after it and selects what it selects and more; put the rule for fewer last, or take it out";
+      if (std::includes(own.begin(), own.end(), others.begin(), others.end())) continue;
+      inputs_.warnings.push_back("The rule '" + tolerances_.rules[rule].text + "' holds nowhere: '" +
+                                 tolerances_.rules[later].text +
+                                 "' stands after it, is no wider, and selects what it selects and more; put the rule "
+                                 "for fewer last, or take it out.");
+      return;
     }
-    return {};
   }
 
   /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
@@ -322,6 +333,7 @@ class Builder {
                                (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
       }
       if (request.not_judged.empty()) request.not_judged = why_idle(i);
+      if (request.not_judged.empty()) warn_of_idle(i);
       inputs_.requests.push_back(std::move(request));
     }
     const std::vector<std::string> mounting = ifc::texts_of(mounting_.rules), held = ifc::texts_of(held_below_.rules);
@@ -375,10 +387,10 @@ class Builder {
     }
   }
 
-  /// A plate that is in dispute itself and says something else than the panel, or a rule that says the opposite.
+  /// A plate that is in dispute itself, though it may stand as the panel does, or a rule that says the opposite.
   static bool contradicts(const ifc::FacadeFrame& anchor, const ifc::FacadeFrame& panel) {
     const double along = anchor.known() ? anchor.out.dot(panel.out) : 1;
-    return (anchor.source == ifc::FacadeSource::plate && !anchor.confirmed && along < kPlateAlike) ||
+    return (anchor.source == ifc::FacadeSource::plate && !anchor.confirmed) ||
            (anchor.source == ifc::FacadeSource::rule && along < -kPlateAlike);
   }
 
@@ -409,6 +421,7 @@ class Builder {
   const judgement::HeldBelow& held_below_;
   std::vector<std::pair<int, int>> rules_;                 // anchors and panels that each rule selects
   std::set<std::size_t> in_force_;                         // rules that hold somewhere
+  std::set<std::string> wider_;                            // properties of the design that only tell (findings.wider)
   std::map<std::size_t, std::size_t> widened_;             // rules that a later, wider one replaces somewhere
   std::map<std::size_t, std::set<std::string>> selected_;  // by rule: GlobalIds of anchors and panels
   std::map<std::size_t, std::set<std::size_t>> replaced_;  // by rule: later ones that stand in its place somewhere

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "build/evaluate/epoch_json.hpp"
-#include "building/judgement/figures.hpp"
+#include "building/judgement/kept_open.hpp"
 
 namespace plumbline::judgement {
 
@@ -14,28 +14,6 @@ DesignElements elements_of(const DesignT& design) {
   for (const auto& element : design.elements)
     elements.guids.insert(element->guid), elements.names.insert(element->name);
   return elements;
-}
-
-/// What was open and nobody measured again is as open as before: with it nothing is ready to install.
-void leave_open(const AsBuiltChangesT& changes, DeviationT& judged) {
-  constexpr std::size_t kNamed = 8;
-  std::vector<std::string> names;
-  int panels = 0;
-  for (const auto& change : changes.changes) {
-    const bool open = change->before == ToleranceVerdict::fail || change->before == ToleranceVerdict::undecided;
-    // An anchor that was not measured is counted as such already.
-    if (!open || change->change != ChangeKind::unseen || change->kind == "anchor") continue;
-    names.push_back(change->kind + " " + change->id), panels += change->kind == "panel";
-  }
-  if (names.empty()) return;
-  auto request = std::make_unique<JudgementRequestT>();
-  request->asked = list_of(names, kNamed);
-  request->by = "campaign before", request->panels = panels;
-  request->not_judged =
-      "open" + (changes.before.empty() ? std::string() : " since " + changes.before) + " and not measured again";
-  judged.requests.push_back(std::move(request));
-  ++judged.not_judged;
-  if (judged.verdict == ToleranceVerdict::pass) judged.verdict = ToleranceVerdict::undecided;
 }
 
 }  // namespace
@@ -52,11 +30,8 @@ void EvaluateEpochs::run(Context& context) {
   if (earlier) find_again(judged, *earlier, built);
   if (earlier) result = compare_epochs(*earlier, judged, *epoch, built);
   for (const std::string& warning : result.warnings) context.warn(warning);
-  const std::size_t asked = judged.requests.size();
-  leave_open(result, judged);
-  for (std::size_t i = asked; i < judged.requests.size(); ++i)
-    context.warn("Not judged: " + judged.requests[i]->asked + ": " + judged.requests[i]->not_judged + ".");
-  if (judged.requests.size() > asked) context.metric("invalid", 1, "1");
+  for (const std::string& warning : leave_open(result, judged)) context.warn(warning);
+  if (judged.not_judged > deviation->not_judged()) context.metric("invalid", 1, "1");
   if (earlier)
     context.info("since " + (earlier->epoch.empty() ? "the campaign before" : earlier->epoch) + ": " +
                  words_of_changes(result));

@@ -52,16 +52,23 @@ void warn_of_copies(const InputFilesT& read, Context& context) {
 }
 
 /// Known points that nothing measured, or whose names are written otherwise there: what the run would miss of them.
-void hold_control(const survey::SurveyObservations& survey, const std::vector<std::string>& known,
+/// Names that are alike may be two marks: as long as other control is measured that is for a person to look at.
+void hold_control(const survey::SurveyObservations& survey, const std::vector<std::string>& known, Context& context,
                   std::vector<std::string>& problems) {
   const std::set<std::string> measured = survey::measured_names(survey);
   const auto is_measured = [&](const std::string& id) { return measured.contains(id); };
-  if (!known.empty() && std::none_of(known.begin(), known.end(), is_measured))
+  const bool none = !known.empty() && std::none_of(known.begin(), known.end(), is_measured);
+  if (none)
     problems.push_back("none of the control points (" + text::join(known, 8) + ") is in the readings, which have " +
                        text::join({measured.begin(), measured.end()}, 8) +
                        ": is the control that of this site? Names have to be the same, or nothing holds the survey");
-  for (const survey::Finding& finding : survey::examine_known_names(survey, known))
-    if (finding.severity == survey::Finding::Severity::warning) problems.push_back(finding.text);
+  for (const survey::Finding& finding : survey::examine_known_names(survey, known)) {
+    if (finding.severity != survey::Finding::Severity::warning) continue;
+    if (none)
+      problems.push_back(finding.text);
+    else
+      context.warn(finding.text);
+  }
 }
 
 /// A table whose names are in no other file is whole by itself, and the run goes on without them.
@@ -127,7 +134,7 @@ void AccountForCampaign::run(Context& context) {
   if (survey)
     if (const survey::SurveyObservations readings = survey::from_artifact(survey.unpack());
         !survey::measured_names(readings).empty()) {
-      hold_control(readings, known, problems);
+      hold_control(readings, known, context, problems);
       std::set<std::string> surveyed = survey::measured_names(readings), designed;
       surveyed.insert(known.begin(), known.end());
       if (matches)

@@ -27,7 +27,7 @@ struct ProposeCampaign : Node {
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 5,
+  static constexpr Info info{"campaign.account", "", 6,
                              "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};

@@ -407,6 +407,16 @@ TEST(Facades, AzimuthsOfACompassAreNamedByTrueNorth) {
               std::string::npos)
         << frame.note;
   }
+  for (const double turned : {180.0, 90.0}) {  // a guess is wrong by a side, or at a corner by a face
+    const Eigen::Vector3d plate(std::sin((180 - turned) * degree), std::cos((180 - turned) * degree), 0);
+    FacadeFrame guessed = frame_facing({0, -1, 0}, FacadeSource::guess, false);
+    add_plate(guessed, plate, turned * degree);
+    EXPECT_TRUE(guessed.confirmed) << guessed.note;
+    EXPECT_LT((guessed.out - plate).norm(), 1e-9);
+    FacadeFrame sure = frame_facing({0, -1, 0}, FacadeSource::own_axes, true);
+    add_plate(sure, plate, turned * degree);
+    EXPECT_FALSE(sure.confirmed);
+  }
   FacadeFrame plain = frame_facing({0, -1, 0}, FacadeSource::own_axes, true);
   add_plate(plain, {0.05, -1, 0}, north);
   EXPECT_TRUE(plain.confirmed) << plain.note;

@@ -188,6 +188,13 @@ TEST_F(ReadCampaignTest, NamesAreHeldAgainstEachOther) {
     for (auto& point : points.points) point->id[0] = 'H';
   });
   EXPECT_NE(control.find("none of the control points (H1, H2"), std::string::npos) << control;
+  const std::string alike = told([](PointsT& points, PlatesT&) { points.points[0]->id = "G-01"; });
+  EXPECT_EQ(alike.find("The folder is whole."), 0u)
+      << "two names that are alike may be two marks, and other control is measured: " << alike;
+  const std::string all_alike = told([](PointsT& points, PlatesT&) {
+    for (auto& point : points.points) point->id.insert(1, "-0");
+  });
+  EXPECT_NE(all_alike.find("none of the control points (G-01"), std::string::npos) << all_alike;
   const auto rename = [](PointsT&, PlatesT& plates) { plates.plates[1]->anchor = "F01-K9"; };
   const std::string anchor = told(rename);
   EXPECT_NE(anchor.find("nor the design have these anchors of the plate table: F01-K9;"), std::string::npos) << anchor;

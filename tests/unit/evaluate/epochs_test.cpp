@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "build/evaluate/epoch_json.hpp"
+#include "building/judgement/kept_open.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -348,7 +349,8 @@ TEST(AsBuiltEpochs, OtherLimitsOfARuleAreTold) {
   EXPECT_NE(changes.warnings[0].find("1 anchor is held against other tolerances"), std::string::npos);
   EXPECT_EQ(of(compare_epochs(before, same, "June"), "A").change, ChangeKind::mended);
   EXPECT_EQ(of(changes, "A").change, ChangeKind::settled) << "nobody mended it";
-  EXPECT_NE(of(changes, "A").note.find("by a wider limit"), std::string::npos);
+  EXPECT_EQ(of(changes, "A").note, "a limit is wider than in the campaign before")
+      << "which one it passes by is not known";
 }
 
 std::unique_ptr<PanelJointT> joint(const std::string& to, ToleranceVerdict verdict) {
@@ -398,6 +400,38 @@ TEST(AsBuiltEpochs, AJointOfWhichOneSideWasMeasuredAgainIsNotMended) {
   EXPECT_TRUE(third.items[2].open());
   EXPECT_EQ(third.items[1].verdict, kPass);
   EXPECT_TRUE(third.items[1].open_joints.empty());
+}
+
+/// Once every campaign of other floors ended as not judged, as long as one panel of floor 1 was open.
+TEST(AsBuiltEpochs, WhatIsStillOpenForbidsReadyAndNothingElse) {
+  AsBuiltChangesT changes;
+  changes.before = "May";
+  const auto add = [&](const char* kind, const char* id, ToleranceVerdict before, ToleranceVerdict after) {
+    auto change = std::make_unique<AsBuiltChangeT>();
+    change->kind = kind, change->id = id, change->before = before, change->after = after;
+    change->change = ChangeKind::unseen;
+    changes.changes.push_back(std::move(change));
+  };
+  add("anchor", "A", kFail, kNone), add("panel", "P", kFail, kNone), add("panel", "Q", kPass, kNone);
+  DeviationT whole;
+  whole.verdict = kPass;
+  EXPECT_EQ(leave_open(changes, whole),
+            std::vector<std::string>{"Not judged: panel P: open since May and not measured again."});
+  EXPECT_EQ(whole.verdict, kOpen);
+  EXPECT_EQ(whole.not_judged, 1);
+  ASSERT_EQ(whole.requests.size(), 1u);
+  add("panel", "R", kFail, kPass);  // its anchors were measured; of its joint one side was
+  for (const ToleranceVerdict verdict : {kOpen, kFail, kNone}) {
+    DeviationT part;
+    part.verdict = verdict;
+    EXPECT_EQ(leave_open(changes, part),
+              (std::vector<std::string>{
+                  "Still open: panel P: open since May and not measured again.",
+                  "Still open: panel R: open since May at a joint whose other panel was not measured again."}));
+    EXPECT_EQ(part.verdict, verdict);
+    EXPECT_EQ(part.not_judged, 0);
+    EXPECT_TRUE(part.requests.empty());
+  }
 }
 
 /// A model of one storey: what is open elsewhere is named, each time, and known again when the whole is judged.

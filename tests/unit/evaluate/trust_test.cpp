@@ -112,6 +112,9 @@ TEST(Trust, AControlPointThatTheSurveyContradictsIsADoubtWithTheCommandThatMends
       "network.with.exclude=[control G7: moved, 'line job.gsi:57: read twice, once wrong', control G1: contradicts "
       "the survey]")
       << "one more command must not bring back what was left out before";
+  EXPECT_EQ(with_control({371, 40, 2, 1}, {"control G[7]: moved", "control 8#2: moved"}).doubts[0].mend,
+            "network.with.exclude=['control G[7]: moved', 'control 8#2: moved', control G1: contradicts the survey]")
+      << "what is typed is read as a list";
 }
 
 /// Known points that hold a survey (statistics against 14.3), and those that were left out of it, in height.
@@ -158,16 +161,16 @@ TEST(Trust, NoCommandIsGivenWhereTheTestDoesNotTellWhichKnownPointIsWrong) {
       << second.doubts[0].reason;
 }
 
-/// Four anchors in a row, two metres apart, that were measured to 0.3 mm beside control of 0.5 mm.
+/// Anchors in a row, two metres apart, that were measured to 0.3 mm beside control of 0.5 mm.
 struct OnDesign {
   SurveyNetworkT network;
   std::vector<AnchorCase> anchors;
   PointSet model;
 
-  explicit OnDesign(const std::string& datum) {
+  explicit OnDesign(const std::string& datum, int count = 4) {
     network.statistics = std::make_unique<StatisticsT>(), network.tests = std::make_unique<NetworkTestsT>();
     network.datum = datum;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0; i < count; ++i) {
       AnchorCase& anchor = anchors.emplace_back();
       anchor.id = "A" + std::to_string(i + 1), anchor.design = {2.0 * i, 0, 3};
       model.ids.push_back(anchor.id), model.positions.push_back(anchor.design + Eigen::Vector3d(0.003, 0, 0));
@@ -201,7 +204,10 @@ struct OnDesign {
 /// Once a building 30 mm out and 30 mm low was ready to install, because control.csv had four anchors as designed.
 TEST(Trust, ControlWithTheCoordinatesOfTheDesignIsAFitToIt) {
   OnDesign made("weighted");
-  for (int i : {0, 3}) made.know(made.anchors[i].id, made.anchors[i].design + Eigen::Vector3d(0.0004, 0, -0.0004));
+  for (int i : {0, 3}) {
+    made.anchors[i].design += Eigen::Vector3d(0.0004, 0, -0.0004);
+    made.know(made.anchors[i].id, Eigen::Vector3d(2.0 * i, 0, 3));  // written in whole millimetres
+  }
   const DesignedControl control = made.found();
   EXPECT_EQ(control.ids, (std::vector<std::string>{"A1", "A4"}));
   EXPECT_NEAR(control.hidden, 1, 1e-9);
@@ -230,7 +236,7 @@ TEST(Trust, ControlAtTheDesignedPlaceOfAnAnchorIsAFitUnderAnyName) {
   OnDesign made("weighted");
   for (const std::size_t i : {0u, 3u}) {
     const std::string name = "T" + std::to_string(i + 1);
-    made.know(name, made.anchors[i].design + Eigen::Vector3d(0.0004, 0, -0.0004));
+    made.know(name, made.anchors[i].design);
     made.model.ids.push_back(name), made.model.positions.push_back(made.model.positions[i]);
   }
   const DesignedControl control = made.found();
@@ -256,22 +262,23 @@ TEST(Trust, WhereOtherControlHoldsTheDatumOneAnchorOfTheDesignIsNoDoubt) {
 /// Plan from the drawing and heights from the level: once no word, and a building that stood 30 mm aside was ready.
 TEST(Trust, PlanAndHeightThatAreTheDesignsAreLookedAtApart) {
   const auto known = [](int copied, const Eigen::Vector3d& off, int measured = 0) {
-    OnDesign made("weighted");
+    OnDesign made("weighted", 6);
     for (int i = 0; i < copied; ++i) made.know(made.anchors[i].id, made.anchors[i].design + off);
     for (int i = copied; i < copied + measured; ++i)
       made.know(made.anchors[i].id, made.anchors[i].design + Eigen::Vector3d(0.003, 0.002, 0.003));
     return made.found();
   };
-  const DesignedControl plan = known(3, {0.0004, 0, 0.004});
+  const DesignedControl plan = known(4, {0, 0.00004, 0.0041});
   EXPECT_TRUE(plan.holds_the_datum());
-  EXPECT_NE(doubt_of(plan).reason.find("at the plan coordinates of their design: A1, A2, A3"), std::string::npos)
+  EXPECT_NE(doubt_of(plan).reason.find("at the plan coordinates of their design: A1, A2, A3, A4"), std::string::npos)
       << doubt_of(plan).reason;
-  const DesignedControl height = known(3, {0.004, 0.003, 0.0004});
+  const DesignedControl height = known(4, {0.0041, 0.003, 0});
   EXPECT_TRUE(height.holds_the_datum());
   EXPECT_NE(doubt_of(height).reason.find("at the heights of their design"), std::string::npos);
-  EXPECT_TRUE(known(1, {0.004, 0.003, 0.0001}).ids.empty()) << "of one point a height may be right by itself";
-  EXPECT_TRUE(known(2, {0.004, 0.003, 0.0001}, 1).ids.empty()) << "and of two in three";
-  EXPECT_EQ(known(3, {0.0001, 0, 0.004}, 1).ids.size(), 3u);
+  EXPECT_TRUE(known(3, {0.0041, 0.003, 0}).ids.empty()) << "of three points heights may be right by themselves";
+  EXPECT_TRUE(known(4, {0.0041, 0.003, 0}, 2).ids.empty()) << "and of four in six";
+  EXPECT_EQ(known(4, {0.0001, 0, 0.0041}, 1).ids.size(), 0u) << "written in tenths, and a tenth off: measured";
+  EXPECT_EQ(known(4, {0, 0, 0.0041}, 1).ids.size(), 4u);
 }
 
 /// What the link is uncertain by is in the covariance of all anchors: once control counted by number for that.
