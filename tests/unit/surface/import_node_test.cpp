@@ -141,8 +141,8 @@ TEST(ImportNode, AnotherFrameIsNamedWithBothPlaces) {
 TEST(ImportNode, StepsThatTakeAScanOffItsFacesAreNamed) {
   std::string text;
   for (const auto& point : scan())
-    text += std::to_string(0.5 * std::round(2 * point.x())) + " " + std::to_string(std::lround(point.y())) +
-            ".5 " + std::to_string(0.5 * std::round(2 * point.z())) + "\n";
+    text += std::to_string(0.5 * std::round(2 * point.x())) + " " + std::to_string(std::lround(point.y())) + ".5 " +
+            std::to_string(0.5 * std::round(2 * point.z())) + "\n";
   Import import("scan.xyz", text);
   import.node.set("unit", "m");
   expect_refused(import, "its coordinates are written in steps of");
