@@ -82,6 +82,11 @@ class InterruptsAreForTheCommand {
     if (--count_ == 0) sigaction(SIGINT, &interrupt_, nullptr), sigaction(SIGQUIT, &quit_, nullptr);
   }
 
+  static bool any(std::unique_lock<std::mutex>& held) {
+    held = std::unique_lock(mutex_);
+    return count_ > 0;
+  }
+
  private:
   inline static std::mutex mutex_;
   inline static int count_ = 0;
@@ -114,6 +119,8 @@ std::string end_orphans() {
   for (std::string left; !(left = end_orphans_of_now()).empty();) all += (all.empty() ? "" : ", ") + left;
   return all;
 }
+
+bool commands_go_on(std::unique_lock<std::mutex>& held) { return InterruptsAreForTheCommand::any(held); }
 
 int run_command(const char* command) {
   sigset_t before, without_end_of_child;

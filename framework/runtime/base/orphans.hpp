@@ -4,6 +4,7 @@
 
 #include <sys/types.h>
 
+#include <mutex>
 #include <string>
 
 namespace plumbline::runtime {
@@ -30,5 +31,9 @@ std::string end_orphans();
 
 /// What system() does, with a shell that is known.
 int run_command(const char* command);
+
+/// Whether a command of run_command() goes on, in whichever thread: as long as one does, this process ignores SIGINT
+/// and SIGQUIT. None begins or ends while `held` is locked.
+bool commands_go_on(std::unique_lock<std::mutex>& held);
 
 }  // namespace plumbline::runtime

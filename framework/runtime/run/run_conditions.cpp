@@ -169,8 +169,11 @@ std::string ProcessConditions::restore_environment() {
 
 std::string ProcessConditions::restore_signals() const {
   std::string list;
+  std::unique_lock<std::mutex> held;
+  const bool command = commands_go_on(held);  // of another node, which puts these two back
   for (size_t i = 1; i < actions_.size(); ++i) {
     const int signal = static_cast<int>(i);
+    if (command && (signal == SIGINT || signal == SIGQUIT)) continue;
     struct sigaction now {};
     if (sigaction(signal, nullptr, &now) != 0 || same_action(now, actions_[i])) continue;
     if (may_go_back_to_default(signal) && now.sa_handler == SIG_DFL) continue;

@@ -192,7 +192,7 @@ struct LeavesChanged : Node {
   static constexpr Info info{"accident.leaves_changed", "", 1, "Changes what a node must leave as it is"};
   Param<std::string> what{"what", required,
                           one_of("rounding", "vector_rounding", "subnormals", "traps", "blocked", "umask", "folder",
-                                 "locale", "locale_for_a_while", "environment", "signals"),
+                                 "locale", "locale_for_a_while", "environment", "signals", "signals_for_a_while"),
                           "what it changes"};
   Param<std::string> place{"place", "", "folder: it goes on until somebody beside it says there that he has seen it"};
   Out<Number> out{"number", "the number"};
@@ -221,7 +221,12 @@ struct LeavesChanged : Node {
       setenv("ACCIDENT_WAS_HERE", "1", 1);
     }
     if (*what == "signals") std::signal(SIGCHLD, SIG_IGN);
-    if (!place->empty()) {
+    if (*what == "signals_for_a_while") {  // as long as a command of it runs, Ctrl-C is for that
+      const std::string command = "cd '" + *place +
+                                  "' && touch changed && for i in $(seq 1000); do test -e seen && break; sleep 0.01; "
+                                  "done; sleep 0.5";
+      if (std::system(command.c_str()) != 0) throw std::runtime_error("its command did not end as it should");
+    } else if (!place->empty()) {
       std::ofstream(std::filesystem::path(*place) / "changed") << "1";
       wait_for(std::filesystem::path(*place) / "seen");
     }

@@ -47,6 +47,16 @@ TEST_F(Isolation, WhoRunsBesideOneThatSetsTheLocaleForAWhileIsRunAgainApart) {
   EXPECT_EQ(node("good").metrics.at(0).value, getpid()) << "nobody ran beside it";
 }
 
+/// Who ended meanwhile was taken to have changed what signals do, and both were run again apart.
+TEST_F(Isolation, WhoEndsWhileACommandOfAnotherRunsHasChangedNothing) {
+  const TemporaryFolder place;
+  run("  waits: {use: accident.leaves_changed, with: {what: signals_for_a_while, place: " + place.path().string() +
+      "}}\n  good: {use: accident.thirds, with: {place: " + place.path().string() + "}}\n");
+  EXPECT_EQ(node("waits").error, "");
+  ASSERT_EQ(node("good").error, "");
+  EXPECT_EQ(node("good").metrics.at(0).value, getpid()) << "it was run apart";
+}
+
 /// What a node leaves changed is named, its result is not kept, and what runs afterwards knows nothing of it.
 TEST_F(Isolation, WhatANodeLeavesChangedIsNamedAndReachesNoOther) {
   int salt = 0;
