@@ -8,7 +8,7 @@
 #include "runtime/run/key.hpp"
 
 namespace plumbline::test {
-namespace declarations {
+namespace declarations_tests {
 
 using runtime::Problem;
 
@@ -151,5 +151,5 @@ TEST(Declarations, EveryValueCountsInTheKey) {
   }
 }
 
-}  // namespace declarations
+}  // namespace declarations_tests
 }  // namespace plumbline::test

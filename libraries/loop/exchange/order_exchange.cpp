@@ -1,8 +1,9 @@
 #include "loop/exchange/order_exchange.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -132,11 +133,11 @@ bool OrderExchange::goes_on_by_number(double seconds, long long header, double n
 
 std::string OrderExchange::clock_doubt() const {
   if (behind_ < 2) return {};
-  char minutes[40];
-  std::snprintf(minutes, sizeof minutes, "%.0f min", std::ceil((newest_ - behind_seconds_) / 60));
-  return std::string("the robot's states are dated up to ") + minutes +
-         " before the last one that it sent, and their numbers go on: was its clock put back? They are taken by their "
-         "numbers when nothing newer came for a while";
+  return fmt::format(
+      "the robot's states are dated up to {:.0f} min before the last one that it sent, and their numbers go on: was "
+      "its "
+      "clock put back? They are taken by their numbers when nothing newer came for a while",
+      std::ceil((newest_ - behind_seconds_) / 60));
 }
 
 void OrderExchange::take(const std::string& payload, Heard heard, double now) {
