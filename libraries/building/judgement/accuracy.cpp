@@ -392,7 +392,7 @@ AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       if (is_left_out(evaluation, inputs.anchors[i])) take_back_verdict(*result.anchors[i]);
     add_comparisons(evaluation, survey, AccuracyReference::survey);
-    name_contradicting_checks(evaluation, survey);
+    if (options.name_contradicting_checks) name_contradicting_checks(evaluation, survey);
   }
   if (inputs.truth) {
     evaluation.truth_index = index_points(*inputs.truth, "truth");

@@ -39,11 +39,12 @@ enum class Correlation {
 };
 
 struct Options {
-  std::vector<double> tolerances;  ///< [m] sweep of (3) and (10); empty: 2 to 8 mm in steps of 0.5 mm
-  double tau = 0.005;              ///< [m] headline tolerance of the verdicts
-  double guard_factor = 1.645;     ///< k of the guard band; 1.645 gives 5 % risk on one side
-  double confidence = 0.95;        ///< of all intervals and tests
-  bool drift_on_control = false;   ///< computes D(F) on control anchors too, marked as no evidence
+  std::vector<double> tolerances;          ///< [m] sweep of (3) and (10); empty: 2 to 8 mm in steps of 0.5 mm
+  double tau = 0.005;                      ///< [m] headline tolerance of the verdicts
+  double guard_factor = 1.645;             ///< k of the guard band; 1.645 gives 5 % risk on one side
+  double confidence = 0.95;                ///< of all intervals and tests
+  bool name_contradicting_checks = false;  ///< and tell uncertainties that are too small by the others alone
+  bool drift_on_control = false;           ///< computes D(F) on control anchors too, marked as no evidence
   Correlation correlation = Correlation::from_control;
 };
 

@@ -155,7 +155,7 @@ class Adjustment {
       take_back(aside);
       result_.control_scatter = scatter;
       solve();
-      few = search_contradictions(aside);
+      few = few && search_contradictions(aside);
     }
     if (!few) {
       const bool changed = !aside.empty();

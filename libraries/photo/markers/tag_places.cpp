@@ -18,6 +18,8 @@ namespace plumbline::markers {
 namespace {
 
 constexpr size_t fewest = 3;  // photographs at a place
+/// Without an order to hold to, few rays meet somewhere by chance: seen with three and four in blocks with blunders.
+constexpr size_t fewest_anyhow = 5;
 
 /// The ray to a tag's centre in the world.
 struct Sight {
@@ -94,7 +96,7 @@ struct Parted {
   std::array<Sights, 2> parts;
   std::array<Meeting, 2> meetings;
   double rms() const { return misfit(meetings[0].squares + meetings[1].squares, parts[0].size() + parts[1].size()); }
-  bool enough() const { return std::min(parts[0].size(), parts[1].size()) >= fewest; }
+  bool enough(size_t least = fewest) const { return std::min(parts[0].size(), parts[1].size()) >= least; }
 };
 
 Parted parted(Sights first, Sights second) {
@@ -186,7 +188,7 @@ std::vector<TagAtTwoPlaces> tags_at_two_places(const MarkerBlock& block, const M
       continue;
     }
     const Parted anyhow = parted_anyhow(seen, fits * unit);
-    if (anyhow.enough() && anyhow.rms() < std::min(fits * unit, clearly * whole))
+    if (anyhow.enough(fewest_anyhow) && anyhow.rms() < std::min(fits * unit, clearly * whole))
       found.push_back(as_found(marker, false, anyhow));
   }
   return found;

@@ -120,6 +120,7 @@ struct EvaluateAccuracy : Node {
     chosen.tolerances = *tolerances;
     chosen.tau = *tau, chosen.guard_factor = *guard_factor, chosen.confidence = *confidence;
     chosen.drift_on_control = *drift_on_control;
+    chosen.name_contradicting_checks = *contradicting_checks == "invalid";
     chosen.correlation = *correlation == "independent" ? Correlation::independent : Correlation::from_control;
     return chosen;
   }

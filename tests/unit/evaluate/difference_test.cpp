@@ -229,21 +229,23 @@ TEST(Truth, HasNoUncertaintyOfItsOwn) {
 TEST(CheckAnchors, OneThatWasSurveyedWronglyIsNamedAndTheUncertaintiesAreNotBlamed) {
   test::Normal normal(4);
   Inputs inputs;
+  Options options;
+  options.name_contradicting_checks = true;
   for (int k = 1; k <= 6; ++k)
     test::add_anchor(inputs, "A" + std::to_string(k), 1, k, AnchorUse::check,
                      0.5 * mm * Eigen::Vector3d(normal(), normal(), normal()));
   test::set_sigmas(inputs, 0.3 * mm, 0.4 * mm);
-  AccuracyT accuracy = evaluate_accuracy(inputs, {});
+  AccuracyT accuracy = evaluate_accuracy(inputs, options);
   EXPECT_TRUE(check_anchors_hold(accuracy));
   EXPECT_FALSE(test::warns(accuracy, "contradicts the model"));
   inputs.model.positions[2].z() += 50 * mm;
-  accuracy = evaluate_accuracy(inputs, {});
+  accuracy = evaluate_accuracy(inputs, options);
   EXPECT_FALSE(check_anchors_hold(accuracy));
   EXPECT_TRUE(test::warns(accuracy, "The check anchor A3 contradicts the model: it is off by "));
   EXPECT_FALSE(test::warns(accuracy, "larger than their covariance allows"));
   // Where all are off by more than is stated, it is no matter of single points.
   test::set_sigmas(inputs, 0.03 * mm, 0.04 * mm);
-  accuracy = evaluate_accuracy(inputs, {});
+  accuracy = evaluate_accuracy(inputs, options);
   EXPECT_FALSE(check_anchors_hold(accuracy));
   EXPECT_FALSE(test::warns(accuracy, "contradicts the model"));
   EXPECT_TRUE(test::warns(accuracy, "larger than their covariance allows"));
