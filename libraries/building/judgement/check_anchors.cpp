@@ -43,12 +43,12 @@ std::vector<std::string> words_of_contradicting(const AccuracyT& accuracy) {
   std::vector<std::string> words;
   if (3 * static_cast<std::ptrdiff_t>(wrong.size()) > checks) return words;
   for (const AnchorAccuracyT* anchor : wrong)
-    words.push_back(
-        fmt::format("The check anchor {} contradicts the model: it is off by {:.1f}, {:.1f}, {:.1f} mm, {:.0f} times "
-                    "what the uncertainties of model and survey allow (1 sigma). Check its survey, its name and its "
-                    "plate.",
-                    anchor->id, 1e3 * anchor->survey->dx, 1e3 * anchor->survey->dy, 1e3 * anchor->survey->dz,
-                    std::sqrt(nees_of(*anchor) / 3)));
+    words.push_back(fmt::format(
+        "The check anchor {} contradicts the model: it is off by {:.1f} mm, {:.1f} mm, {:.1f} mm, {:.0f} times "
+        "what the uncertainties of model and survey allow (1 sigma). Check its survey, its name and its "
+        "plate.",
+        anchor->id, 1e3 * anchor->survey->dx, 1e3 * anchor->survey->dy, 1e3 * anchor->survey->dz,
+        std::sqrt(nees_of(*anchor) / 3)));
   return words;
 }
 
