@@ -148,7 +148,7 @@ class Topics {
   static bool is_mended(const LoopItemT& item) { return item.status == ItemStatus::verified && !item.gone; }
 
   std::string what_is_wrong(const LoopItemT& item) const {
-    if (item.gone) return item.hangs ? "take it down: the design does not have it any more" : "";
+    if (item.gone) return item.hangs ? "look whether it is to be taken down: the design does not have it any more" : "";
     if (item.status == ItemStatus::rejected) return "look at it: " + item.why;
     if (item.status == ItemStatus::relocalised && item.hangs && !item.seen) return "nobody has seen it hang";
     if (item.status == ItemStatus::rework && item.hangs) return "take it down: " + item.why;

@@ -188,6 +188,7 @@ class Stack {
     const JudgedPanel& panel = panels_[i];
     Seat seat{edge_of(panel, panel.low.x(), panel.high.x(), panel.low.y()), {}, {}, false};
     sit(i, "assumed_sill", std::hypot(joint.sigma, joint.sill_sigma), std::move(seat));
+    supports_[i].told.sill_sigma = joint.sill_sigma;
   }
 
   /// `sigma`: what the joint adds at both ends alike [m].

@@ -70,6 +70,7 @@ struct Support {
   std::vector<std::pair<std::size_t, double>> sills;  ///< brackets, and their part in how far out the edge is held
   Eigen::Vector3d place = Eigen::Vector3d::Zero();    ///< middle of the edge
   double sigma = 0;                                   ///< of the edge against what holds it [m]
+  double sill_sigma = 0;                              ///< of a sill that is assumed: its part of `sigma` [m]
 };
 
 struct Panel {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/text/words.hpp"
 
@@ -16,6 +17,13 @@ bool is_on_assumed_sill(const Panel& panel) {
   return panel.below && panel.below->panel < 0 && panel.below->sills.empty();
 }
 
+/// The joint on it is as good as it was.
+void move_farther_off(Support& below) {
+  const double joint = std::sqrt(std::max(0.0, below.sigma * below.sigma - below.sill_sigma * below.sill_sigma));
+  below.sill_sigma *= kFartherOff;
+  below.sigma = std::hypot(joint, below.sill_sigma);
+}
+
 std::string in_place(const Panel& panel) {
   return "in place to " + text::millimetres(panel.below->sigma) + ", its joint included";
 }
@@ -27,7 +35,7 @@ void doubt_assumed_sills(const Facade& facade, const Fit& fit, const GateOptions
   if (std::none_of(facade.panels.begin(), facade.panels.end(), is_on_assumed_sill)) return;
   Facade farther = facade;
   for (Panel& panel : farther.panels)
-    if (is_on_assumed_sill(panel)) panel.below->sigma *= kFartherOff;
+    if (is_on_assumed_sill(panel)) move_farther_off(*panel.below);
   const std::vector<PanelGate> without = judge_plan(farther, fit, options);
   for (std::size_t j = 0; j < gates.size(); ++j) {
     PanelGate& gate = gates[j];

@@ -43,7 +43,9 @@ CopiedPlaces::CopiedPlaces(const LoopStateT& state, const ActualsT& actuals) {
   std::map<std::string, Rounded> reports;
   for (const auto& report : actuals.items) {
     const auto item = items.find(report->item);
-    if (item == items.end() || !report->measured.allFinite() || !item->second->expected.allFinite()) continue;
+    // Brackets are measured again; that a panel hangs its place alone shows.
+    if (item == items.end() || item->second->kind != "panel") continue;
+    if (!report->measured.allFinite() || !item->second->expected.allFinite()) continue;
     const double off = largest_difference(*report, item->second->expected);
     const bool rounded = is_in_millimetres(*report);
     if (off <= kExact && !rounded) words_[report.get()] = "is the number that was asked for";
@@ -57,8 +59,8 @@ CopiedPlaces::CopiedPlaces(const LoopStateT& state, const ActualsT& actuals) {
     if (2 * copies <= file.places) continue;
     for (const ActualT* report : file.of_target)
       words_[report] = fmt::format(
-          "is the number that was asked for, in whole millimetres, and so are {} of the {} places of this report: "
-          "give them to a tenth of a millimetre",
+          "is the number that was asked for, in whole millimetres, and so are {} of the {} places of panels in this "
+          "report: give them to a tenth of a millimetre",
           copies, file.places);
   }
 }

@@ -149,8 +149,10 @@ std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& it
          "measured first, or the panel does not sit in its hooks";
 }
 
-/// A number without its precision contradicts nothing but that the panel is within its limits.
+/// A number without its precision contradicts nothing but that the panel is within its limits, and that from so far on
+/// as a tape or an unmeasured tool may be off.
 std::string Round::contradiction_without_sigma(const PlannedPanelT& panel, LoopItemT& item) const {
+  constexpr double kCoarse = 0.020;
   double limit = 0, off = 0;
   for (const auto& length : plan_.lengths)
     if (length->quantity == "corner" && length->panels.size() == 1 && length->panels[0] == panel.id)
@@ -158,10 +160,11 @@ std::string Round::contradiction_without_sigma(const PlannedPanelT& panel, LoopI
         if (std::isfinite(side)) limit = std::fmax(limit, std::abs(side));
   for (int k = 0; k < 3; ++k) off = std::fmax(off, std::abs(item.place[k] - panel.centre[k] - panel.shift[k]));
   item.place.clear();
-  if (!(limit > 0) || off <= limit) return {};
+  if (!(limit > 0) || off <= limit + kCoarse) return {};
   return "was reported " + text::millimetres(off) +
          " from where its brackets say that it hangs, more than its limits of " + text::millimetres(limit) +
-         ": look where it hangs, or whether that is another panel's place";
+         " and the " + text::millimetres(kCoarse) +
+         " that a place without sigma may be off by: look where it hangs, or whether that is another panel's place";
 }
 
 void Round::verify_panels() {

@@ -19,7 +19,7 @@ struct Floor {
 };
 
 struct Counts {
-  int panels = 0, hang = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0;
+  int panels = 0, hang = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0, left = 0;
   std::string down;  ///< the first that is to be taken down; empty: none
 };
 
@@ -42,9 +42,9 @@ void add(const LoopStateT& state, const LoopItemT& item, Floor& floor, Counts& c
   const bool is_panel = item.kind == "panel";
   if (item.gone) {
     if (!item.hangs) return;
-    floor.lines.push_back("take down " + item.id + ": the design does not have it any more");
-    ++counts.rejected;
-    if (counts.down.empty()) counts.down = item.id;
+    floor.lines.push_back("look whether " + item.id + " is to be taken down: the design does not have it any more" +
+                          "; when it is down, run with reported.with.removed=['" + look_word(state, item.id) + "']");
+    ++counts.left;
     return;
   }
   counts.panels += is_panel, counts.hang += is_panel && item.status == ItemStatus::verified;
@@ -105,6 +105,7 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
   if (counts.rejected > 0 || counts.unseen > 0)
     return "somebody looks at what is named below; then run with reported.with.accept=['" + look_word(state, "NAME") +
            "'] for each that is in order";
+  if (counts.left > 0) return "somebody looks whether what the design does not have any more is to be taken down";
   if (counts.waiting > 0)
     return "nothing may be hung as it stands: do what the lines below ask for, then measure and run again";
   return counts.panels > 0 && counts.hang == counts.panels ? "nothing: every panel hangs within its limits"

@@ -170,7 +170,8 @@ RoundsEstimate combined_rounds(Facade& facade, const LoopStateT* state, const Co
   }
   put_into(facade, measured, combined.estimate, options.drift_per_storey);
   for (std::string& line : words_of(combined)) out.words.push_back(std::move(line));
-  if (!repeats) out.repetition = repetition_words(combined);
+  // That it agrees too well says as much of the profile as of the campaign.
+  if (!repeats && combined.known > 0) out.repetition = repetition_words(combined);
   out.estimate = artifact_of(combined.estimate);
   return out;
 }

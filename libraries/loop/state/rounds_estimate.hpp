@@ -13,8 +13,8 @@ namespace plumbline::loop {
 struct RoundsEstimate {
   std::unique_ptr<AnchorEstimateT> estimate;
   std::vector<std::string> words;  ///< what moved, and what is not combined and why
-  /// Why this campaign is none that was measured since: by its places it is one of before, and which of its readings
-  /// are is not known. Empty: nothing says so.
+  /// Why this campaign is none that was measured since: places of it are those of one before to a micrometre, and which
+  /// of its readings are is not known. Empty: nothing says so.
   std::string repetition;
 };
 

@@ -51,13 +51,20 @@ class AppliedRules {
     use_.apply(rules, ifc::last_of(rules));
   }
 
+  /// A place of a sill is no bracket: nothing is set there, and a rule for it alone does no harm.
+  void let(const ifc::ElementFacts& sill) {
+    for (const std::size_t i : ifc::selecting(rules_, sill)) of_sills_.insert(i);
+  }
+
   /// Throws std::runtime_error with all of them.
   void refuse_idle(const std::string& parameter) const {
     const std::vector<std::string> texts = ifc::texts_of(rules_);
     std::string idle;
     const auto refuse = [&](const std::string& text) { idle += (idle.empty() ? "" : "\n") + text; };
+    const std::string nothing = "it selects no bracket";
     for (std::size_t i = 0; i < rules_.size(); ++i)
-      if (const std::string why = use_.not_applied(i, texts, "anchors", "it selects no bracket"); !why.empty())
+      if (const std::string why = use_.not_applied(i, texts, "anchors", nothing);
+          !why.empty() && !(why == nothing && of_sills_.contains(i)))
         refuse("'" + parameter + "': rule '" + texts[i] + "': " + why);
     if (!idle.empty()) throw std::runtime_error(idle);
   }
@@ -65,6 +72,7 @@ class AppliedRules {
  private:
   const std::vector<Rule>& rules_;
   ifc::RuleUse use_;
+  std::set<std::size_t> of_sills_;
 };
 
 class Builder {
@@ -106,7 +114,10 @@ class Builder {
       bracket.is_sill = sills_.contains(anchor->id);
       const std::optional<BracketType> type =
           bracket.is_sill ? BracketType() : bracket_type_of(rules_.brackets, facts_of(*anchor));
-      if (!bracket.is_sill) of_brackets.apply(facts_of(*anchor)), of_hooks.apply(facts_of(*anchor));
+      if (bracket.is_sill)
+        of_brackets.let(facts_of(*anchor)), of_hooks.let(facts_of(*anchor));
+      else
+        of_brackets.apply(facts_of(*anchor)), of_hooks.apply(facts_of(*anchor));
       if (!type) unknown.push_back(anchor->id + " (" + anchor->class_ + ")");
       if (type) bracket.type = *type;
       bracket_at_[anchor->id] = in_.facade.brackets.size();
@@ -200,7 +211,9 @@ class Builder {
         panel.below_unknown = said.why;
         continue;
       }
-      Support support{-1, {}, said.place, said.sigma};
+      // An older judgement does not say it.
+      const double sill_sigma = said.sill_sigma >= 0 ? said.sill_sigma : said.sigma;
+      Support support{-1, {}, said.place, said.sigma, sill_sigma};
       if (said.by == "panel") {
         const auto carrier = panel_at_.find(said.panel);
         if (carrier == panel_at_.end()) {

@@ -11,6 +11,7 @@
 #include "loop/gate/gate.hpp"
 #include "loop/gate/station_error.hpp"
 #include "loop/state/control_change.hpp"
+#include "loop/state/gone_items.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "loop/state/reading_keys.hpp"
 
@@ -52,7 +53,10 @@ RoundsEstimate PlannerNode::with_campaigns_before(FacadeInput& input, LoopStateT
   RepeatedReadings repeated;
   if (readings) {
     const std::vector<ReadingKey> keys = reading_keys(readings.unpack());
-    for (const ReadingKey& key : keys) result.readings.push_back(key.hash);
+    for (const ReadingKey& key : keys) {
+      result.readings.push_back(key.hash);
+      result.readings.insert(result.readings.end(), key.rounded.begin(), key.rounded.end());
+    }
     if (before) repeated = repeated_readings(keys, before->readings);
   }
   if (before)
@@ -99,17 +103,6 @@ std::vector<std::string> doubts_of(const plumbline::Deviation& deviation) {
       doubts.push_back(ifc::in_words(one));
     }
   return doubts;
-}
-
-/// What the state has, and neither the design nor this plan.
-std::vector<std::string> gone_from(const DesignT& design, const InstallationPlanT& plan, const LoopStateT& state) {
-  std::set<std::string> there, gone;
-  for (const auto& element : design.elements) there.insert(element->guid);
-  for (const auto& bracket : plan.brackets) there.insert(bracket->guid);
-  for (const auto& panel : plan.panels) there.insert(panel->guid);
-  for (const auto& item : state.items)
-    if (!item->guid.empty() && there.count(item->guid) == 0) gone.insert(item->guid);
-  return {gone.begin(), gone.end()};
 }
 
 /// A measurement that is in doubt proves nothing.
@@ -200,7 +193,9 @@ void PlannerNode::run(Context& context) {
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
   result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
   result.control = std::move(told.control), result.readings = std::move(told.readings);
-  result.gone = gone_from(designed, result, before);
+  GoneItems gone = gone_items(designed, result, before);
+  result.gone = std::move(gone.guids);
+  if (!gone.missing.empty()) result.notes.push_back(gone.missing), context.warn(gone.missing);
   for (const std::string& line : result.consistency) context.warn(line);
   result.go_probability = *go_probability,
   result.design_file = deviation->design_file() ? deviation->design_file()->str() : "";

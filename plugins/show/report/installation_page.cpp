@@ -115,7 +115,8 @@ void write_by_hand(Markup& html, const InstallationPlanT& plan, const LoopStateT
   for (const std::string& words : plan.relaxations) lines.push_back(words);
   for (const auto& item : state.items)
     if (const std::string why = why_down(*item); !why.empty())
-      lines.push_back("take down " + item->id + ": " + why);
+      lines.push_back(
+          (item->gone ? "look whether " + item->id + " is to be taken down: " : "take down " + item->id + ": ") + why);
     else if (item->status == ItemStatus::rejected || nobody_saw(*item))
       lines.push_back(item->id + ": " + item->why);
   if (lines.empty()) return;

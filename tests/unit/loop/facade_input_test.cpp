@@ -232,7 +232,7 @@ TEST(FacadeInput, WhatHoldsABottomEdgeIsThatOfTheJudgement) {
     for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 0.0003 * 0.0003 : 0.0);
   const auto support = [](const std::string& by) {
     auto below = std::make_unique<PanelSupportT>();
-    below->by = by, below->place = Eigen::Vector3d(1, 0, 2.01), below->sigma = 0.0004;
+    below->by = by, below->place = Eigen::Vector3d(1, 0, 2.01), below->sigma = 0.0004, below->sill_sigma = 0.0003;
     return below;
   };
   auto& panels = input.deviation.panels;
@@ -241,7 +241,8 @@ TEST(FacadeInput, WhatHoldsABottomEdgeIsThatOfTheJudgement) {
   panels[0]->below->weights = {0.5, 0.5}, panels[0]->below->place.z() = 0;
   panels[2]->below = support("panel"), panels[2]->below->panel = panels[2]->below->name = "South";
   FacadeRules rules;
-  rules.brackets = {parse_bracket_rule("name~[2-3]$|^East|^Above: out=20mm")};  // none for the sill
+  rules.brackets = {parse_bracket_rule("name~[2-3]$|^East|^Above: out=20mm"),
+                    parse_bracket_rule("name~^South[01]$: fixed")};  // of the sill alone: it does no harm
   FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
   const std::vector<Panel>& planned = made.facade.panels;
   ASSERT_TRUE(planned[0].below && planned[2].below);
@@ -251,6 +252,7 @@ TEST(FacadeInput, WhatHoldsABottomEdgeIsThatOfTheJudgement) {
   EXPECT_FALSE(made.facade.brackets[2].is_sill);
   EXPECT_EQ(planned[2].below->panel, 0);
   EXPECT_EQ(planned[2].below->sigma, 0.0004);
+  EXPECT_EQ(planned[2].below->sill_sigma, 0.0003);
   EXPECT_EQ(planned[2].depends_on, std::vector<std::string>{"South"});
   EXPECT_FALSE(planned[1].below);
   const Fit fit = plan_settings(made.facade);

@@ -90,5 +90,46 @@ TEST(ReadingKeys, CoordinatesOfASetUpAreReadingsToo) {
   EXPECT_EQ(repeated_readings(reading_keys(tuesday), hashes(monday)).count, 4u);
 }
 
+/// `n` coordinates in the frame of a set-up, as a file with `digits` decimals has them, and off by `sigma`.
+SurveyObservationsT coordinates(int n, int digits, double sigma = 0, std::uint64_t seed = 1) {
+  SurveyObservationsT out = campaign(0, 1);
+  Random places(3, "places"), errors(seed, "errors");
+  for (int i = 0; i < n; ++i) {
+    auto place = std::make_unique<SurveyLocalCoordinateT>();
+    place->set_up = 0, place->point = "a" + std::to_string(i);
+    const Eigen::Vector3d exact = places.normal3(10), off = errors.normal3(1);
+    const double step = std::pow(10, -digits);
+    // Of five decimals, which leaves ties.
+    const Eigen::Vector3d first = 1e-5 * (1e5 * exact).array().round();
+    place->position = step * ((first + sigma * off) / step).array().round();
+    out.local_coordinates.push_back(std::move(place));
+  }
+  return out;
+}
+
+std::vector<std::string> all_hashes(const SurveyObservationsT& of) {
+  std::vector<std::string> out;
+  for (const ReadingKey& key : reading_keys(of)) {
+    out.push_back(key.hash);
+    out.insert(out.end(), key.rounded.begin(), key.rounded.end());
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
+TEST(ReadingKeys, ACampaignThatIsExportedAgainWithFewerDigitsIsFoundAndOneThatIsMeasuredIsNot) {
+  for (const int before : {5, 6})
+    for (const int digits : {3, 4}) {
+      const std::vector<std::string> known = all_hashes(coordinates(20, before));
+      const RepeatedReadings repeated = repeated_readings(reading_keys(coordinates(20, digits)), known);
+      EXPECT_EQ(repeated.count, 20u) << before << " " << digits;
+      EXPECT_EQ(words_of(repeated).find("20 of 20 readings are those of a campaign before, with fewer digits"), 0u)
+          << words_of(repeated);
+      for (std::uint64_t seed = 1; seed < 20; ++seed)
+        EXPECT_EQ(repeated_readings(reading_keys(coordinates(20, digits, 0.0003, seed)), known).count, 0u) << digits;
+      EXPECT_EQ(repeated_readings(reading_keys(coordinates(9, digits)), known).count, 0u) << "may be chance";
+    }
+}
+
 }  // namespace reading_keys_test
 }  // namespace plumbline::loop

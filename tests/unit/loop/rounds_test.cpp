@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "loop/state/control_change.hpp"
+#include "loop/state/gone_items.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "random_facade.hpp"
@@ -632,11 +633,13 @@ TEST(Rounds, APlaceWithoutSigmaThatIsOutsideTheLimitsGoesToAPerson) {
     next_plan(state, plan);
     return state;
   };
-  LoopStateT near = judged(0.004), far = judged(0.040);
+  // A tape or the tool of a robot that nobody calibrated.
+  LoopStateT near = judged(0.004), coarse = judged(0.012), far = judged(0.040);
   EXPECT_EQ(item(near, "p0").status, ItemStatus::verified) << item(near, "p0").why;
+  EXPECT_EQ(item(coarse, "p0").status, ItemStatus::verified) << item(coarse, "p0").why;
   EXPECT_EQ(item(far, "p0").status, ItemStatus::rejected);
   EXPECT_EQ(item(far, "p0").why.find("was reported 40.0 mm from where its brackets say that it hangs, more than its "
-                                     "limits of 5.0 mm: look"),
+                                     "limits of 5.0 mm and the 20.0 mm that a place without sigma may be off by: look"),
             0u)
       << item(far, "p0").why;
   EXPECT_TRUE(accept_item(far, "p0"));
@@ -667,10 +670,39 @@ TEST(Rounds, WhatLeftTheDesignIsNoWorkAndIsTakenDown) {
   EXPECT_EQ(item(released, "p0").status, ItemStatus::planned);
   EXPECT_EQ(next_words(released).find("0 of 1 panels hang"), 0u) << next_words(released);
   EXPECT_EQ(next_words(state).find("0 of 1 panels hang"), 0u) << next_words(state);
-  EXPECT_NE(next_words(state).find("floor 1: take down p0: the design does not have it any more"), std::string::npos)
+  EXPECT_NE(
+      next_words(state).find("floor 1: look whether p0 is to be taken down: the design does not have it any more; "
+                             "when it is down, run with reported.with.removed=['p0@1']"),
+      std::string::npos)
       << next_words(state);
   EXPECT_EQ(remove_look(state, "p0@1"), "");
-  EXPECT_EQ(next_words(state).find("take down"), std::string::npos);
+  EXPECT_EQ(next_words(state).find("taken down"), std::string::npos);
+}
+
+/// The IFC of one floor alone ordered to take down all that hangs on the others.
+TEST(Rounds, ADesignOfOneFloorIsNoRevisionWithoutTheOthers) {
+  LoopStateT state;
+  for (int i = 0; i < 6; ++i) {
+    state.items.push_back(std::make_unique<LoopItemT>());
+    LoopItemT& one = *state.items.back();
+    one.id = "p" + std::to_string(i), one.guid = "guid-" + one.id, one.kind = "panel", one.floor = 1 + i / 3;
+  }
+  const auto gone = [&](const std::vector<int>& there) {
+    DesignT design;
+    for (const int i : there) {
+      design.elements.push_back(std::make_unique<DesignElementT>());
+      design.elements.back()->guid = "guid-p" + std::to_string(i);
+    }
+    return gone_items(design, {}, state);
+  };
+  const GoneItems floor = gone({3, 4, 5}), facade = gone({0, 3}), revised = gone({0, 1, 3, 4, 5});
+  EXPECT_TRUE(floor.guids.empty());
+  EXPECT_EQ(floor.missing.find("p0, p1, p2 are not in this design, nor is most of the same storey"), 0u);
+  EXPECT_TRUE(facade.guids.empty());
+  EXPECT_EQ(revised.guids, std::vector<std::string>{"guid-p2"});
+  EXPECT_EQ(revised.missing, "");
+  state.items[2]->gone = true;
+  EXPECT_EQ(gone({3, 4, 5}).guids, std::vector<std::string>{"guid-p2"}) << "it left before";
 }
 
 TEST(Rounds, WhatWasMeasuredBeforeTheWorkJudgesNothing) {

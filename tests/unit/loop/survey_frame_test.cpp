@@ -233,14 +233,15 @@ TEST(SurveyFrame, ACopiedTargetShowsNoPanel) {
 /// In whole millimetres a place that was measured is often the target's own number; once a good one was taken for a
 /// copy if it was within 0.87 mm. The report as a whole tells.
 TEST(SurveyFrame, InWholeMillimetresTheWholeReportTellsWhatWasCopied) {
-  const auto seen = [&](const std::vector<Eigen::Vector3d>& off, const SurveyLink& survey) {
+  const auto seen = [&](const std::vector<Eigen::Vector3d>& off, const SurveyLink& survey, std::size_t panels = 9) {
     LoopStateT state;
     ActualsT reports;
     reports.sources = {"a.csv"};
     for (std::size_t i = 0; i < off.size(); ++i) {
       state.items.push_back(std::make_unique<LoopItemT>());
       LoopItemT& panel = *state.items.back();
-      panel.id = "p" + std::to_string(i), panel.kind = "panel", panel.status = ItemStatus::released, panel.revision = 1;
+      panel.id = "p" + std::to_string(i), panel.kind = i < panels ? "panel" : "bracket";
+      panel.status = ItemStatus::released, panel.revision = 1;
       panel.expected = Eigen::Vector3d(1.23456789 + 2 * static_cast<double>(i), 2.3456789, 3.456789);
       const Eigen::Vector3d target = survey ? survey->apply_inverse(panel.expected) : panel.expected;
       auto report = std::make_unique<ActualT>();
@@ -263,6 +264,8 @@ TEST(SurveyFrame, InWholeMillimetresTheWholeReportTellsWhatWasCopied) {
     EXPECT_EQ(seen({beside}, survey), 1u) << "within a millimetre of the target, and no copy of it";
     EXPECT_EQ(seen({same, same, beside}, survey), 1u) << "copied, but for one";
     EXPECT_EQ(seen({same, beside, beside}, survey), 3u) << "measured, and one is just right";
+    EXPECT_EQ(seen({same, same, beside, beside}, survey, 2), 2u) << "brackets that were set say nothing of panels";
+    EXPECT_EQ(seen({same, same}, survey, 1), 1u) << "of brackets nothing is doubted";
   }
 }
 

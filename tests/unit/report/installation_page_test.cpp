@@ -118,7 +118,8 @@ TEST(InstallationPage, WhatIsToBeTakenDownStandsOnTheFirstScreen) {
   EXPECT_NE(page.find("1\u00A0item waits"), std::string::npos);
   state = with_verified_panel();
   state.items[0]->gone = true;
-  EXPECT_NE(next_of({}, state).find("take down p0: the design does not have it any more"), std::string::npos);
+  EXPECT_NE(next_of({}, state).find("look whether p0 is to be taken down: the design does not have it any more"),
+            std::string::npos);
   EXPECT_FALSE(is_green(next_of({}, state)));
 }
 
