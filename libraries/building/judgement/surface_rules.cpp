@@ -10,9 +10,9 @@ namespace plumbline::judgement {
 namespace {
 
 constexpr const char* kSurfaceExample = "class=IfcPlate: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm";
-constexpr SurfaceQuantity kQuantities[] = {
-    SurfaceQuantity::flatness, SurfaceQuantity::bow,       SurfaceQuantity::twist, SurfaceQuantity::step,
-    SurfaceQuantity::joint,    SurfaceQuantity::narrowest, SurfaceQuantity::widest};
+constexpr SurfaceQuantity kQuantities[] = {SurfaceQuantity::flatness,  SurfaceQuantity::bow,   SurfaceQuantity::twist,
+                                           SurfaceQuantity::offset,    SurfaceQuantity::step,  SurfaceQuantity::joint,
+                                           SurfaceQuantity::narrowest, SurfaceQuantity::widest};
 
 [[noreturn]] void refuse(const std::string& rule, const std::string& part, const std::string& why) {
   throw std::runtime_error("surface rule '" + rule + "': found '" + part + "', " + why + "; expected such as '" +
@@ -22,7 +22,7 @@ constexpr SurfaceQuantity kQuantities[] = {
 SurfaceQuantity quantity_of(std::string_view name, const std::string& rule, const std::string& part) {
   for (const SurfaceQuantity quantity : kQuantities)
     if (name == name_of(quantity)) return quantity;
-  refuse(rule, part, "which is none of flatness(length), bow, twist, step, joint, narrowest, widest");
+  refuse(rule, part, "which is none of flatness(length), bow, twist, offset, step, joint, narrowest, widest");
 }
 
 /// "+4/-3mm": above and below, in one unit.
@@ -63,6 +63,8 @@ const char* name_of(SurfaceQuantity quantity) {
       return "bow";
     case SurfaceQuantity::twist:
       return "twist";
+    case SurfaceQuantity::offset:
+      return "offset";
     case SurfaceQuantity::step:
       return "step";
     case SurfaceQuantity::joint:
@@ -77,7 +79,7 @@ const char* name_of(SurfaceQuantity quantity) {
 
 bool is_of_joints(SurfaceQuantity quantity) {
   return quantity != SurfaceQuantity::flatness && quantity != SurfaceQuantity::bow &&
-         quantity != SurfaceQuantity::twist;
+         quantity != SurfaceQuantity::twist && quantity != SurfaceQuantity::offset;
 }
 
 SurfaceRule parse_surface_rule(const std::string& text) {
@@ -97,16 +99,17 @@ SurfaceRule parse_surface_rule(const std::string& text) {
     double above = metres, below = metres;
     const size_t equals = std::min(part.find('='), part.size() - 1);
     const bool sides = two_sides(text::trim(std::string_view(part).substr(equals + 1)), above, below);
-    if (sides && limit.quantity != SurfaceQuantity::joint) refuse(text, part, "two sides are for joint only");
+    if (sides && limit.quantity != SurfaceQuantity::joint && limit.quantity != SurfaceQuantity::offset)
+      refuse(text, part, "two sides are for joint and offset only");
     if (!(above >= 0 && above <= 1 && below >= 0 && below <= 1))
       refuse(text, part, "a limit is a length from 0 to 1 m with its unit, mm or m");
     if (limit.quantity == SurfaceQuantity::narrowest)
       limit.lower = below;
     else
       limit.upper = above;
-    const bool about_zero = limit.quantity == SurfaceQuantity::bow || limit.quantity == SurfaceQuantity::twist ||
-                            limit.quantity == SurfaceQuantity::step || limit.quantity == SurfaceQuantity::joint;
-    if (about_zero) limit.lower = -below;
+    const bool one_sided = limit.quantity == SurfaceQuantity::flatness ||
+                           limit.quantity == SurfaceQuantity::narrowest || limit.quantity == SurfaceQuantity::widest;
+    if (!one_sided) limit.lower = -below;
     for (size_t i = 0; i < rule.limits.size(); ++i)
       refuse_contradictions(text, limit, part, rule.limits[i], lengths[i].text);
     rule.limits.push_back(limit);

@@ -231,6 +231,8 @@ class Judge {
     if (!verdict->not_judged.empty()) return verdict;
     if (asked.limit.quantity == SurfaceQuantity::flatness)
       flatness(panel, asked.limit, *verdict);
+    else if (asked.limit.quantity == SurfaceQuantity::offset)
+      stands_out(panel, asked.limit, *verdict);
     else
       bend(panel, asked.limit, *verdict);
     if (verdict->verdict == ToleranceVerdict::pass && panel.coverage < kSeenEnough) {
@@ -317,41 +319,116 @@ class Judge {
     decide(verdict, verdict.probability, verdict.probability, risk_);
   }
 
+  /// The four corners of the best plane at once, by its covariance with what the whole measurement's place is off by.
+  void stands_out(const PanelSurfaceFiguresT& panel, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    if (surfaces_.rank == 0) {
+      verdict.not_judged =
+          "nobody said how well the place of the points as a whole is known: a scan needs a 'registration' or "
+          "'place_sigma', photographs the joint covariance of their orientations";
+      return;
+    }
+    const Eigen::MatrixXd covariance = unpack_symmetric(panel.covariance, 3, "panel '" + panel.face->id + "'");
+    if (covariance.size() == 0)
+      throw std::runtime_error("the figures of panel '" + panel.face->id + "' lack their covariance");
+    const Eigen::Vector3d plane(panel.offset, panel.tilt.x(), panel.tilt.y());
+    std::vector<Limited> corners;
+    double least = kInf;
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5}) {
+        const Eigen::RowVector3d row(1, x * panel.face->width, y * panel.face->height);
+        corners.push_back({row, limit.upper, -limit.lower});
+        const double value = row.dot(plane), sigma = std::sqrt((row * covariance * row.transpose())(0));
+        const double probability = probability_of(value, sigma, limit);
+        // Where all are as sure, the furthest.
+        if (probability > least || (probability == least && std::abs(value) <= std::abs(verdict.value))) continue;
+        least = probability, verdict.value = value, verdict.sigma = sigma;
+      }
+    verdict.probability = conformance(plane, covariance, corners, risk_, limit.upper).probability;
+    decide(verdict, verdict.probability, verdict.probability, risk_);
+  }
+
+  /// A quantity at a place of a joint.
+  struct PlaceValue {
+    double along, value, sigma;
+    double random, common;  ///< of sigma: the place's own, and that of a single error that all places share
+    double sigma_of_tail;   ///< by which a value beyond its limit is told
+  };
+
+  std::vector<PlaceValue> values_along(const JointFiguresT& joint, SurfaceQuantity quantity) const {
+    std::vector<PlaceValue> values;
+    for (const auto& place : joint.places) {
+      PlaceValue at{place->along, place->width, place->width_sigma, place->width_sigma, 0, place->width_sigma};
+      if (quantity == SurfaceQuantity::step) {
+        at.value = place->step, at.sigma = at.random = at.sigma_of_tail = place->step_sigma;
+      } else {
+        if (quantity == SurfaceQuantity::joint) at.value -= joint.nominal_width;
+        take_parts_of_width(*place, at);
+      }
+      if (std::isfinite(at.value) && std::isfinite(at.sigma)) values.push_back(at);
+    }
+    return values;
+  }
+
+  /// Of a scan: its beam is one error of all places, and the way from the last point to an edge has an exponential's
+  /// tail, of both edges together that of a gamma distribution: for one place in 200 to 800 it lies 1.5 to 1.7 times as
+  /// far out as a normal one's.
+  void take_parts_of_width(const JointPlaceT& place, PlaceValue& at) const {
+    constexpr double tail = 1.7;
+    if (place.views > 0 || !(place.width_random > 0)) return;
+    const double common = std::sqrt(std::max(0.0, at.sigma * at.sigma - place.width_random * place.width_random));
+    at.sigma_of_tail = std::hypot(common, tail * place.width_random);
+    if (surfaces_.joint_rank == 1 && place.width_factor.size() == 1)
+      at.random = place.width_random, at.common = place.width_factor[0];
+  }
+
+  /// That all places keep the limit: misses added up (Boole), under each value of the error that they share.
+  static double kept_everywhere(const std::vector<PlaceValue>& places, const SurfaceLimit& limit) {
+    constexpr double furthest = 4, step = 0.1;  // [sigma]
+    const bool shared = std::any_of(places.begin(), places.end(), [](const PlaceValue& at) { return at.common != 0; });
+    double kept = 0, weights = 0;
+    for (double z = shared ? -furthest : 0; z <= (shared ? furthest : 0); z += step) {
+      double missed = 0;
+      for (const PlaceValue& at : places) missed += 1 - probability_of(at.value - z * at.common, at.random, limit);
+      const double weight = std::exp(-0.5 * z * z);
+      kept += weight * std::max(0.0, 1 - missed), weights += weight;
+    }
+    return kept / weights;
+  }
+
   std::unique_ptr<SurfaceVerdictT> of_joint(const JointFiguresT& joint, const Asked& asked) const {
     auto verdict = started(asked, joint);
     if (!joint.not_measured.empty()) {
       verdict->not_judged = joint.not_measured;
       return verdict;
     }
-    double missed = 0, least = kInf;
-    for (const auto& place : joint.places) {
-      const bool step = asked.limit.quantity == SurfaceQuantity::step;
-      const double nominal = asked.limit.quantity == SurfaceQuantity::joint ? joint.nominal_width : 0;
-      const double value = step ? place->step : place->width - nominal,
-                   sigma = step ? place->step_sigma : place->width_sigma;
-      if (!std::isfinite(value) || !std::isfinite(sigma)) continue;
-      const double probability = probability_of(value, sigma, asked.limit);
-      ++verdict->places;
-      missed += 1 - probability;
-      if (probability >= least) continue;
-      least = probability;
-      verdict->value = value, verdict->sigma = sigma, verdict->along = place->along;
-    }
-    if (verdict->places == 0) {
+    const std::vector<PlaceValue> places = values_along(joint, asked.limit.quantity);
+    verdict->places = static_cast<int>(places.size());
+    if (places.empty()) {
       verdict->not_judged = asked.limit.quantity == SurfaceQuantity::step ? "one of its panels was not measured"
                                                                           : "no place along it was measured";
       return verdict;
     }
-    verdict->probability = std::max(0.0, 1 - missed);
-    decide(*verdict, verdict->probability, least, risk_ / verdict->places);
-    constexpr double least_share = 0.3;
-    if (verdict->verdict == ToleranceVerdict::pass && verdict->places < least_share * joint.looked_at) {
-      verdict->verdict = ToleranceVerdict::not_measured;
-      verdict->not_judged = "it was measured at " + std::to_string(verdict->places) + " of " +
-                            std::to_string(joint.looked_at) +
-                            " places along it, where it keeps the limit; to pass it needs 30 %";
+    double least = kInf, at_worst = 1;
+    for (const PlaceValue& place : places) {
+      at_worst = std::min(at_worst, probability_of(place.value, place.sigma_of_tail, asked.limit));
+      const double probability = probability_of(place.value, place.sigma, asked.limit);
+      if (probability >= least) continue;
+      least = probability, verdict->value = place.value, verdict->sigma = place.sigma, verdict->along = place.along;
     }
+    verdict->probability = kept_everywhere(places, asked.limit);
+    decide(*verdict, verdict->probability, at_worst, risk_ / verdict->places);
+    if (verdict->verdict == ToleranceVerdict::pass) doubt(joint, *verdict);
     return verdict;
+  }
+
+  /// What passes where it was measured, and is not known where it was not.
+  static void doubt(const JointFiguresT& joint, SurfaceVerdictT& verdict) {
+    constexpr double least_share = 0.3;
+    if (verdict.places < least_share * joint.looked_at)
+      verdict.not_judged = "it was measured at " + std::to_string(verdict.places) + " of " +
+                           std::to_string(joint.looked_at) +
+                           " places along it, where it keeps the limit; to pass it needs 30 %";
+    if (!verdict.not_judged.empty()) verdict.verdict = ToleranceVerdict::not_measured;
   }
 
   void decide(SurfaceVerdictT& verdict, double kept, double at_worst, double fails_at) const {

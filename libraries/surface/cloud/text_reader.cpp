@@ -114,7 +114,7 @@ class TextPoints {
     if (words_.size() == 1 && block_starts(words_[0])) return std::nullopt;
     if (taken_ == 0 && !counted_ && !headed_ && words_.size() >= 3 && !number_of(words_[0])) return take_names(text);
     // A remark with as many words as there are columns names them; another only has x, y and z in it.
-    if (remarked_ > 0 && remarked_ != words_.size()) columns_ = {0, 1, 2}, summary_.unit = unknown_;
+    if (remarked_ > 0 && remarked_ != words_.size()) columns_ = {0, 1, 2}, headed_ = false, summary_.unit = unknown_;
     remarked_ = 0;
     Eigen::Vector3d point;
     for (size_t axis = 0; axis < 3; ++axis) {

@@ -246,8 +246,45 @@ JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& 
   station.width_by_edge = {-a.by_height, b.by_height}, station.width_by_orientation = row;
   station.width_sigma = std::sqrt(a.variance + b.variance + station.width_by_edge.squaredNorm() + common);
   station.views = std::min(a.views, b.views);
+  if (orientations.size() > 0) {
+    const Eigen::RowVectorXd of_both = 0.5 * (a.by_orientation + b.by_orientation);
+    station.shift = 0.5 * (a.u + b.u);
+    station.shift_sigma = std::sqrt(0.25 * (a.variance + b.variance + station.width_by_edge.squaredNorm()) +
+                                    (of_both * orientations.matrix * of_both.transpose())(0));
+  }
   add_step(station, line_a, line_b, joint.plane, a.u, b.u);
   return station;
+}
+
+}  // namespace
+
+namespace {
+
+/// The joint where `b` follows `a` along axis 0 (right) or 1 (up) of `a`, if it does.
+std::optional<Joint> joint_between(const PanelFace& a, const PanelFace& b, int axis, double widest, double offset) {
+  const auto half = [](const PanelFace& face, int of) { return 0.5 * (of == 0 ? face.width : face.height); };
+  const int other = 1 - axis;
+  const Eigen::Vector3d apart = a.plane.local(b.plane.origin);
+  // Of the edges that face each other: panels at an angle stand out of each other's planes elsewhere.
+  const Eigen::Vector3d edge_b = a.plane.local(b.plane.origin - half(b, axis) * b.plane.axes.col(axis));
+  const double gap = edge_b(axis) - half(a, axis);  // only where b lies at the positive side, so each once
+  if (apart(axis) < 0 || gap < -0.002 || gap > widest || std::abs(edge_b.z()) > offset) return std::nullopt;
+  const double low = std::max(-half(a, other), apart(other) - half(b, other)),
+               high = std::min(half(a, other), apart(other) + half(b, other));
+  if (high - low < 0.05) return std::nullopt;
+  Eigen::Vector3d on_a, on_b = edge_b;
+  on_a(axis) = half(a, axis), on_a(other) = on_b(other) = 0.5 * (low + high), on_a.z() = 0;
+  Joint joint;
+  joint.a = a.id, joint.b = b.id, joint.length = high - low, joint.upright = axis == 0;
+  joint.plane.origin = a.plane.world(0.5 * (on_a + on_b));
+  const Eigen::Vector3d out = (a.plane.axes.col(2) + b.plane.axes.col(2)).normalized();
+  Eigen::Vector3d right = a.plane.axes.col(axis) + b.plane.axes.col(axis);
+  right = (right - right.dot(out) * out).normalized();
+  // A joint that runs across: its right is the facade's up, so its up is the facade's left.
+  joint.plane.axes << right, out.cross(right), out;
+  const Eigen::Vector3d way = joint.plane.axes.transpose() * (a.plane.axes * (on_b - on_a));
+  joint.width = way.x(), joint.step = way.z();
+  return joint;
 }
 
 }  // namespace
@@ -256,33 +293,12 @@ std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest,
   std::vector<Joint> joints;
   for (size_t i = 0; i < faces.size(); ++i)
     for (size_t j = 0; j < faces.size(); ++j) {
-      if (i == j) continue;
-      const PanelFace &a = faces[i], &b = faces[j];
-      const Eigen::Vector3d apart = a.plane.local(b.plane.origin);
-      if (std::abs(apart.z()) > offset || a.plane.axes.col(2).dot(b.plane.axes.col(2)) < std::cos(M_PI / 18)) continue;
-      for (int across : {0, 1}) {
-        const double half_a = 0.5 * (across == 0 ? a.width : a.height),
-                     half_b = 0.5 * (across == 0 ? b.width : b.height);
-        const double along_a = 0.5 * (across == 0 ? a.height : a.width),
-                     along_b = 0.5 * (across == 0 ? b.height : b.width);
-        const double gap = apart(across) - half_a - half_b;  // only where b lies at the positive side, so each once
-        if (gap < -0.002 || gap > widest) continue;
-        const double low = std::max(-along_a, apart(1 - across) - along_b),
-                     high = std::min(along_a, apart(1 - across) + along_b);
-        if (high - low < 0.05) continue;
-        Joint joint;
-        joint.a = a.id, joint.b = b.id, joint.face_a = i, joint.face_b = j;
-        joint.width = gap, joint.length = high - low, joint.upright = across == 0;
-        Eigen::Vector3d middle;
-        middle(across) = half_a + 0.5 * gap, middle(1 - across) = 0.5 * (low + high), middle.z() = 0.5 * apart.z();
-        joint.plane.origin = a.plane.world(middle);
-        // A joint that runs across: its right is the facade's up, so its up is the facade's left.
-        if (across == 0)
-          joint.plane.axes = a.plane.axes;
-        else
-          joint.plane.axes << a.plane.axes.col(1), -a.plane.axes.col(0), a.plane.axes.col(2);
-        joints.push_back(joint);
-      }
+      if (i == j || faces[i].plane.axes.col(2).dot(faces[j].plane.axes.col(2)) < std::cos(M_PI / 18)) continue;
+      for (int axis : {0, 1})
+        if (auto joint = joint_between(faces[i], faces[j], axis, widest, offset)) {
+          joint->face_a = i, joint->face_b = j;
+          joints.push_back(*joint);
+        }
     }
   return joints;
 }
@@ -329,6 +345,15 @@ std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFa
   return corners;
 }
 
+std::vector<std::pair<size_t, size_t>> folds_between(const std::vector<PanelFace>& faces, double widest) {
+  auto pairs = corners_between(faces, widest);
+  std::erase_if(pairs, [&](const auto& pair) {
+    const double turn = faces[pair.first].plane.axes.col(2).dot(faces[pair.second].plane.axes.col(2));
+    return turn < std::sqrt(0.5) || turn > std::cos(M_PI / 18);
+  });
+  return pairs;
+}
+
 std::string words_of_corners(const std::vector<PanelFace>& faces, double widest) {
   const auto corners = corners_between(faces, widest);
   if (corners.empty()) return {};
@@ -370,7 +395,8 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
     return measured;
   }
   constexpr double bow = 0.0015;  // of an edge: grain that looked like one lies further off [m]
-  keep_straight(measured, edges, bow);
+  constexpr size_t run = 3;       // of places that are off together
+  keep_straight(measured, edges, bow, run);
   sum_up(measured, "two straight edges show");
   return measured;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -15,24 +16,29 @@
 namespace plumbline::surface {
 
 /// A joint of the design. `plane`: origin in the joint's middle; right is across the joint from panel `a` to `b`, up is
-/// along it, out as the facade.
+/// along it, out as the facade, of panels at an angle as the mean of both.
 struct Joint {
   std::string a, b;               ///< ids of the panels; `a` lies at negative right
   size_t face_a = 0, face_b = 0;  ///< numbers of their faces
   FacadePlane plane;
   double width = 0;     ///< nominal [m]
   double length = 0;    ///< [m]
+  double step = 0;      ///< of b over a in the design [m]
   bool upright = true;  ///< runs upwards on the facade; else across
 };
 
-/// Joints between faces that lie in one plane within `offset` and 10°, face each other along at least 50 mm, and are no
-/// further apart than `widest` [m]. In the order of the faces.
+/// Joints between faces whose edges lie in one plane within `offset` and that are turned by up to 10°, face each other
+/// along at least 50 mm, and are no further apart than `widest` [m]. In the order of the faces.
 std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest = 0.06, double offset = 0.05);
 
 /// Faces that come as near to each other, along at least 50 mm of an edge of each, and have no joint by joints_of():
 /// they meet at a corner, or one stands further out than `offset`.
 std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest = 0.06,
                                                        double offset = 0.05);
+
+/// Of these the ones that a facade has within it, as it bends: turned by less than 45°. A joint is there, and none is
+/// measured.
+std::vector<std::pair<size_t, size_t>> folds_between(const std::vector<PanelFace>& faces, double widest = 0.06);
 
 /// "panels A and B (and 3 more pairs) meet ...": why no joint is measured between them; empty without such pairs.
 std::string words_of_corners(const std::vector<PanelFace>& faces, double widest);
@@ -55,7 +61,10 @@ struct JointStation {
   Eigen::Vector2d width_by_edge = Eigen::Vector2d::Zero();
   Eigen::RowVectorXd width_by_orientation;  ///< in the order of OrientationCovariance
   double step = 0, step_sigma = 0;          ///< b over a, out of the facade [m]; nan if a panel was not measured
-  int views = 0;                            ///< photographs that show both edges, or the fewer of the two
+  /// The joint's middle from where the design has it, from a towards b: neighbours that moved together have joints as
+  /// wide as designed. nan: nobody says how well the place of the points is known [m].
+  double shift = std::numeric_limits<double>::quiet_NaN(), shift_sigma = shift;
+  int views = 0;  ///< photographs that show both edges, or the fewer of the two
 };
 
 struct MeasuredJoint {
@@ -63,7 +72,10 @@ struct MeasuredJoint {
   std::string not_measured;  ///< why it has no station
   std::vector<JointStation> stations;
   int stations_looked_at = 0;
-  size_t narrowest = 0, widest = 0, largest_step = 0;  ///< stations, if there are any
+  /// Of a scan: places where both panels have points closely and no gap is to be seen between them, two or more in a
+  /// row: filled flush there, or closed.
+  int closed = 0;
+  size_t narrowest = 0, widest = 0, largest_step = 0, largest_shift = 0;  ///< stations, if there are any
 };
 
 /// `surfaces`: of the faces, in their order. Orientations: what is common to all stations.

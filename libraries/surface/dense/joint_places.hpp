@@ -24,14 +24,18 @@ std::array<EdgeLine, 2> edge_lines(const Joint& joint, const std::vector<PanelFa
 /// Height of the panel's surface over the joint's plane at a place of that plane, and what it is a product of; the
 /// design's height where the panel has no figures.
 struct EdgeHeight {
-  double height = 0;    ///< [m]
-  double variance = 0;  ///< of its random part: what the orientations do to it they do to the neighbour's too [m²]
+  double height = 0;  ///< [m]
+  double design = 0;  ///< of the design's face there [m]
+  /// Of its random part, with what the surface lacks at that edge: what the orientations do to it they do to the
+  /// neighbour's too [m²].
+  double variance = 0;
   Vector6 base = Vector6::Zero();
   bool measured = false;
 };
 EdgeHeight height_at(const EdgeLine& line, const FacadePlane& plane, double u, double v);
 
-/// Step of b over a at the edges' places, with both parts of the covariance; nan if a panel was not measured.
+/// Step of b over a at the edges' places, beyond what the design has there, with both parts of the covariance; nan if a
+/// panel was not measured.
 void add_step(JointStation& station, const EdgeLine& line_a, const EdgeLine& line_b, const FacadePlane& plane, double a,
               double b);
 
@@ -41,12 +45,13 @@ struct EdgePair {
 };
 
 /// Leaves out stations whose edges are not on the lines of the others, within `bow` [m]: what looked like an edge.
-/// What merely shifts an edge, grain of a panel in all photographs alike, no fit shows; what it does is seen in how the
-/// stations scatter about the line, and the random part is widened to that. `edges`: of the stations, in their order.
-void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow);
+/// Where `run` neighbours or more are off to the same side, the panel's edge is there, and they stay. What merely
+/// shifts an edge, grain of a panel in all photographs alike, no fit shows; what it does is seen in how the stations
+/// scatter about the line, and the random part is widened to that. `edges`: of the stations, in their order.
+void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow, size_t run);
 
-/// Which station is narrowest, widest, has the largest step; no figures at all if fewer than half of the stations that
-/// were looked at have any. `what`: of how many of them the reason speaks, "two straight edges show".
+/// Which station is narrowest, widest, has the largest step or shift; no figures at all if fewer than half of the
+/// stations that were looked at have any. `what`: of how many of them the reason speaks, "two straight edges show".
 void sum_up(MeasuredJoint& measured, const std::string& what);
 
 }  // namespace plumbline::surface

@@ -285,6 +285,114 @@ std::string too_little(const PanelSurface& panel, const PanelOptions& options) {
                     1e3 * panel.spacing, 1e3 * options.cell, 1e3 * panel.covering_cell);
 }
 
+/// What the points of one cell say beside the fitted surface.
+struct CellMisfit {
+  std::vector<double> residuals;
+  double weight = 0;
+  double variance() const { return M_PI / 2 / weight; }  ///< of the median of normal residuals
+};
+
+/// Of the cells along one edge: the median of each and of the one behind it, carried on to the edge by a straight line.
+class AtTheEdge {
+ public:
+  AtTheEdge(double border, double size) : further_(border / size + 0.5) {}
+  void add(const CellMisfit& outer, const CellMisfit& inner) {
+    if (outer.residuals.empty() || inner.residuals.empty()) return;
+    const double off = (1 + further_) * upper_median(outer.residuals) - further_ * upper_median(inner.residuals);
+    squares_ += off * off, ++count_;
+    noise_ += std::pow(1 + further_, 2) * outer.variance() + std::pow(further_, 2) * inner.variance();
+  }
+  /// Rms beyond what noise makes; none where it may be noise (two standard deviations of a mean of squares).
+  double rms() const {
+    constexpr double least = 4, sure = 2;
+    if (count_ < least) return 0;
+    const double excess = (squares_ - noise_) / count_;
+    return excess > sure * std::sqrt(2 / count_) * noise_ / count_ ? std::sqrt(excess) : 0;
+  }
+
+ private:
+  double further_, squares_ = 0, noise_ = 0, count_ = 0;
+};
+
+/// Of all points, also those that the fit left out: what is bent far off lies there together.
+Eigen::Vector4d edge_misfit(const PanelFace& face, const std::vector<Sample>& samples, const Vector6& form,
+                            double widened, const PanelOptions& options) {
+  const Division division(face, options);
+  const int columns = division.columns, rows = division.rows;
+  std::vector<CellMisfit> cells(static_cast<size_t>(columns) * rows);
+  for (const Sample& sample : samples) {
+    const size_t cell = division.cell_of(sample);
+    const int c = static_cast<int>(cell) % columns, r = static_cast<int>(cell) / columns;
+    if (std::min({c, r, columns - 1 - c, rows - 1 - r}) > 1) continue;
+    cells[cell].residuals.push_back(sample.h - base_of(face, sample).dot(form));
+    cells[cell].weight += 1 / std::pow(widened * sample.sigma, 2);
+  }
+  const auto cell = [&](int c, int r) -> const CellMisfit& { return cells[static_cast<size_t>(r) * columns + c]; };
+  const double wide = division.across / columns, high = division.up / rows;
+  AtTheEdge left(options.border, wide), right = left, below(options.border, high), above = below;
+  for (int r = 0; r < rows && columns > 2; ++r)
+    left.add(cell(0, r), cell(1, r)), right.add(cell(columns - 1, r), cell(columns - 2, r));
+  for (int c = 0; c < columns && rows > 2; ++c)
+    below.add(cell(c, 0), cell(c, 1)), above.add(cell(c, rows - 1), cell(c, rows - 2));
+  return {left.rms(), right.rms(), below.rms(), above.rms()};
+}
+
+/// By how much neighbouring points are off together more than each by itself says: waves of the panel, or errors of the
+/// scanner or of the photographs that reach further than a point. Mean squares of residuals' means over parts of one,
+/// two and four cells, over what noise makes; the largest that is no accident, at least 1.
+double together(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<double>& weight,
+                const Vector6& form, double noise, const PanelOptions& options) {
+  constexpr double unknowns = 6, least_freedom = 6, sure = 2.5;
+  double factor = 1;
+  for (const int size : {1, 2, 4}) {
+    PanelOptions coarse = options;
+    coarse.cell = size * options.cell;
+    const Division division(face, coarse);
+    std::vector<double> weights(static_cast<size_t>(division.columns) * division.rows), sums(weights.size());
+    for (size_t i = 0; i < samples.size(); ++i) {
+      if (!(weight[i] > 0)) continue;
+      const double p = 1 / (noise * samples[i].sigma * samples[i].sigma);
+      const size_t part = division.cell_of(samples[i]);
+      weights[part] += p, sums[part] += p * (samples[i].h - base_of(face, samples[i]).dot(form));
+    }
+    double squares = 0, count = 0;
+    for (size_t part = 0; part < weights.size(); ++part)
+      if (weights[part] > 0) squares += sums[part] * sums[part] / weights[part], ++count;
+    const double freedom = count - unknowns;
+    if (freedom < least_freedom) continue;
+    const double found = squares / freedom;
+    if (found > 1 + sure * std::sqrt(2 / freedom)) factor = std::max(factor, found);
+  }
+  return factor;
+}
+
+/// What the points of a cell scatter by beyond their noise, as the height of a wave from valley to crest: the cells'
+/// means show nothing of it. Of the cell with most; 0 if none scatters more than noise does.
+double hidden_in_cells(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<char>& counts,
+                       const Vector6& form, const PanelOptions& options) {
+  constexpr double least = 16, sure = 6;  // points in a cell; standard deviations of their mean square
+  struct Cell {
+    double count = 0, sum = 0, squares = 0, noise = 0;
+  };
+  const Division division(face, options);
+  std::vector<Cell> cells(static_cast<size_t>(division.columns) * division.rows);
+  for (size_t i = 0; i < samples.size(); ++i) {
+    if (!counts[i]) continue;
+    Cell& cell = cells[division.cell_of(samples[i])];
+    const double off = samples[i].h - base_of(face, samples[i]).dot(form);
+    ++cell.count, cell.sum += off, cell.squares += off * off, cell.noise += samples[i].sigma * samples[i].sigma;
+  }
+  double hidden = 0;
+  for (const Cell& cell : cells) {
+    if (cell.count < least) continue;
+    const double noise = cell.noise / cell.count,
+                 found = (cell.squares - cell.sum * cell.sum / cell.count) / (cell.count - 1);
+    if (found > noise * (1 + sure * std::sqrt(2 / cell.count)))
+      hidden = std::max(hidden, 2 * std::sqrt(2 * (found - noise)));
+  }
+  return hidden;
+}
+
 }  // namespace
 
 Vector6 PanelSurface::base(double u, double v) const { return base_at(u / half_width, v / half_height); }
@@ -344,9 +452,13 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   const Matrix6 inverse = normal.ldlt().solve(Matrix6::Identity());
   const Eigen::MatrixXd common = systematic(face, samples, tiles, weight, inverse);
   panel.form = form;
-  panel.form_random = panel.repeated * widened * widened * inverse;
+  const double noise = panel.repeated * widened * widened;
+  panel.form_random = noise * together(face, samples, weight, form, noise, options) * inverse;
   panel.form_factor = common;
   panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
+  // By the points' own noise, as far as it is known: what they scatter by more may be the misfit itself.
+  panel.edge_misfit = edge_misfit(face, samples, form, std::sqrt(panel.repeated), options);
+  panel.hidden = hidden_in_cells(face, samples, counts, form, options);
   // The best plane of that form over the whole panel: (1 − x²) has the mean 2/3 and no slope.
   Eigen::Matrix<double, 3, 6> plane = Eigen::Matrix<double, 3, 6>::Zero();
   plane(0, 0) = 1, plane(0, 3) = plane(0, 4) = 2.0 / 3;

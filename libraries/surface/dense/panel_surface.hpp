@@ -77,7 +77,13 @@ struct PanelSurface {
   Vector6 form = Vector6::Zero();
   Eigen::Matrix<double, 6, 6> form_random = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, Eigen::Dynamic> form_factor;  ///< of the systematic part, by the cloud's z
-  double half_width = 0, half_height = 0;                ///< of the panel: x = u / half_width, y = v / half_height
+  /// Waves, grooves or dents smaller than the cells that flatness takes the means of, valley to crest: what points
+  /// scatter by within one beyond their noise, if that is known rightly [m].
+  double hidden = 0;
+  double half_width = 0, half_height = 0;  ///< of the panel: x = u / half_width, y = v / half_height
+  /// How far the surface as it is lies off that form at the left, right, lower and upper edge, rms beyond what noise
+  /// makes: bent edges, waves. A height at an edge is no surer than that [m].
+  Eigen::Vector4d edge_misfit = Eigen::Vector4d::Zero();
   std::vector<Gap> flatness;
   Eigen::Matrix3d plane_covariance() const { return plane_random + plane_systematic; }
   Eigen::Matrix<double, 6, 6> form_covariance() const { return form_random + form_factor * form_factor.transpose(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "plumbline/stop.hpp"
@@ -23,7 +24,7 @@ struct Profile {
 };
 
 /// What a place along the joint says.
-enum class Saw { joint, too_few_points, one_column, no_gap, shallow };
+enum class Saw { joint, too_few_points, one_column, no_gap, shallow, closed };
 
 class ScanStations {
  public:
@@ -56,9 +57,10 @@ class ScanStations {
       density = std::min(density, static_cast<double>(strip.size() - 1) / (strip.back() - strip.front()));
     }
     const auto gap = widest_gap(profile.on, density);
-    if (!gap) return Saw::no_gap;
-    const double width = gap->second - gap->first;
-    if (width < kTellApart * std::max(cut[0].largest, cut[1].largest)) return Saw::no_gap;
+    const double width = gap ? gap->second - gap->first : 0,
+                 least = kTellApart * std::max(cut[0].largest, cut[1].largest);
+    // A joint as designed would have shown.
+    if (width < least) return least < 0.5 * joint_.width ? Saw::closed : Saw::no_gap;
     if (profile.near > profile.elsewhere) return Saw::shallow;
     found.u[0] = gap->first + cut[0].mean, found.u[1] = gap->second - cut[1].mean;
     for (int side : {0, 1}) found.variance[side] = cut[side].variance;
@@ -71,13 +73,15 @@ class ScanStations {
     if (!(std::abs(local.x()) <= reach) || !(std::abs(local.y()) <= 0.5 * joint_.length)) return;
     const int station = std::min(count_ - 1, static_cast<int>((local.y() / joint_.length + 0.5) * count_));
     Profile& profile = profiles_[station];
-    const double limit = options_.off * static_cast<double>(noise);
-    double nearest = 1e300;
+    double nearest = 1e300, limit = 0;
     for (int side : {0, 1}) {
       // In the joint's own width nobody knows yet whose a point is.
       if (side == 0 ? local.x() > options_.search : local.x() < -options_.search) continue;
-      const double height = height_at(lines_[side], joint_.plane, local.x(), local.y()).height;
-      nearest = std::min(nearest, std::abs(local.z() - height));
+      // Edges that are bent off the fitted surface are the panel's too.
+      const EdgeHeight at = height_at(lines_[side], joint_.plane, local.x(), local.y());
+      const double off = std::abs(local.z() - at.height);
+      if (off < nearest)
+        nearest = off, limit = options_.off * std::hypot(static_cast<double>(noise), std::sqrt(at.variance));
     }
     if (nearest <= limit) return profile.on.push_back(local.x());
     if (std::abs(local.x()) < 0.25 * joint_.width) ++(nearest < 1.5 * limit ? profile.near : profile.elsewhere);
@@ -116,15 +120,37 @@ class ScanStations {
   std::vector<Profile> profiles_;
 };
 
+/// What the scan's place is off by across the joint at a place of it, as its nearest tile has it; nan where nobody says
+/// how well that place is known.
+double place_sigma(const Joint& joint, double along, const std::vector<MeasuredTile>& tiles) {
+  const Eigen::Vector3d at = joint.plane.world({0, along, 0}), across = joint.plane.axes.col(0);
+  const MeasuredTile* nearest = nullptr;
+  for (const MeasuredTile& tile : tiles)
+    if (!nearest || (tile.centre - at).squaredNorm() < (nearest->centre - at).squaredNorm()) nearest = &tile;
+  if (!nearest || nearest->factor.cols() == 0) return std::numeric_limits<double>::quiet_NaN();
+  Eigen::Matrix<double, 1, 6> row;  // of the tile's (t, ω): across · (ω × arm) = ω · (arm × across)
+  row << across.transpose(), (at - nearest->centre).cross(across).transpose();
+  return (row * nearest->factor).norm();
+}
+
+/// Places without a gap that have a neighbour without one.
+int closed_together(const std::vector<Saw>& seen) {
+  int count = 0;
+  for (size_t s = 0; s < seen.size(); ++s)
+    count += seen[s] == Saw::closed &&
+             ((s > 0 && seen[s - 1] == Saw::closed) || (s + 1 < seen.size() && seen[s + 1] == Saw::closed));
+  return count;
+}
+
 /// Of the places without a joint, most of which say the same.
-std::string reason_of(const int* seen) {
-  const int few = seen[static_cast<int>(Saw::too_few_points)], shallow = seen[static_cast<int>(Saw::shallow)];
-  const int one = seen[static_cast<int>(Saw::one_column)];
-  if (one > 0 && one >= few && one >= seen[static_cast<int>(Saw::no_gap)] + shallow)
+std::string reason_of(const std::vector<Saw>& seen) {
+  const auto of = [&](Saw saw) { return std::count(seen.begin(), seen.end(), saw); };
+  const auto few = of(Saw::too_few_points), shallow = of(Saw::shallow), one = of(Saw::one_column);
+  const auto no_gap = of(Saw::no_gap) + of(Saw::closed);
+  if (one > 0 && one >= few && one >= no_gap + shallow)
     return "its points stand in columns along it that are too far apart to tell where a panel ends";
-  if (few > seen[static_cast<int>(Saw::no_gap)] + shallow)
-    return "fewer than " + std::to_string(kLeastPoints) + " points of a panel lie beside it";
-  if (shallow > seen[static_cast<int>(Saw::no_gap)])
+  if (few > no_gap + shallow) return "fewer than " + std::to_string(kLeastPoints) + " points of a panel lie beside it";
+  if (shallow > no_gap)
     return "what lies in it is so little behind the panels that their points' noise hides where they end";
   return "no gap between the panels is wider than those between their own points: it is filled flush, or too narrow "
          "for "
@@ -159,18 +185,20 @@ MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace
     }
   const ScanStations stations(joint, lines, tiles, options);
   std::vector<EdgePair> edges;
-  int seen[5] = {0, 0, 0, 0, 0};
+  std::vector<Saw> seen;
   for (int s = 0; s < stations.count(); ++s) {
     stop_point();
     ++measured.stations_looked_at;
     EdgePair found;
-    const Saw saw = stations.edges(s, found);
-    ++seen[static_cast<int>(saw)];
-    if (saw != Saw::joint) continue;
+    seen.push_back(stations.edges(s, found));
+    if (seen.back() != Saw::joint) continue;
     JointStation station;
     station.along = stations.along(s), station.width = found.u[1] - found.u[0];
     station.width_random = std::sqrt(found.variance[0] + found.variance[1]);
     station.width_sigma = std::hypot(station.width_random, options.beam / std::sqrt(3.0));
+    // The beam makes both panels wider or narrower alike, and leaves the middle between them.
+    station.shift_sigma = std::hypot(0.5 * station.width_random, place_sigma(joint, station.along, tiles));
+    if (std::isfinite(station.shift_sigma)) station.shift = 0.5 * (found.u[0] + found.u[1]);
     add_step(station, lines[0], lines[1], joint.plane, found.u[0], found.u[1]);
     measured.stations.push_back(station), edges.push_back(found);
   }
@@ -178,11 +206,13 @@ MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace
     measured.not_measured = reason_of(seen);
     return measured;
   }
+  measured.closed = closed_together(seen);
   double variance = 0;
   for (const EdgePair& pair : edges) variance = std::max({variance, pair.variance[0], pair.variance[1]});
-  keep_straight(measured, edges, std::max(0.0015, 4 * std::sqrt(variance)));
+  constexpr size_t run = 2;  // of places that are off together
+  keep_straight(measured, edges, std::max(0.0015, 4 * std::sqrt(variance)), run);
   sum_up(measured, "both panels end");
-  if (!measured.not_measured.empty() && stations.count() > seen[static_cast<int>(Saw::joint)])
+  if (!measured.not_measured.empty() && std::count(seen.begin(), seen.end(), Saw::joint) < stations.count())
     measured.not_measured += "; elsewhere " + reason_of(seen);
   return measured;
 }

@@ -4,67 +4,84 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace plumbline::surface {
 namespace {
 
-constexpr size_t kAsked = 200;        // faces whose neighbours are looked for
-constexpr double kAlike = 0.05;       // [m] sizes and steps that differ by less are the same
-constexpr double kRecurring = 0.2;    // share of the faces that were asked, from which on a step is one of the facade
-constexpr double kWidestJoint = 0.3;  // [m] between neighbours
+constexpr size_t kAsked = 200;      // faces whose equal ones are looked for
+constexpr size_t kNearest = 24;     // of them
+constexpr size_t kSteps = 40;       // that are tried, the most frequent
+constexpr double kAlike = 0.05;     // [m] sizes and steps that differ by less are the same
+constexpr double kRecurring = 0.2;  // share of the faces that were asked, from which on a step is one of the facade
 
 struct Step {
   Eigen::Vector3d shift;
   std::string words;
   int count = 1;
-  double border = 0;  ///< faces that have no neighbour there: the outer column or row
+  double border = 0;  ///< faces that have no equal one there: the outer columns or rows
 };
 
-/// The step to the nearest equal face that follows `from` along axis 0 (right) or 1 (up), if there is one.
-bool neighbour_of(const std::vector<PanelFace>& faces, size_t from, int axis, int sign, Eigen::Vector3d& step) {
-  const PanelFace& face = faces[from];
-  const double size = axis == 0 ? face.width : face.height;
-  double nearest = size + kWidestJoint;
-  bool found = false;
-  for (size_t f = 0; f < faces.size(); ++f) {
-    const PanelFace& other = faces[f];
-    const Eigen::Vector3d way = face.plane.local(other.plane.origin);
-    const double along = sign * way(axis);
-    if (f == from || along < 0.5 * size || along > nearest) continue;
-    if (std::abs(way(1 - axis)) > kAlike || std::abs(way.z()) > kAlike) continue;
-    if (std::abs(other.width - face.width) > kAlike || std::abs(other.height - face.height) > kAlike) continue;
-    if (other.plane.axes.col(2).dot(face.plane.axes.col(2)) < 0.98) continue;
-    nearest = along, step = other.plane.origin - face.plane.origin, found = true;
-  }
-  return found;
+bool equal(const PanelFace& a, const PanelFace& b) {
+  return std::abs(a.width - b.width) <= kAlike && std::abs(a.height - b.height) <= kAlike &&
+         a.plane.axes.col(2).dot(b.plane.axes.col(2)) >= 0.98 && std::abs(a.plane.local(b.plane.origin).z()) <= kAlike;
 }
 
-std::vector<Step> recurring_steps(const std::vector<PanelFace>& faces) {
+/// "1.02 m to the left and 2.04 m down".
+std::string in_words(const PanelFace& from, const Eigen::Vector3d& step) {
   const char* const directions[2][2] = {{"to the left", "to the right"}, {"down", "up"}};
-  const size_t stride = 1 + faces.size() / kAsked;
+  std::string text;
+  for (int axis : {0, 1}) {
+    const double way = from.plane.axes.col(axis).dot(step);
+    if (std::abs(way) > kAlike)
+      text += (text.empty() ? "" : " and ") + fmt::format("{:.2f} m {}", std::abs(way), directions[axis][way > 0]);
+  }
+  return text;
+}
+
+/// Steps to the nearest equal faces, wherever between others they stand: parapets and windows in turn repeat by
+/// storeys.
+std::vector<Step> steps_to_equal_faces(const std::vector<PanelFace>& faces, const std::vector<size_t>& asked) {
   std::vector<Step> steps;
-  std::vector<Eigen::Vector3d> ends;  // directions in which faces have no neighbour
-  int asked = 0;
-  for (size_t f = 0; f < faces.size(); f += stride, ++asked)
-    for (int axis : {0, 1})
-      for (int sign : {-1, 1}) {
-        Eigen::Vector3d step;
-        if (!neighbour_of(faces, f, axis, sign, step)) {
-          ends.push_back(sign * faces[f].plane.axes.col(axis));
-          continue;
-        }
-        const auto known = std::find_if(steps.begin(), steps.end(),
-                                        [&](const Step& one) { return (one.shift - step).norm() < kAlike; });
-        if (known != steps.end())
-          ++known->count;
-        else
-          steps.push_back({step, fmt::format("{:.2f} m {}", step.norm(), directions[axis][sign > 0])});
-      }
-  std::erase_if(steps, [&](const Step& step) { return step.count < kRecurring * asked; });
+  for (const size_t f : asked) {
+    std::vector<std::pair<double, Eigen::Vector3d>> others;
+    for (size_t g = 0; g < faces.size(); ++g) {
+      const Eigen::Vector3d step = faces[g].plane.origin - faces[f].plane.origin;
+      if (g != f && step.norm() > kAlike && equal(faces[f], faces[g])) others.emplace_back(step.norm(), step);
+    }
+    std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    if (others.size() > kNearest) others.resize(kNearest);
+    for (const auto& [length, step] : others) {
+      const auto known = std::find_if(steps.begin(), steps.end(), [&, &step = step](const Step& one) {
+        return (one.shift - step).norm() < kAlike;
+      });
+      if (known != steps.end())
+        ++known->count;
+      else
+        steps.push_back({step, in_words(faces[f], step)});
+    }
+  }
+  return steps;
+}
+
+/// The nearest first.
+std::vector<Step> recurring_steps(const std::vector<PanelFace>& faces) {
+  const size_t stride = 1 + faces.size() / kAsked;
+  std::vector<size_t> asked;
+  for (size_t f = 0; f < faces.size(); f += stride) asked.push_back(f);
+  std::vector<Step> steps = steps_to_equal_faces(faces, asked);
+  std::erase_if(steps, [&](const Step& step) { return step.count < kRecurring * static_cast<double>(asked.size()); });
+  std::stable_sort(steps.begin(), steps.end(), [](const Step& a, const Step& b) { return a.count > b.count; });
+  if (steps.size() > kSteps) steps.resize(kSteps);
   for (Step& step : steps)
-    for (const Eigen::Vector3d& end : ends)
-      step.border += end.dot(step.shift.normalized()) > 0.98 ? static_cast<double>(stride) : 0;
+    for (const size_t f : asked) {
+      const Eigen::Vector3d there = faces[f].plane.origin + step.shift;
+      const bool none = std::none_of(faces.begin(), faces.end(), [&](const PanelFace& other) {
+        return (other.plane.origin - there).squaredNorm() < kAlike * kAlike && equal(faces[f], other);
+      });
+      step.border += none ? static_cast<double>(stride) : 0;
+    }
+  std::stable_sort(steps.begin(), steps.end(),
+                   [](const Step& a, const Step& b) { return a.shift.norm() < b.shift.norm(); });
   return steps;
 }
 

@@ -1,4 +1,4 @@
-// Whether a scan could lie one panel further: on a facade of equal panels it looks the same there.
+// Whether a scan could lie some panels further: on a facade of equal panels, or storeys, it looks the same there.
 #pragma once
 
 #include <string>
@@ -21,10 +21,10 @@ struct ScanPlaces {
   std::vector<OtherPlace> better;  ///< where more do: the scan is probably there; the best first
 };
 
-/// Moves the scan by the steps from panels to equal neighbours beside, above and below them that recur on the facades,
-/// and counts panels that have points. A scan that ends where the facade does is confirmed by it; one that shows a part
-/// of the facade, or more than it, may be anywhere. `points`: some of the scan [m, frame of the faces], with those
-/// beside the faces; `tiles`: of these faces.
+/// Moves the scan by the steps from panels to the nearest equal ones that recur on the facades, to neighbours and
+/// beyond them, and counts panels that have points. A scan that ends where the facade does is confirmed by it; one that
+/// shows a part of the facade, or more than it, may be anywhere. `points`: some of the scan [m, frame of the faces],
+/// with those beside the faces; `tiles`: of these faces.
 ScanPlaces places_of_scan(const std::vector<PanelFace>& faces, const ScanTiles& tiles,
                           const std::vector<Eigen::Vector3d>& points);
 

@@ -20,14 +20,17 @@ Eigen::Vector3d own_out(const DesignElementT& element) {
 /// On which side of `face` (a unit vector across the panel) the outside is: 1 or -1; 0: nobody knows, `why` says it.
 /// Photographs of one facade look at the panels of another from behind, through the building, so they are asked only
 /// where the design does not know for sure, and believed only if none contradicts.
+/// `guessed`: nothing but an unconfirmed direction, or the one of the whole design, says so.
 int side_of(const DesignElementT& element, const DesignT& design, const Eigen::Vector3d& middle,
-            const Eigen::Vector3d& face, const std::vector<Eigen::Vector3d>& seen_from, std::string& why) {
+            const Eigen::Vector3d& face, const std::vector<Eigen::Vector3d>& seen_from, bool& guessed,
+            std::string& why) {
   const Eigen::Vector3d own = own_out(element);
   const bool known = own.allFinite() && std::abs(own.dot(face)) > 0.1;
   if (known && element.facade->confirmed) return own.dot(face) > 0 ? 1 : -1;
   const Lookers lookers = looked_at(middle, face, seen_from);
   const int nearer = lookers.before >= lookers.behind ? 1 : -1;
   if (lookers.before + lookers.behind > 0 && std::min(lookers.before, lookers.behind) == 0) return nearer;
+  guessed = lookers.before + lookers.behind == 0;
   if (known && (lookers.before + lookers.behind == 0 || nearer * own.dot(face) > 0)) return own.dot(face) > 0 ? 1 : -1;
   if (lookers.before + lookers.behind > 0) {
     why = std::to_string(std::max(lookers.before, lookers.behind)) + " places look at it from one side, " +
@@ -124,7 +127,8 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     const int through = across_panel(*element, turn, size);
     const Eigen::Vector3d middle = element->placement * Eigen::Vector3d(0.5 * (element->box_low + element->box_high));
     std::string why;
-    const int side = side_of(*element, design, middle, turn.col(through), seen_from, why);
+    bool guessed = false;
+    const int side = side_of(*element, design, middle, turn.col(through), seen_from, guessed, why);
     if (side == 0) {
       result.left_out.push_back(left_out(name, element->guid, why));
       continue;
@@ -133,6 +137,7 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
       result.left_out.push_back(left_out(name, element->guid, no_plane(sag)));
       continue;
     }
+    if (guessed) result.guessed.push_back(name);
     const Eigen::Vector3d out = side * turn.col(through);
     PanelFace face;
     face.id = name;
@@ -157,7 +162,7 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
 
 void leave_out_seen_from_behind(Faces& faces, const std::vector<Eigen::Vector3d>& seen_from) {
   Faces kept;
-  kept.left_out = std::move(faces.left_out);
+  kept.left_out = std::move(faces.left_out), kept.guessed = std::move(faces.guessed);
   for (size_t f = 0; f < faces.faces.size(); ++f) {
     const Lookers lookers = looked_at(faces.faces[f].plane.origin, faces.faces[f].plane.axes.col(2), seen_from);
     if (lookers.before == 0 && lookers.behind > 0) {
@@ -207,7 +212,7 @@ Faces face_through(const PointsT& points, const std::vector<Eigen::Vector3d>& se
   const Eigen::Vector2d middle = 0.5 * (low + high);
   face.plane.origin = face.plane.world({middle.x(), middle.y(), 0});
   face.width = high.x() - low.x() + 2 * margin, face.height = high.y() - low.y() + 2 * margin;
-  return {{face}, {""}, {}};
+  return {{face}, {""}, {}, {}};
 }
 
 }  // namespace plumbline::surface

@@ -17,6 +17,7 @@ struct Faces {
   std::vector<PanelFace> faces;
   std::vector<std::string> guids;         ///< of the elements, one a face
   std::vector<SurfaceLeftOutT> left_out;  ///< panels without a face
+  std::vector<std::string> guessed;       ///< panels whose outer side nobody confirms
 };
 
 /// "P1: nothing looks at it ..."
@@ -42,8 +43,8 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 /// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block
 /// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
 /// design's one facade; else it is left out, because nobody knows which side is outside. So is one whose outer side the
-/// design itself makes no plane (a curved or folded panel), with by how much, and of wholes of other panels nothing is
-/// said.
+/// design itself makes no plane (a curved or folded panel), with by how much, and of wholes of other
+/// panels nothing is said.
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
 /// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.

@@ -115,12 +115,25 @@ void check_place(const std::vector<PanelFace>& faces, const ScanTiles& tiles, co
                            "further with 'search'");
 }
 
-/// Box about the faces with as much beside them as the largest is wide or high: where a scan would be that lies one
-/// panel beside its own.
+/// Of panels whose outer side is only supposed; empty: of none.
+std::string words_of_guessed(const std::vector<std::string>& panels) {
+  constexpr size_t most = 5;
+  if (panels.empty()) return "";
+  std::string names;
+  for (size_t i = 0; i < std::min(most, panels.size()); ++i) names += (i ? ", " : "") + panels[i];
+  if (panels.size() > most) names += fmt::format(" and {} more", panels.size() - most);
+  return "Which side is outside is supposed, and confirmed by nothing, of " + names +
+         ": offsets, bows, twists and steps have the other sign if it is the other one, and what is hollow bulges, "
+         "which "
+         "is flat under a straightedge; 'seen_from', the scanner's stations, or a rule for the facade settles it.";
+}
+
+/// Box about the faces with as much beside them as three of the largest are wide or high: where a scan would be that
+/// lies some panels beside its own.
 Eigen::AlignedBox3d around(const std::vector<PanelFace>& faces, double search) {
   Eigen::AlignedBox3d box;
   for (const PanelFace& face : faces) {
-    const double reach = 1.5 * std::max(face.width, face.height) + search;
+    const double reach = 3.5 * std::max(face.width, face.height) + search;
     box.extend(Eigen::Vector3d(face.plane.origin - Eigen::Vector3d::Constant(reach)));
     box.extend(Eigen::Vector3d(face.plane.origin + Eigen::Vector3d::Constant(reach)));
   }
@@ -320,6 +333,7 @@ void ImportCloud::run(Context& context) {
   if (!which.unconfirmed.empty()) context.warn(which.unconfirmed);
   if (anchors && !registration) which.other_frame = other_frame(anchors.unpack(), middle_of(faces.faces));
   if (!which.other_frame.empty()) context.warn(which.other_frame);
+  if (const std::string words = words_of_guessed(faces.guessed); !words.empty()) context.warn(words);
   const Eigen::Matrix3d turn = to_faces.frame.rotation.toRotationMatrix();
   const Eigen::Vector3d steps = to_faces.unit * to_faces.scale * read.resolution;
   const Eigen::Matrix3d of_steps = turn * (steps.cwiseAbs2() / 12).asDiagonal() * turn.transpose();
@@ -337,6 +351,7 @@ void ImportCloud::commit(Context& context, const Faces& faces, const ScanTiles& 
   artifact.place_doubt = which.doubt;
   for (const std::string& open : {which.unconfirmed, which.other_frame})
     if (!open.empty()) artifact.warnings.push_back(open);
+  if (const std::string words = words_of_guessed(faces.guessed); !words.empty()) artifact.warnings.push_back(words);
   artifact.source = "scan", artifact.left_out = copies_of(faces.left_out), artifact.search = *search;
   artifact.beside = *beside;
   for (const ScanPlace& place : common) artifact.rank += static_cast<int>(place.covariance.rows());

@@ -7,7 +7,7 @@
 namespace plumbline::surface {
 
 struct Joints : Node {
-  static constexpr Info info{"surface.joints", "", 2,
+  static constexpr Info info{"surface.joints", "", 3,
                              "Width and flush step along the joints between panels, from edges in all photographs"};
   List<Image> images{"images", "the photographs"};
   In<Poses> poses{"poses", frame("frame=?F"), "their orientations, with the joint covariance of all"};
@@ -71,6 +71,7 @@ struct Joints : Node {
       result.joints.push_back(describe(joint, joints[j]));
       for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);
     }
+    add_folds(faces, *widest, result);
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(by_orientation.size()), photographs.orientations().size());
     for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = by_orientation[i];
     if (rows.rows() > 0) add_common_errors(reduced_factor(rows, photographs.orientations()), result);

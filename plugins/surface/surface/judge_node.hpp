@@ -13,9 +13,9 @@
 namespace plumbline::surface {
 
 struct JudgeSurfaces : Node {
-  static constexpr Info info{
-      "surface.judge", "", 3,
-      "Flatness, bow, twist, steps and joint widths against rules: pass, fail or undecided by conformance probability"};
+  static constexpr Info info{"surface.judge", "", 4,
+                             "Flatness, bow, twist, place, steps and joint widths against rules: pass, fail or "
+                             "undecided by conformance probability"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};
   Optional<Design> design{"design", frame("frame=?F"),
                           "whose classes, storeys and properties rules may name; without it, names alone"};
@@ -28,8 +28,10 @@ struct JudgeSurfaces : Node {
   Param<std::vector<std::string>> rules{
       "rules", std::vector<std::string>{},
       "limits: 'class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, twist=2mm, step=2mm, joint=+4/-3mm, "
-      "narrowest=8mm, widest=20mm'; joint is the width against the design's; of a joint, rules that select either "
-      "panel; later rules go before earlier ones; a rule that selects nothing, or of which something is not judged, is "
+      "narrowest=8mm, widest=20mm, offset=+5/-10mm'; joint is the width against the design's, offset what "
+      "a panel's corners stand out of its face; of a joint, rules that select either panel; later rules go before "
+      "earlier ones; a rule that selects nothing, or of which something is "
+      "not judged, is "
       "said and ends with exit code 3"};
   Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),
                      "a quantity passes if it keeps its limit with a probability of 1 - risk, and fails if that "

@@ -81,8 +81,9 @@ void ScanJoints::run(Context& context) {
     context.progress(static_cast<double>(++done) / static_cast<double>(joints.size()),
                      joints[j].a + " | " + joints[j].b);
   });
-  // Else each panel would end where the design has its edge, and each joint be as wide as designed.
-  if (std::none_of(between.begin(), between.end(), [](char any) { return any; }))
+  // Else each panel would end where the design has its edge, and each joint be as wide as designed. Where points beside
+  // the faces were kept, joints without one are open to what lies deeper.
+  if (!(given.beside >= *search) && std::none_of(between.begin(), between.end(), [](char any) { return any; }))
     for (MeasuredJoint& joint : found)
       if (joint.not_measured.empty()) {
         joint.not_measured =
@@ -97,6 +98,7 @@ void ScanJoints::run(Context& context) {
     with_figures += found[j].not_measured.empty();
     result.joints.push_back(describe(found[j], joints[j]));
   }
+  add_folds(faces, *widest, result);
   Eigen::Index places = 0;
   for (const auto& joint : result.joints) places += static_cast<Eigen::Index>(joint->places.size());
   if (places > 0) add_common_errors(Eigen::MatrixXd::Constant(places, 1, *beam / std::sqrt(3.0)), result);

@@ -151,6 +151,19 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
   return result;
 }
 
+void add_folds(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces) {
+  for (const auto& [a, b] : folds_between(faces, widest)) {
+    auto joint = std::make_unique<JointFiguresT>();
+    joint->first = faces[a].id, joint->second = faces[b].id;
+    joint->first_panel = static_cast<int>(a), joint->second_panel = static_cast<int>(b);
+    const Eigen::Vector3d along = faces[a].plane.axes.col(2).cross(faces[b].plane.axes.col(2)).normalized();
+    joint->upright = std::abs(along.dot(faces[a].plane.axes.col(1))) > std::sqrt(0.5);
+    joint->along = along, joint->origin = 0.5 * (faces[a].plane.origin + faces[b].plane.origin);
+    joint->not_measured = "the facade is folded between its panels by more than 10°, and such joints are not measured";
+    surfaces.joints.push_back(std::move(joint));
+  }
+}
+
 void add_common_errors(const Eigen::MatrixXd& factor, SurfacesT& surfaces) {
   Eigen::Index row = 0;
   surfaces.joint_rank = static_cast<int>(factor.cols());

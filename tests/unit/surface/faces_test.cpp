@@ -117,6 +117,12 @@ TEST(Faces, APanelThatTheDesignMakesCurvedIsNotFlat) {
       << faces.left_out[0].reason;
 }
 
+TEST(Faces, ASideThatNobodyConfirmsIsSaid) {
+  EXPECT_TRUE(faces_of(two_facades(true), {}).guessed.empty());
+  EXPECT_EQ(faces_of(two_facades(false), {}).guessed.size(), 2U);
+  EXPECT_TRUE(faces_of(two_facades(false), {{5, -30, 2}}).guessed.empty()) << "a scanner stood before one of them";
+}
+
 TEST(Faces, WhatConsistsOfPanelsIsNoneItself) {
   DesignT design = two_facades(true);
   design.elements.push_back(panel("wall", {5, 0, 3}, {3, 0.04, 3}));

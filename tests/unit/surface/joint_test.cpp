@@ -7,6 +7,7 @@
 
 #include "surface/dense/edge_profile.hpp"
 #include "surface/dense/facet_tile.hpp"
+#include "surface/dense/joint_places.hpp"
 #include "surface_site.hpp"
 
 namespace plumbline::surface {
@@ -140,7 +141,7 @@ TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
   const std::vector<View> views = site.views;
   std::mt19937_64 random(11);
   std::normal_distribution<double> normal(0, 1);
-  double of_width = 0, of_step = 0;
+  double of_width = 0, of_step = 0, of_shift = 0;
   constexpr int trials = 20;
   for (int trial = 0; trial < trials; ++trial) {
     Eigen::VectorXd z(size);
@@ -152,12 +153,15 @@ TEST(Joint, WidthsAndStepsOfManyTrialsHaveTheErrorsTheyState) {
     const JointStation& station = outcome.joint.stations[outcome.joint.stations.size() / 2];
     of_width += std::pow((station.width - width_at(station.along)) / station.width_sigma, 2) / trials;
     of_step += std::pow((station.step - kStep) / station.step_sigma, 2) / trials;
+    of_shift += std::pow(station.shift / station.shift_sigma, 2) / trials;
   }
   // 20 degrees of freedom: 95 % within 0.48 and 1.71.
   EXPECT_LT(of_width, 1.9);
   EXPECT_GT(of_width, 0.2);
   EXPECT_LT(of_step, 1.9);
   EXPECT_GT(of_step, 0.2);
+  EXPECT_LT(of_shift, 1.9);
+  EXPECT_GT(of_shift, 0.2);
 }
 
 /// Panels that hang 8 mm aside: one edge lies beyond the joint's middle in the design, and is at its own panel's height
@@ -175,10 +179,82 @@ TEST(Joint, AnEdgeBeyondTheMiddleOfTheDesignsJointIsStillItsPanels) {
     double off = 0;
     for (const JointStation& station : outcome.joint.stations) {
       EXPECT_NEAR(station.width, 0.012, 3e-4) << seen_by.size() << " photographs at " << station.along;
+      EXPECT_NEAR(station.shift, aside, 3e-4) << "both panels hang aside, and the joint is as wide as designed";
       off += (station.width - 0.012) / static_cast<double>(outcome.joint.stations.size());
     }
     EXPECT_NEAR(off, 0, 2e-4) << "1 mm at its neighbour's height, from one side";
   }
+}
+
+/// Panels at an angle, as designed: a facade that is bent a little. Neither their widths nor their steps are off.
+TEST(Joint, OfPanelsAtAnAngleIsAsTheDesignHasIt) {
+  constexpr double turn = 9 * M_PI / 180, joint = 0.02, width = 0.5;
+  const Eigen::Vector3d along(std::cos(turn), std::sin(turn), 0);
+  std::vector<PanelFace> faces = {{"A", facade_plane({0, 0, 0}, {0, -1, 0}), width, 1},
+                                  {"B", facade_plane({0, 0, 0}, {std::sin(turn), -std::cos(turn), 0}), width, 1}};
+  const Eigen::Vector3d middle = Eigen::Vector3d(std::cos(turn / 2), std::sin(turn / 2), 0);
+  faces[1].plane.origin = Eigen::Vector3d(0.5 * width, 0, 0) + joint * middle + 0.5 * width * along;
+  const std::vector<Joint> joints = joints_of(faces);
+  ASSERT_EQ(joints.size(), 1U);
+  EXPECT_NEAR(joints[0].width, joint, 1e-9);
+  EXPECT_NEAR(joints[0].step, 0, 1e-9);
+  std::vector<PanelSurface> surfaces(2);
+  for (PanelSurface& surface : surfaces) surface.half_width = 0.5 * width, surface.half_height = 0.5;
+  for (const double out : {0.0, 0.0025}) {
+    surfaces[1].form(0) = out;
+    const auto [a, b] = edge_lines(joints[0], faces, surfaces);
+    JointStation station;
+    add_step(station, a, b, joints[0].plane, -0.5 * joint, 0.5 * joint);
+    EXPECT_NEAR(station.step, out, 1e-4);
+  }
+  EXPECT_TRUE(folds_between(faces).empty());
+}
+
+TEST(Joint, AStepIsWhatItIsBeyondTheDesigns) {
+  std::vector<PanelFace> faces = {{"A", facade_plane({0, 0, 0}, {0, -1, 0}), 0.5, 1},
+                                  {"B", facade_plane({0.52, -0.016, 0}, {0, -1, 0}), 0.5, 1}};  // 16 mm thicker
+  const std::vector<Joint> joints = joints_of(faces);
+  ASSERT_EQ(joints.size(), 1U);
+  EXPECT_NEAR(joints[0].step, 0.016, 1e-12);
+  std::vector<PanelSurface> surfaces(2);
+  for (PanelSurface& surface : surfaces) surface.half_width = 0.25, surface.half_height = 0.5;
+  surfaces[1].form(0) = -0.008;
+  const auto [a, b] = edge_lines(joints[0], faces, surfaces);
+  JointStation station;
+  add_step(station, a, b, joints[0].plane, -0.01, 0.01);
+  EXPECT_NEAR(station.step, -0.008, 1e-12);
+}
+
+TEST(Joint, WhereAFacadeIsFoldedThereIsOneThatNobodyMeasures) {
+  const auto turned = [](double degrees) {
+    const double turn = degrees * M_PI / 180;
+    const Eigen::Vector3d along(std::cos(turn), std::sin(turn), 0);
+    std::vector<PanelFace> faces = {{"A", facade_plane({0, 0, 0}, {0, -1, 0}), 0.5, 1},
+                                    {"B", facade_plane({0, 0, 0}, {std::sin(turn), -std::cos(turn), 0}), 0.5, 1}};
+    faces[1].plane.origin = Eigen::Vector3d(0.27, 0, 0) + 0.25 * along;
+    return folds_between(faces).size();
+  };
+  EXPECT_EQ(turned(5), 0U) << "measured";
+  EXPECT_EQ(turned(20), 1U);
+  EXPECT_EQ(turned(90), 0U) << "a corner of the building";
+}
+
+/// A bulge of an edge is where the joint is narrowest; one place by itself looked like an edge.
+TEST(Joint, PlacesThatAreOffTogetherStay) {
+  MeasuredJoint measured;
+  std::vector<EdgePair> edges;
+  for (int s = 0; s < 20; ++s) {
+    JointStation station;
+    const double bulge = s >= 8 && s < 12 ? 0.005 : 0, alone = s == 3 ? 0.006 : 0;
+    station.along = 0.05 * s, station.width = 0.012 - bulge - alone, station.width_sigma = station.width_random = 1e-4;
+    measured.stations.push_back(station);
+    edges.push_back({{-0.006 + bulge + alone, 0.006}, {1e-8, 1e-8}});
+  }
+  measured.stations_looked_at = 20;
+  keep_straight(measured, edges, 0.0015, 2);
+  sum_up(measured, "both panels end");
+  ASSERT_EQ(measured.stations.size(), 19U);
+  EXPECT_NEAR(measured.stations[measured.narrowest].width, 0.007, 1e-12);
 }
 
 /// What meets at a corner of the building has no joint here, and that is said.

@@ -134,6 +134,70 @@ TEST(JudgeSurfaces, JointsByTheirWorstPlace) {
   EXPECT_EQ(judged(what, {"*: joint=3mm"}).verdicts[0]->verdict, ToleranceVerdict::fail);
 }
 
+/// Neighbours that moved together are flush and have joints as designed: where they are is a question of its own.
+TEST(JudgeSurfaces, PanelsThatMovedTogetherAreTold) {
+  SurfacesT what = surfaces();
+  Eigen::Matrix3d plane = Eigen::Matrix3d::Zero();
+  plane.diagonal() << 4e-8, 1e-8, 1e-8;
+  for (auto& panel : what.panels)
+    panel->offset = 0.008, panel->tilt = {0.001, 0}, panel->covariance = pack_symmetric(plane);
+  what.panels[1]->offset = 0.0042;
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  for (auto& place : what.joints[0]->places) place->step = 0, place->step_sigma = 1e-4;
+  const auto result = judged(what, {"*: offset=+5/-10mm, joint=2mm, step=1mm"});
+  ASSERT_EQ(result.verdicts.size(), 5U);
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::fail);
+  EXPECT_NEAR(result.verdicts[0]->value, 0.00875, 1e-12) << "the right corners: half a width of 1.5 m further out";
+  EXPECT_NEAR(result.verdicts[0]->sigma, std::sqrt(4e-8 + 0.75 * 0.75 * 1e-8 + 0.6 * 0.6 * 1e-8), 1e-9);
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::undecided) << "4.95 ± 0.22 mm";
+  std::map<std::string, ToleranceVerdict> of_joint;
+  for (const auto& verdict : result.verdicts)
+    if (!verdict->second.empty()) of_joint[verdict->quantity] = verdict->verdict;
+  EXPECT_EQ(of_joint.at("joint"), ToleranceVerdict::pass);
+  EXPECT_EQ(of_joint.at("step"), ToleranceVerdict::pass);
+}
+
+TEST(JudgeSurfaces, WhereNobodySaysWhereTheMeasurementLiesItsPlaceIsNotJudged) {
+  SurfacesT what = surfaces();
+  what.rank = 0;
+  for (auto& panel : what.panels) panel->coefficients_factor.clear();
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  const auto result = judged(what, {"*: offset=5mm"});
+  EXPECT_EQ(result.passed, 0);
+  EXPECT_NE(result.verdicts[0]->not_judged.find("'place_sigma'"), std::string::npos) << result.verdicts[0]->not_judged;
+}
+
+/// A scanner's beam makes all places of a joint too wide, or too narrow, alike: it is one chance, and not one a place.
+TEST(JudgeSurfaces, WhatAllPlacesShareIsOneChance) {
+  SurfacesT what = surfaces();
+  what.joint_rank = 1;
+  what.joints.push_back(joint(std::vector<double>(20, 0.012), std::hypot(2e-3, 1e-4)));
+  for (auto& place : what.joints[0]->places) place->width_random = 1e-4, place->width_factor = {2e-3};
+  const auto at_limit = [&](const std::string& rule) { return judged(what, {rule}); };
+  EXPECT_NEAR(at_limit("*: joint=4mm").verdicts[0]->probability, 0.954, 0.015) << "and some chance of a place";
+  EXPECT_EQ(at_limit("*: joint=5mm").verdicts[0]->verdict, ToleranceVerdict::pass);
+  for (auto& place : what.joints[0]->places) place->views = 3;
+  EXPECT_LT(at_limit("*: joint=4mm").verdicts[0]->probability, 0.1) << "in photographs nobody says that it is one";
+}
+
+/// From the last point to an edge it is an exponential's way: the worst of many places is further off than normal.
+TEST(JudgeSurfaces, JointsOfAScanDoNotFailByTheTailsOfTheirEdges) {
+  std::mt19937_64 random(5);
+  std::exponential_distribution<double> way(1);
+  constexpr int trials = 400, places = 20;
+  constexpr double mean = 5e-4;
+  int failed = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::vector<double> widths;
+    for (int i = 0; i < places; ++i) widths.push_back(0.0149 + mean * (way(random) + way(random) - 2));
+    SurfacesT what = surfaces();
+    what.joints.push_back(joint(widths, std::sqrt(2) * mean));
+    for (auto& place : what.joints[0]->places) place->width_random = place->width_sigma;
+    failed += judged(what, {"*: joint=3mm"}).verdicts[0]->verdict == ToleranceVerdict::fail;
+  }
+  EXPECT_LE(failed, 0.05 * trials + 3 * std::sqrt(0.05 * trials));
+}
+
 /// Joints of forty places whose true width lies just within, or just beyond, the limit: wrong verdicts stay within the
 /// risk whether errors are each place's own or common to all.
 TEST(JudgeSurfaces, WrongVerdictsStayWithinTheRisk) {

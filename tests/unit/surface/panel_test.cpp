@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include "surface/dense/joint_places.hpp"
 #include "surface/dense/panel_surface.hpp"
 
 namespace plumbline::surface {
@@ -13,14 +14,15 @@ namespace panel_test {
 const PanelFace kFace{"P", facade_plane({3, 4, 5}, {0, -1, 0}), 1.2, 0.9};
 
 /// Points every 10 mm with 0.1 mm of noise at the height of (u, v).
-MeasuredTile points_at(const std::function<double(double, double)>& height) {
+MeasuredTile points_at(const std::function<double(double, double)>& height, const PanelFace& face = kFace,
+                       std::uint64_t seed = 3) {
   MeasuredTile tile;
-  tile.centre = kFace.plane.origin;
-  std::mt19937_64 random(3);
+  tile.centre = face.plane.origin;
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0, 1e-4);
   for (double u = -0.595; u < 0.6; u += 0.01)
     for (double v = -0.445; v < 0.45; v += 0.01) {
-      const Eigen::Vector3d at = kFace.plane.world({u, v, height(u, v) + noise(random)});
+      const Eigen::Vector3d at = face.plane.world({u, v, height(u, v) + noise(random)});
       tile.points.push_back({(at - tile.centre).cast<float>(), 1e-4f});
     }
   return tile;
@@ -76,6 +78,69 @@ TEST(Panel, WhatIsNoPlaneIsNotMeasuredAsOne) {
     const PanelSurface panel = measure_panel(kFace, {points_at(form)}, {});
     EXPECT_NE(panel.not_measured, "") << panel.plane.transpose() << " rms " << panel.rms;
   }
+}
+
+/// Edges that are bent back are no bow: what the fitted surface lacks there is in the step's standard deviation.
+TEST(Panel, AStepIsNoSurerThanTheFittedSurfaceFitsAtTheEdge) {
+  const auto bent = [](double r) {  // third degree: neither plane nor bow
+    return [r](double u, double) { return r * 0.5 * (5 * std::pow(u / 0.6, 3) - 3 * u / 0.6); };
+  };
+  std::vector<PanelFace> faces(2, kFace);
+  faces[0].id = "left", faces[1].id = "right";
+  faces[1].plane.origin = kFace.plane.world({kFace.width + 0.012, 0, 0});
+  for (const double r : {0.0, 0.0002, 0.0004, 0.0008}) {
+    const std::vector<PanelSurface> surfaces = {measure_panel(faces[0], {points_at(bent(r), faces[0], 1)}, {}),
+                                                measure_panel(faces[1], {points_at(bent(r), faces[1], 2)}, {})};
+    const std::vector<Joint> joints = joints_of(faces);
+    ASSERT_EQ(joints.size(), 1U);
+    const auto [a, b] = edge_lines(joints[0], faces, surfaces);
+    JointStation station;
+    station.along = 0.2;
+    add_step(station, a, b, joints[0].plane, -0.006, 0.006);
+    EXPECT_LT(std::abs(station.step + 2 * r), 3 * station.step_sigma) << station.step << " of " << -2 * r;
+    EXPECT_LT(station.step_sigma, 5e-5 + 2 * r) << r;
+  }
+}
+
+/// The last 60 mm of an edge, by more than the fit takes for noise.
+TEST(Panel, AStepAtAnEdgeThatIsBentSharplyIsUnsure) {
+  const auto bent = [](double u, double) { return 0.003 * std::max(0.0, (u - 0.54) / 0.06); };
+  const PanelSurface panel = measure_panel(kFace, {points_at(bent)}, {});
+  ASSERT_EQ(panel.not_measured, "");
+  EXPECT_GT(panel.edge_misfit(1), 0.001);
+  EXPECT_LT(panel.edge_misfit(0), 1e-4);
+}
+
+/// Waves of a sheet, or a scanner's own errors, are the same for many neighbouring points.
+TEST(Panel, WhatIsOffTogetherDoesNotAverageOutPointByPoint) {
+  double of_bow = 0, flat = 0;
+  constexpr int trials = 12;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(trial));
+    std::uniform_real_distribution<double> phase(0, 2 * M_PI);
+    const double a = phase(random), b = phase(random), c = phase(random);
+    const auto waves = [&](double u, double v) {
+      return 3e-4 * (std::sin(2 * M_PI * u / 0.41 + a) + std::sin(2 * M_PI * v / 0.37 + b) +
+                     std::sin(2 * M_PI * (u + v) / 0.52 + c));
+    };
+    const PanelSurface panel = measure_panel(kFace, {points_at(waves, kFace, 40 + trial)}, {});
+    ASSERT_EQ(panel.not_measured, "");
+    of_bow += std::pow(panel.form(3), 2) / panel.form_covariance()(3, 3) / trials;
+    const PanelSurface plane =
+        measure_panel(kFace, {points_at([](double, double) { return 0.0; }, kFace, 90 + trial)}, {});
+    flat += std::pow(plane.form(3), 2) / plane.form_covariance()(3, 3) / trials;
+  }
+  EXPECT_LT(of_bow, 3);
+  EXPECT_GT(flat, 0.3) << "noise alone stays as it is stated";
+}
+
+TEST(Panel, WhatIsSmallerThanACellIsSeenInItsScatter) {
+  const PanelSurface corrugated =
+      measure_panel(kFace, {points_at([](double u, double) { return 2e-4 * std::sin(2 * M_PI * u / 0.05); })}, {});
+  ASSERT_EQ(corrugated.not_measured, "");
+  EXPECT_GT(corrugated.hidden, 3e-4) << "0.4 mm, and of the cell with most";
+  EXPECT_LT(corrugated.hidden, 6.5e-4);
+  EXPECT_EQ(measure_panel(kFace, {points_at([](double, double) { return 0.0; })}, {}).hidden, 0);
 }
 
 }  // namespace panel_test

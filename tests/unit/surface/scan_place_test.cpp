@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <vector>
 
 #include "artifacts/design.hpp"
 #include "artifacts/surface_judgement.hpp"
@@ -19,18 +20,28 @@ using namespace plumbline::test;
 constexpr int kColumns = 4, kRows = 2;
 constexpr double kPitch = 1.02;  // panels of 1 m with joints of 20 mm
 
+const std::vector<double> kAlike(kRows, 1.0);  // heights of rows of panels
+constexpr double kJoint = kPitch - 1;
+
+/// Middle of a row.
+double middle_of(const std::vector<double>& heights, size_t row) {
+  double up = 5 - 0.5 * heights[0];
+  for (size_t r = 0; r < row; ++r) up += heights[r] + kJoint;
+  return up + 0.5 * heights[row];
+}
+
 /// To the south.
-DesignT facade() {
+DesignT facade(const std::vector<double>& heights = kAlike) {
   DesignT design;
   design.facade_normal = design.site_origin = Eigen::Vector3d::Constant(std::nan(""));
-  for (int row = 0; row < kRows; ++row)
+  for (size_t row = 0; row < heights.size(); ++row)
     for (int column = 0; column < kColumns; ++column) {
       auto element = std::make_unique<DesignElementT>();
       element->name = "P" + std::to_string(row) + std::to_string(column), element->guid = element->name + "-guid";
       element->class_ = "IfcPlate", element->is_panel = true;
-      element->placement = {Eigen::Quaterniond::Identity(), {20 + kPitch * column, 30, 5 + kPitch * row}};
+      element->placement = {Eigen::Quaterniond::Identity(), {20 + kPitch * column, 30, middle_of(heights, row)}};
       element->position = element->placement.translation;
-      element->box_low = {-0.5, 0, -0.5}, element->box_high = {0.5, 0.05, 0.5};
+      element->box_low = {-0.5, 0, -0.5 * heights[row]}, element->box_high = {0.5, 0.05, 0.5 * heights[row]};
       element->facade = std::make_unique<FacadeFrameT>();
       element->facade->out = {0, -1, 0}, element->facade->up = {0, 0, 1}, element->facade->right = {1, 0, 0};
       element->facade->confirmed = true, element->facade->source = "own_axes";
@@ -40,7 +51,7 @@ DesignT facade() {
 }
 
 /// Of some columns, moved, with the ground before the facade.
-std::string scan(int first, int last, const Eigen::Vector3d& moved) {
+std::string scan(int first, int last, const Eigen::Vector3d& moved, const std::vector<double>& heights = kAlike) {
   std::string text;
   char line[120];
   const auto add = [&](double x, double y, double z) {
@@ -48,11 +59,11 @@ std::string scan(int first, int last, const Eigen::Vector3d& moved) {
     text += line;
   };
   for (int column = first; column <= last; ++column)
-    for (int row = 0; row < kRows; ++row)
+    for (size_t row = 0; row < heights.size(); ++row)
       for (int i = 0; i < 25; ++i)
         for (int j = 0; j < 25; ++j)
           add(20 + kPitch * column - 0.48 + 0.04 * i, 29.999 + 1e-4 * ((7 * i + 3 * j) % 5),
-              5 + kPitch * row - 0.48 + 0.04 * j);
+              middle_of(heights, row) + heights[row] * (0.04 * j - 0.48));
   for (int i = 0; i < 400; ++i) add(18 + 0.02 * i, 25, 4);
   return text;
 }
@@ -63,12 +74,13 @@ struct Placed {
   SurfacePointsT points;
   SurfaceJudgementT judgement;
 
-  explicit Placed(const std::string& cloud, bool confirmed = false, bool registered = false) {
+  explicit Placed(const std::string& cloud, bool confirmed = false, bool registered = false,
+                  const std::vector<double>& heights = kAlike) {
     const std::string path = (folder.path() / "scan.xyz").string();
     std::ofstream(path) << cloud;
     depth.set("file", path), depth.set("unit", "m"), depth.set("noise", "0.001");
     if (confirmed) depth.set("place_confirmed", "true");
-    depth.input<Design>("design", facade());
+    depth.input<Design>("design", facade(heights));
     if (registered) {
       TransformT registration;
       registration.to_from_from = {Eigen::Quaterniond::Identity(), Eigen::Vector3d::Zero()}, registration.scale = 1;
@@ -78,7 +90,7 @@ struct Placed {
     points = depth.output<SurfacePoints>("surface");
     panels.input<SurfacePoints>("surface", points), panels.run();
     judge.input<Surfaces>("surfaces", panels.output<Surfaces>("surfaces"));
-    judge.input<Design>("design", facade());
+    judge.input<Design>("design", facade(heights));
     judge.set("rules", "*: flatness(0.1m)=3mm, bow=3mm"), judge.run();
     judgement = judge.output<SurfaceJudgement>("judgement");
   }
@@ -108,6 +120,26 @@ TEST(ScanPlace, OneThatIsMovedByAPanelIsNotJudged) {
   EXPECT_EQ(known.judgement.passed, 12) << "what is not hung yet has no points";
   const Placed registered(scan(0, kColumns - 1, {kPitch, 0, 0}), false, true);
   EXPECT_EQ(registered.points.place_doubt, "");
+}
+
+/// Parapets and windows in turn: no panel has an equal one beside it, and a storey looks like the next one all the
+/// same.
+TEST(ScanPlace, OneThatIsMovedByAStoreyOfPanelsOfSeveralSizesIsNotJudged) {
+  const std::vector<double> heights = {0.6, 1.4, 0.6, 1.4, 0.6, 1.4};
+  const double storey = 2 + 2 * kJoint;
+  for (const auto& [moved, words] :
+       {std::pair<Eigen::Vector3d, const char*>{{0, 0, storey},
+                                                "16 of 24 panels, and on 24 if it is moved by 2.04 m down"},
+        {{0, 0, -2 * storey}, "8 of 24 panels, and on 24 if it is moved by 4.08 m up"},
+        {{kPitch, 0, storey}, "12 of 24 panels, and on 24 if it is moved by 1.02 m to the left and 2.04 m down"}}) {
+    const Placed beside(scan(0, kColumns - 1, moved, heights), false, false, heights);
+    EXPECT_NE(beside.points.place_doubt.find(words), std::string::npos) << beside.points.place_doubt;
+    EXPECT_EQ(beside.judgement.passed, 0);
+  }
+  const Placed right(scan(0, kColumns - 1, {0, 0, 0}, heights), false, false, heights);
+  EXPECT_EQ(right.points.place_doubt, "");
+  EXPECT_TRUE(right.points.warnings.empty()) << right.points.warnings[0];
+  EXPECT_EQ(right.judgement.passed, 48);
 }
 
 TEST(ScanPlace, WhatNothingConfirmsIsSaid) {
