@@ -122,7 +122,7 @@ void AsBuiltWriter::write_residual(const AnchorAccuracyT& measured, const Anchor
              "A control anchor took part in the adjustment: its residual is no evidence of accuracy");
   if (measured.column > 0) set.integer("Column", measured.column, "Vertical marker column");
   set.choice("Verdict", label_of(residual.verdict), verdicts_, "DeltaZ against the tolerance, with guard band");
-  set.plus_minus("Tolerance", accuracy_.tau);
+  if (std::isfinite(accuracy_.tau)) set.plus_minus("Tolerance", accuracy_.tau);
   set.probability("ConformanceProbability", residual.conformance_probability);
   attach(set, anchor.guid, "ASB_ModelVsSurvey", "Photogrammetric model minus survey", object);
 }

@@ -1,6 +1,8 @@
 // Drift chart and table of floors.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "geometry/statistics.hpp"
 #include "show/report/format.hpp"
@@ -66,6 +68,9 @@ Axes drift_axes(const AccuracyComparisonT& c, double range) {
 }
 
 void draw_drift_chart(Markup& html, const AccuracyT& accuracy, const AccuracyComparisonT& c) {
+  if (!(accuracy.confidence > 0 && accuracy.confidence < 1))
+    throw std::runtime_error("the accuracy's 'confidence' is " + std::to_string(accuracy.confidence) +
+                             ", expected a probability: its intervals cannot be drawn");
   const double factor = normal_quantile(0.5 + 0.5 * accuracy.confidence);
   const Axes axes = drift_axes(c, range_of(accuracy, c, factor));
   const double tau = in_units(accuracy.tau);
