@@ -242,7 +242,7 @@ TEST(FacadeInput, WhatHoldsABottomEdgeIsThatOfTheJudgement) {
   panels[2]->below = support("panel"), panels[2]->below->panel = panels[2]->below->name = "South";
   FacadeRules rules;
   rules.brackets = {parse_bracket_rule("name~[2-3]$|^East|^Above: out=20mm"),
-                    parse_bracket_rule("name~^South[01]$: fixed")};  // of the sill alone: it does no harm
+                    parse_bracket_rule("name~^South[01]$: out=20mm")};  // of the sill alone: it does no harm
   FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
   const std::vector<Panel>& planned = made.facade.panels;
   ASSERT_TRUE(planned[0].below && planned[2].below);
