@@ -16,21 +16,6 @@ using Eigen::MatrixXd;
 
 constexpr std::size_t kMost = 200;  // known points: what is left of the system is one matrix of theirs
 
-/// Points that somebody knew: by the files, by control, in any coordinate.
-std::set<std::string> known_ids(const NetworkModel& m) {
-  std::set<std::string> ids;
-  for (const CoordinateGroup& g : m.survey.coordinates)
-    if (g.is_control)
-      for (const auto& c : g.components) ids.insert(c.point);
-  for (std::size_t i = 0; i < m.ids.size(); ++i)
-    for (const CoordinateRole role : m.roles[i])
-      if (role == CoordinateRole::fixed) ids.insert(m.ids[i]);
-  for (const Point& p : m.survey.points)
-    if (m.index.contains(p.id) && std::all_of(p.known.begin(), p.known.end(), [](bool k) { return k; }))
-      ids.insert(p.id);
-  return ids;
-}
-
 /// Residual blocks that are coordinates of control.
 std::vector<char> control_blocks(const NetworkModel& m, const NetworkProblem& problem,
                                  const least_squares::Linearisation& lin) {

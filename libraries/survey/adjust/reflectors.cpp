@@ -28,17 +28,6 @@ struct Distance {
 };
 using Distances = std::vector<Distance>;
 
-std::set<std::string> known_points(const NetworkModel& m) {
-  std::set<std::string> ids;
-  for (const CoordinateGroup& g : m.survey.coordinates)
-    if (g.is_control)
-      for (const auto& c : g.components) ids.insert(c.point);
-  for (std::size_t i = 0; i < m.ids.size(); ++i)
-    for (const CoordinateRole role : m.roles[i])
-      if (role == CoordinateRole::fixed) ids.insert(m.ids[i]);
-  return ids;
-}
-
 /// What the file says of the prism of a distance.
 std::string note_of(const Observation& o) {
   for (const std::string& note : o.corrections)
@@ -63,7 +52,7 @@ class ReflectorSearch {
  public:
   using Test = std::function<std::vector<CommonError>(const std::vector<ReflectorSet>&)>;
   ReflectorSearch(const NetworkModel& model, Test test)
-      : m_(model), known_(known_points(model)), test_(std::move(test)) {}
+      : m_(model), known_(known_ids(model)), test_(std::move(test)) {}
 
   /// Points, heights and notes, each against the rest; set-up -1: all.
   void by_what_is_written(const Distances& sights, int set_up) {

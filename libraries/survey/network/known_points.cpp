@@ -151,4 +151,18 @@ Finding in_words(const std::vector<KnownPoint>& known) {
   return finding;
 }
 
+std::set<std::string> known_ids(const NetworkModel& m) {
+  std::set<std::string> ids;
+  for (const CoordinateGroup& g : m.survey.coordinates)
+    if (g.is_control)
+      for (const auto& c : g.components) ids.insert(c.point);
+  for (std::size_t i = 0; i < m.ids.size(); ++i)
+    for (const CoordinateRole role : m.roles[i])
+      if (role == CoordinateRole::fixed) ids.insert(m.ids[i]);
+  for (const Point& p : m.survey.points)
+    if (m.index.contains(p.id) && std::all_of(p.known.begin(), p.known.end(), [](bool k) { return k; }))
+      ids.insert(p.id);
+  return ids;
+}
+
 }  // namespace plumbline::survey

@@ -110,6 +110,9 @@ std::vector<Finding> name_defects(const NetworkModel& model, const NetworkProble
 std::vector<Finding> name_local_defects(const NetworkModel& model, const NetworkProblem& problem,
                                         const Eigen::MatrixXd& null_space);
 
+/// Points that somebody knew: by the files, by control, in any coordinate.
+std::set<std::string> known_ids(const NetworkModel& model);
+
 /// What the readings say of the points that were known, weighted or held: those that do not stand first, worst first,
 /// the others by their difference; `cofactors` a priori. A network in which nothing is wrong has one that does not
 /// stand with a probability of 1 % at most, however many there are. `estimated`: the variance of unit weight is that of
