@@ -51,8 +51,7 @@ ReflectorSet reflector(Distances sights, const std::string& set, int set_up, dou
 class ReflectorSearch {
  public:
   using Test = std::function<std::vector<CommonError>(const std::vector<ReflectorSet>&)>;
-  ReflectorSearch(const NetworkModel& model, Test test)
-      : m_(model), known_(known_ids(model)), test_(std::move(test)) {}
+  ReflectorSearch(const NetworkModel& model, Test test) : m_(model), known_(known_ids(model)), test_(std::move(test)) {}
 
   /// Points, heights and notes, each against the rest; set-up -1: all.
   void by_what_is_written(const Distances& sights, int set_up) {
