@@ -101,12 +101,15 @@ struct AlternativeCount {
   std::string reason;  ///< of its first failed cell
 };
 using AlternativeCounts = std::map<std::pair<std::string, std::string>, AlternativeCount>;  // by group and name
+constexpr const char* kScenario = "scenario";                                               // in the place of a group
 
 AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellRecords& records) {
   AlternativeCounts counts;
   for (const auto& cell : plan.cells) {
     const auto record = records.find(cell.key);
-    for (const auto& choice : cell.choices) {
+    std::map<std::string, std::string> choices = cell.choices;
+    if (!cell.scenario.empty()) choices.emplace(kScenario, cell.scenario);
+    for (const auto& choice : choices) {
       AlternativeCount& count = counts[choice];
       ++count.cells;
       if (!record) continue;
@@ -120,8 +123,8 @@ AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellR
   return counts;
 }
 
-/// Failed cells are results, of which the tables tell. An alternative that failed in all of its own was not measured:
-/// "method=mine". Without alternatives: all cells of the bench.
+/// Failed cells are results, of which the tables tell. An alternative or a scenario that failed in all of its own was
+/// not measured: "method=mine". Without alternatives: all cells of the bench.
 std::string without_any_result(const SweepPlan& plan, const runtime::CellRecords& records,
                                const SweepProgress& progress) {
   std::string names;

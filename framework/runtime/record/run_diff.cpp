@@ -6,10 +6,13 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
+#include <tuple>
 
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
@@ -334,22 +337,47 @@ class Comparer {
   const Registry& registry_;
 };
 
+/// What a node was computed from before the node, and else by name: the record has them as they ended, which is another
+/// order each time.
+std::vector<const RecordedNode*> by_dependence(const RecordedRun& run) {
+  std::map<std::string, std::set<std::string>> before;
+  for (const RecordedNode& node : run.nodes)
+    for (const auto& [port, from] : node.connections) before[node.name].insert(from.substr(0, from.rfind('.')));
+  std::map<std::string, size_t> depths;
+  const std::function<size_t(const std::string&)> depth = [&](const std::string& name) {
+    const auto [known, added] = depths.try_emplace(name, 0);  // 0 meanwhile: rounds lead back to their beginning
+    if (!added) return known->second;
+    size_t deepest = 0;
+    for (const std::string& from : before[name]) deepest = std::max(deepest, 1 + depth(from));
+    return depths[name] = deepest;
+  };
+  std::set<std::string> names;
+  for (const RecordedNode& node : run.nodes) names.insert(node.name);
+  for (const std::string& name : names) depth(name);
+  std::vector<const RecordedNode*> nodes;
+  for (const RecordedNode& node : run.nodes) nodes.push_back(&node);
+  std::stable_sort(nodes.begin(), nodes.end(), [&](const RecordedNode* x, const RecordedNode* y) {
+    return std::tuple(x->round, depths[x->name], x->name) < std::tuple(y->round, depths[y->name], y->name);
+  });
+  return nodes;
+}
+
 }  // namespace
 
 std::vector<NodeDifference> compare_runs(const RecordedRun& a, const RecordedRun& b, double tolerance, Store* store,
                                          const Registry& registry) {
   std::vector<NodeDifference> all;
   Comparer comparer(tolerance, store, registry);
-  for (const RecordedNode& node : a.nodes) {
-    const RecordedNode* other = b.find(node.name, node.round);
+  for (const RecordedNode* node : by_dependence(a)) {
+    const RecordedNode* other = b.find(node->name, node->round);
     NodeDifference difference =
-        other ? comparer.compare(node, *other)
-              : NodeDifference{label_of(node.name, node.round), {"is only in the first run"}, false};
+        other ? comparer.compare(*node, *other)
+              : NodeDifference{label_of(node->name, node->round), {"is only in the first run"}, false};
     if (!difference.lines.empty()) all.push_back(std::move(difference));
   }
-  for (const RecordedNode& node : b.nodes)
-    if (!a.find(node.name, node.round))
-      all.push_back({label_of(node.name, node.round), {"is only in the second run"}, false});
+  for (const RecordedNode* node : by_dependence(b))
+    if (!a.find(node->name, node->round))
+      all.push_back({label_of(node->name, node->round), {"is only in the second run"}, false});
   return all;
 }
 

@@ -66,7 +66,8 @@ struct NodeDifference {
 
 /// `tolerance` of two numbers is a share of the larger one where that is below 1, and their difference itself above (of
 /// coordinates in m: metres). Outputs that differ are compared number by number if `store`
-/// has both and a plugin knows their type. Nodes that do not differ are left out.
+/// has both and a plugin knows their type. Nodes that do not differ are left out; the others stand in the order of what
+/// depends on what, the cause before what follows from it.
 std::vector<NodeDifference> compare_runs(const RecordedRun& a, const RecordedRun& b, double tolerance, Store* store,
                                          const Registry& registry);
 

@@ -277,6 +277,17 @@ TEST(Bench, AnAlternativeThatFailedInAllItsCellsWasNotMeasured) {
   EXPECT_THAT(plumbline.answer.err, HasSubstr("method=weak gave no result: all cells failed"));
 }
 
+/// What ran in the other scenarios says nothing of it.
+TEST(Bench, AScenarioOfWhichAllCellsFailedWasNotMeasured) {
+  BenchProgram plumbline;
+  plumbline.bench_file(
+      "seeds: 1-4\nscenarios: {ground: {}, tower: {solver.with.fails: 1}}\n"
+      "alternatives: {method: {one: {}, two: {}}}\n");
+  plumbline.run({"-q"});
+  EXPECT_EQ(plumbline.answer.code, 1);
+  EXPECT_THAT(plumbline.answer.err, HasSubstr("scenario=tower gave no result: all cells failed"));
+}
+
 TEST(Bench, ACrashIsAFailedCellAndTheOthersGoOn) {
   BenchProgram plumbline;
   plumbline.bench_file("seeds: 1-12\nalternatives: {method: {sound: {}, deadly: {solver.with.crashes: 0.3}}}\n");

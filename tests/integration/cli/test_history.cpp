@@ -1,8 +1,10 @@
 // What the record of a run is good for: why, diff, export, verify; and the store's upkeep.
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "program.hpp"
 #include "store_record.hpp"
@@ -273,6 +275,33 @@ TEST(History, DiffComparesNumberByNumber) {
   answer = plumbline({"diff", "one", "no.jsonl"});
   EXPECT_EQ(answer.code, 1);
   EXPECT_TRUE(contains(answer.err, "no.jsonl:1")) << answer.err;
+}
+
+/// A record has nodes as they ended, which chance decides where two run at once.
+TEST(History, DiffTellsTheCauseBeforeWhatFollowsFromIt) {
+  const Program plumbline;
+  plumbline.write(
+      "p.yaml",
+      "plumbline: 1\nvars: {value: 3}\nnodes:\n  z: {use: story.series, with: {values: [1, \"${value}\"]}}\n"
+      "  m: {use: story.square, in: {number: z.numbers}}\n  a: {use: story.sum, in: {numbers: m.square}}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "one"}).code, 0);
+  ASSERT_EQ(plumbline({"run", "p.yaml", "value=2", "--out", "two"}).code, 0);
+  std::vector<std::string> lines;
+  std::istringstream record(read_file(plumbline.work() / "one/run.jsonl"));
+  for (std::string line; std::getline(record, line);) lines.push_back(line + "\n");
+  ASSERT_GT(lines.size(), 4u);
+  std::reverse(lines.begin() + 1, lines.end() - 1);
+  std::string reversed;
+  for (const std::string& line : lines) reversed += line;
+  fs::create_directory(plumbline.work() / "back");
+  plumbline.write("back/run.jsonl", reversed);
+  for (const char* first : {"one", "back"}) {
+    const Json nodes = Json::parse(plumbline({"diff", first, "two", "--json"}).out)["nodes"];
+    ASSERT_EQ(nodes.size(), 3u);
+    EXPECT_EQ(nodes[0]["node"], "z") << first;
+    EXPECT_EQ(nodes[1]["node"], "m") << first;
+    EXPECT_EQ(nodes[2]["node"], "a") << first;
+  }
 }
 
 /// A run that failed was 300 lines of parameters and libraries that the other one has.
