@@ -230,7 +230,7 @@ class Comparer {
       difference.lines.push_back(line);
       difference.within_tolerance = false;
     };
-    if (a.kind != b.kind) differ("kind: " + a.kind + " -> " + b.kind);
+    if (a.kind != b.kind) difference.lines.push_back("kind: " + a.kind + " -> " + b.kind);  // a reason as those below
     const auto done = [](const std::string& status) { return status == "executed" || status == "reused"; };
     if (done(a.status) != done(b.status) || (!done(a.status) && a.status != b.status))
       differ("status: " + a.status + " -> " + b.status);

@@ -239,13 +239,14 @@ void look_at_what_is_asked(SimulatedSite& site, LoopStateT& state, std::set<std:
   in_doubt = {state.moved_control.begin(), state.moved_control.end()};
   std::vector<std::string> rejected;
   for (const auto& item : state.items) {
-    const bool is_doubtful = item->why.find("look whether") != std::string::npos;
-    const bool was_set_too_often = item->kind == "bracket" && item->why.rfind("after ", 0) == 0;
+    const bool is_elsewhere = item->reason == ItemReason::measured_elsewhere;
+    const bool is_doubtful = is_elsewhere || item->reason == ItemReason::look;
+    const bool was_set_too_often = item->kind == "bracket" && item->reason == ItemReason::reworked_too_often;
     if (item->status != ItemStatus::rejected || !(is_doubtful || was_set_too_often)) continue;
     if (!is_doubtful && !set_too_often.insert(item->id).second) continue;
     rejected.push_back(item->id);
     if (item->kind == "bracket") site.mend_plate(item->id), ++result.looks;
-    if (item->kind == "panel" && item->why.rfind("was measured ", 0) == 0) look_at_plates_of(site, item->id, result);
+    if (item->kind == "panel" && is_elsewhere) look_at_plates_of(site, item->id, result);
   }
   for (const auto& item : state.items)
     if (item->kind == "panel" && item->status == ItemStatus::relocalised && item->hangs && !item->seen)

@@ -11,7 +11,11 @@ bool Round::may_do_again(LoopItemT& item, const Because& because) {
   move(state_, item, ItemStatus::rework, because);
   if (++item.reworks <= options_.most_reworks) return true;
   move(state_, item, ItemStatus::rejected,
-       {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why, {}, {}, because.rests_on});
+       {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why,
+        {},
+        {},
+        because.rests_on,
+        ItemReason::reworked_too_often});
   return false;
 }
 
@@ -29,8 +33,8 @@ void Round::verify_brackets() {
     // What was done is not judged by what was measured before.
     const bool waits = item.status == ItemStatus::executed || item.status == ItemStatus::relocalised;
     if (waits && !is_measured_anew(item, *bracket, options_.measured_at)) {
-      item.why = "waits for a measurement that was made after it was done" +
-                 std::string(item.at.empty() && !options_.measured_at.empty() ? "; its report has no date" : "");
+      stay(item, "waits for a measurement that was made after it was done" +
+                     std::string(item.at.empty() && !options_.measured_at.empty() ? "; its report has no date" : ""));
       continue;
     }
     const bool is_known = item.expected.allFinite(), was_planned = item.status == ItemStatus::planned;
@@ -110,13 +114,13 @@ void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, doubl
 }
 
 void Round::give_to_a_person(LoopItemT& item, const std::string& why) {
-  const Because because{why, {}, {}, rests_on_};
+  const Because because{why, {}, {}, rests_on_, ItemReason::look};
   reject_item(state_, item, because);
   reject_what_stands_on(state_, item, because);
   for (const auto& panel : plan_.panels)
     if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
       if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)
-        reject_item(state_, hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_});
+        reject_item(state_, hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_, because.reason});
 }
 
 bool Round::can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const {
@@ -175,7 +179,7 @@ void Round::verify_panels() {
     const Because because{panel->reason, {}, {}, rests_on_};
     if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
     if (const std::string why = place_contradiction(*panel, item); !why.empty()) {
-      reject_item(state_, item, {why, {}, {}, rests_on_});
+      reject_item(state_, item, {why, {}, {}, rests_on_, ItemReason::measured_elsewhere});
       continue;
     }
     const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
@@ -187,9 +191,9 @@ void Round::verify_panels() {
            {"hangs within its limits again: " + panel->reason, {}, {}, rests_on_});
     if (item.status != ItemStatus::relocalised) continue;
     if (is_right && !item.seen)
-      item.why =
-          "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
-          "has seen it";
+      stay(item,
+           "would hang right, and nothing has seen it hang: give its measured place, or accept it when somebody "
+           "has seen it");
     else if (is_right)
       move(state_, item, ItemStatus::verified, because);
     else if (1 - panel->p_in >= options_.verified)

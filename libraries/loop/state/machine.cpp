@@ -61,7 +61,7 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
   state.journal.push_back(journal_line({state.round, item.id, item.kind, name_of(item.status), name_of(to), because.by,
                                         because.at, because.why, because.rests_on},
                                        journal_head(state.journal)));
-  item.status = to, item.why = because.why;
+  item.status = to, item.why = because.why, item.reason = because.reason;
   if (to == ItemStatus::planned || to == ItemStatus::rejected) item.control = 0;
   if (!because.by.empty()) item.by = because.by;
   if (!because.at.empty()) item.at = because.at;
@@ -71,7 +71,7 @@ void note(LoopStateT& state, LoopItemT& item, const Because& because) {
   state.journal.push_back(journal_line({state.round, item.id, item.kind, name_of(item.status), name_of(item.status),
                                         because.by, because.at, because.why, because.rests_on},
                                        journal_head(state.journal)));
-  item.why = because.why;
+  item.why = because.why, item.reason = because.reason;
 }
 
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because) {
@@ -96,7 +96,8 @@ void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Becau
   for (auto& item : state.items)
     if (item->kind == "panel" && item->status != ItemStatus::planned && item->status != ItemStatus::rejected &&
         std::count(sill.holds.begin(), sill.holds.end(), item->id) > 0)
-      reject_item(state, *item, {"its sill " + sill.id + " " + because.why, because.by, {}, because.rests_on});
+      reject_item(state, *item,
+                  {"its sill " + sill.id + " " + because.why, because.by, {}, because.rests_on, because.reason});
 }
 
 const LoopItemT* sill_for_a_person(const LoopStateT& state, const std::string& panel) {
@@ -288,7 +289,8 @@ void take_contradiction(LoopStateT& state, LoopItemT& panel, const ActualT& actu
               {"reported done, then " + actual.outcome + ", look whether it hangs" + note_of(actual),
                actual.by,
                has_date ? actual.at : "",
-               {}});
+               {},
+               ItemReason::look});
   panel.seen = false;
 }
 

@@ -78,9 +78,9 @@ void add(const LoopStateT& state, const LoopItemT& item, Floor& floor, Counts& c
             ++counts.waiting;
       else if (!item.holds.empty())
         floor.sills.push_back(item.id), floor.held.insert(item.holds.begin(), item.holds.end());
-      else if (item.why == kHoldsNothing)
+      else if (item.reason == ItemReason::holds_nothing)
         floor.idle.push_back(item.id);
-      else if (item.why == kHoldsUnplanned)
+      else if (item.reason == ItemReason::not_planned)
         floor.left_out.push_back(item.id);
       break;
     default:

@@ -118,13 +118,14 @@ void Round::unset_what_does_not_do() {
   }
 }
 
-std::string Round::before_its_turn(const PlannedPanelT& panel) const {
+Waiting Round::before_its_turn(const PlannedPanelT& panel) const {
   for (const std::string& id : panel.depends_on) {
     const LoopItemT* before = item("panel", id);
-    if (!before) return id + ", which is to hang before it and is not planned";
-    if (before->status == ItemStatus::rejected) return id + ", which is to hang before it and is for a person";
-    if (before->status == ItemStatus::rework) return id + ", which is to hang before it and is to be taken down";
-    if (before->status != ItemStatus::verified) return id + ", which is to hang before it";
+    const std::string waits = "waits for " + id + ", which is to hang before it";
+    if (!before) return {waits + " and is not planned"};
+    if (before->status == ItemStatus::rejected) return {waits + " and is for a person"};
+    if (before->status == ItemStatus::rework) return {waits + " and is to be taken down", ItemReason::waits_for_panel};
+    if (before->status != ItemStatus::verified) return {waits, ItemReason::waits_for_panel};
   }
   return {};
 }
@@ -147,34 +148,34 @@ std::string Round::neighbour_to_take_down(const PlannedPanelT& panel) const {
   return {};
 }
 
-std::string Round::why_not_yet(const PlannedPanelT& panel) const {
+Waiting Round::why_not_yet(const PlannedPanelT& panel) const {
   if (const LoopItemT* sill = sill_for_a_person(state_, panel.id))
-    return "waits for its sill: " + sill->id + " is for a person";
-  if (measured_again_.count(panel.id) > 0) return "waits for another campaign: " + panel.reason;
-  if (panel.gate != GateDecision::go) return panel.reason.empty() ? "is not GO" : panel.reason;
-  if (touches_moved_floor(panel)) return "waits for control: that of its floor or of one beside it moved";
+    return {"waits for its sill: " + sill->id + " is for a person"};
+  if (measured_again_.count(panel.id) > 0) return {"waits for another campaign: " + panel.reason};
+  if (panel.gate != GateDecision::go) return {panel.reason.empty() ? "is not GO" : panel.reason};
+  if (touches_moved_floor(panel)) return {"waits for control: that of its floor or of one beside it moved"};
   if (const std::string other = neighbour_to_take_down(panel); !other.empty())
-    return "waits for " + other + ", which shares a bracket with it and is to be taken down";
-  const std::string before = before_its_turn(panel);
-  return before.empty() ? before : "waits for " + before;
+    return {"waits for " + other + ", which shares a bracket with it and is to be taken down",
+            ItemReason::waits_for_panel};
+  return before_its_turn(panel);
 }
 
 void Round::release() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& item = *this->item("panel", panel->id);
     if (item.status != ItemStatus::planned) continue;
-    if (const std::string why = why_not_yet(*panel); !why.empty()) {
-      item.why = why;
+    if (const Waiting waiting = why_not_yet(*panel); !waiting.why.empty()) {
+      stay(item, waiting.why, waiting.reason);
       continue;
     }
     bool ready = true;
     for (const std::string& id : panel->brackets) ready = bracket_is_ready(id) && ready;
     if (!ready) {
-      item.why = "waits for its brackets";
+      stay(item, "waits for its brackets", ItemReason::waits_for_brackets);
       continue;
     }
     if (const std::string other = neighbour_that_waits(*panel); !other.empty()) {
-      item.why = "waits for " + other + ", which shares a bracket with it and waits for another campaign";
+      stay(item, "waits for " + other + ", which shares a bracket with it and waits for another campaign");
       continue;
     }
     item.waited = 0;

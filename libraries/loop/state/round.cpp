@@ -83,10 +83,15 @@ void Round::tell_unused() {
   for (const auto& bracket : plan_.brackets) {
     LoopItemT& item = *this->item("bracket", bracket->id);
     if (item.status != ItemStatus::planned) continue;
-    if (item.why == kHoldsNothing || item.why == kHoldsUnplanned || item.why.starts_with(kHoldsEdge)) item.why.clear();
-    if (!item.holds.empty()) item.why = kHoldsEdge + text::join(item.holds, 8) + ": nothing is to be set";
-    if (bracket->use == BracketUse::nothing && item.holds.empty()) item.why = kHoldsNothing;
-    if (bracket->use == BracketUse::not_planned) item.why = kHoldsUnplanned;
+    using R = ItemReason;
+    if (item.reason == R::holds_nothing || item.reason == R::not_planned || item.reason == R::holds_edge)
+      stay(item, "");
+    if (!item.holds.empty())
+      stay(item, "holds the bottom edge of " + text::join(item.holds, 8) + ": nothing is to be set", R::holds_edge);
+    if (bracket->use == BracketUse::nothing && item.holds.empty())
+      stay(item, "no panel hangs on it: nothing is to be set", R::holds_nothing);
+    if (bracket->use == BracketUse::not_planned)
+      stay(item, "the panel on it is not planned: installation.txt says why", R::not_planned);
   }
 }
 
@@ -106,7 +111,7 @@ void Round::hold_everything(const std::string& why) {
     if (item->status == ItemStatus::released) recall_item(*item, why);
     const bool has_its_own = item->status == ItemStatus::verified || item->status == ItemStatus::rejected ||
                              item->status == ItemStatus::rework;
-    if (!has_its_own) item->why = why;
+    if (!has_its_own) stay(*item, why);
   }
 }
 

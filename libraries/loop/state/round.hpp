@@ -10,6 +10,12 @@
 
 namespace plumbline::loop {
 
+/// Why a panel waits, in words and for programs; without words: it does not.
+struct Waiting {
+  std::string why;
+  ItemReason reason = ItemReason::other;
+};
+
 class Round {
  public:
   Round(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
@@ -87,13 +93,13 @@ class Round {
   void unset_what_does_not_do();
   /// The first panel that is to hang before this one and does not, verified, with what is to be said of it; empty:
   /// none.
-  std::string before_its_turn(const PlannedPanelT& panel) const;
+  Waiting before_its_turn(const PlannedPanelT& panel) const;
   /// A panel beside this one, on one of its brackets, that is to be taken down: with it the bracket may move. Empty:
   /// none.
   std::string neighbour_to_take_down(const PlannedPanelT& panel) const;
-  bool has_its_turn(const PlannedPanelT& panel) const { return before_its_turn(panel).empty(); }
+  bool has_its_turn(const PlannedPanelT& panel) const { return before_its_turn(panel).why.empty(); }
   /// Why a panel that is planned is not released yet, whatever its brackets; empty: nothing stands in the way.
-  std::string why_not_yet(const PlannedPanelT& panel) const;
+  Waiting why_not_yet(const PlannedPanelT& panel) const;
   /// The panel beside it that waits for another campaign: hung now, it would fix a bracket of both that the other one
   /// may need elsewhere. Empty: none.
   std::string neighbour_that_waits(const PlannedPanelT& panel) const;

@@ -20,7 +20,7 @@ namespace {
 /// Of version 2 control and readings are not known; of version 3 not on which control single items rest; of version 4
 /// not where panels were measured themselves; of version 5 not which reports were refused; of version 6 not what sills
 /// hold; of version 7 not what left the design.
-constexpr int kVersion = 8, kOldest = 2;
+constexpr int kVersion = 9, kOldest = 2;
 
 Json json_of(const AnchorEstimateT& estimate) {
   return {{"ids", estimate.ids},
@@ -92,6 +92,7 @@ Json json_of(const LoopItemT& item) {
           {"place", item.place},
           {"holds", item.holds},
           {"gone", item.gone},
+          {"reason", EnumNameItemReason(item.reason)},
           {"told_from", std::isnan(item.told_from) ? Json() : Json(item.told_from)}};
 }
 
@@ -99,6 +100,13 @@ ItemStatus status_of(const std::string& name) {
   for (int i = 0; i <= static_cast<int>(ItemStatus::stale); ++i)
     if (name == name_of(static_cast<ItemStatus>(i))) return static_cast<ItemStatus>(i);
   throw std::runtime_error("'" + name + "' is no state of an item");
+}
+
+ItemReason reason_of(const Json& item) {
+  const std::string name = item.value("reason", "other");
+  for (const ItemReason reason : EnumValuesItemReason())
+    if (name == EnumNameItemReason(reason)) return reason;
+  throw std::runtime_error("'" + name + "' is no reason of an item");
 }
 
 std::unique_ptr<LoopItemT> item_of(const Json& json) {
@@ -116,6 +124,9 @@ std::unique_ptr<LoopItemT> item_of(const Json& json) {
   item->place = json.value("place", std::vector<double>());
   item->holds = json.value("holds", std::vector<std::string>());
   item->gone = json.value("gone", false);
+  item->reason = reason_of(json);
+  if (!json.contains("reason") && item->kind == "bracket" && item->status == ItemStatus::planned)
+    item->why.clear();  // of a version without: the next round says it anew
   if (json.contains("told_from") && !json.at("told_from").is_null()) json.at("told_from").get_to(item->told_from);
   if (item->unset.size() != 0 && item->unset.size() != 3)
     throw std::runtime_error("where " + item->id + " stands unset has not three numbers");

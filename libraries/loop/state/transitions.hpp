@@ -2,16 +2,18 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "artifacts/loop_state.hpp"
 
 namespace plumbline::loop {
 
-/// Why an item changes: in words, who, when (ISO 8601), hashes of what that rests on.
+/// Why an item changes: in words, who, when (ISO 8601), hashes of what that rests on, and for programs.
 struct Because {
   std::string why, by, at;
   std::vector<std::string> rests_on;
+  ItemReason reason = ItemReason::other;
 };
 
 /// Changes the status and writes it into the journal. Throws std::logic_error for what may not follow.
@@ -19,6 +21,11 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
 
 /// A line in the journal about an item that stays where it stands.
 void note(LoopStateT& state, LoopItemT& item, const Because& because);
+
+/// Why an item stands where it does, without a line in the journal: what each round says anew.
+inline void stay(LoopItemT& item, std::string why, ItemReason reason = ItemReason::other) {
+  item.why = std::move(why), item.reason = reason;
+}
 
 /// To a person, from wherever it stands; the journal has each step on the way.
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because);

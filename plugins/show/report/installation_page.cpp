@@ -130,8 +130,7 @@ void write_waiting(Markup& html, const LoopStateT& state) {
   std::vector<std::string> lines;
   for (const auto& item : state.items)
     if (item->kind == "panel" && item->status == ItemStatus::planned && !item->why.empty() &&
-        item->why != "waits for its brackets" && !item->why.ends_with("which is to hang before it") &&
-        !item->why.ends_with("is to be taken down"))
+        item->reason != ItemReason::waits_for_brackets && item->reason != ItemReason::waits_for_panel)
       lines.push_back(item->id + ": " + item->why);
   if (lines.empty()) return;
   html.element("h3", "What waits, and for what");

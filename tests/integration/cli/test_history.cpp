@@ -175,6 +175,21 @@ TEST(History, DiffNamesArtifactsOfAnotherKind) {
       << answer.out;
 }
 
+/// A solver that was swapped and gives the same agrees; of which kind it is stands there as a reason does.
+TEST(History, DiffAgreesWhereAnotherKindGivesTheSame) {
+  const Program plumbline;
+  plumbline.write("p.yaml", "plumbline: 1\nnodes: {a: {use: story.constant}}\n");
+  ASSERT_EQ(plumbline({"run", "p.yaml", "--out", "a", "-q"}).code, 0);
+  std::string record = read_file(plumbline.work() / "a/run.jsonl");
+  for (size_t at; (at = record.find("story.constant")) != std::string::npos;) record.replace(at, 14, "story.steady");
+  fs::create_directory(plumbline.work() / "b");
+  plumbline.write("b/run.jsonl", record);
+  const Answer answer = plumbline({"diff", "a", "b"});
+  EXPECT_EQ(answer.code, 0) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "kind: story.constant -> story.steady")) << answer.out;
+  EXPECT_TRUE(contains(answer.out, "the results agree")) << answer.out;
+}
+
 /// Every node alone in a fresh process: what is in the store must be what it gives there.
 TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
   const Program plumbline;

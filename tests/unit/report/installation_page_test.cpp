@@ -47,11 +47,13 @@ TEST(InstallationPage, ADoubtfulMeasurementStandsBeforeWhatItSays) {
 /// "Do what the lines below ask for" needs the lines.
 TEST(InstallationPage, WhatAPanelWaitsForStandsOnTheFirstScreen) {
   LoopStateT state = with_verified_panel();
-  const auto add = [&](const std::string& id, const std::string& why) {
+  const auto add = [&](const std::string& id, const std::string& why, ItemReason reason = ItemReason::other) {
     state.items.push_back(std::make_unique<LoopItemT>());
-    state.items.back()->id = id, state.items.back()->kind = "panel", state.items.back()->why = why;
+    LoopItemT& item = *state.items.back();
+    item.id = id, item.kind = "panel", item.why = why, item.reason = reason;
   };
-  add("p1", "waits for its brackets"), add("p2", "waits for p1, which is to hang before it");
+  add("p1", "waits for its brackets", ItemReason::waits_for_brackets);
+  add("p2", "waits for p1, which is to hang before it", ItemReason::waits_for_panel);
   EXPECT_EQ(next_of({}, state).find("What waits, and for what"), std::string::npos);
   add("p3", "not measured: b7; measure it, then plan again");
   const std::string page = next_of({}, state);
