@@ -25,9 +25,12 @@ start_broker() {
   "$mosquitto" -c "$1" > broker.log 2>&1 &
   broker=$! started+=($!)
 }
+# Not before the robot is connected is the broker taken away: a first connection that fails ends the robot.
 start_robot() {
   (cd "$work/npm" && exec node "$source/robot.mjs" "$@") > robot.log 2>&1 &
   robot=$! started+=($!)
+  for _ in {1..150}; do grep -q ready robot.log && return; sleep 0.2; done
+  fail "the robot did not find the broker"
 }
 # Each action was done once, and the states on disk say so.
 check() {

@@ -40,3 +40,4 @@ const robot = new AgvController(
   { timeLapse: 20, initialPosition: { mapId: "floor-1", x: -3, y: 0, theta: 0, lastNodeId: "parking" } });
 process.on("SIGTERM", async () => { await robot.stop().catch(() => {}); process.exit(0); });
 await robot.start();
+console.log("ready");
