@@ -125,6 +125,7 @@ void AsBuiltWriter::write_judgement() {
   }
   set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
   set.labels("Doubts", in_words(deviation_.doubts), "Why the measurement is not to be trusted");
+  set.labels("LessCertain", in_words(deviation_.misfits), "Why all standard deviations are larger");
   if (!deviation_.datum.empty()) set.label("Datum", deviation_.datum, "What the place of the whole rests on");
   set.label("Temperature", temperature_words(deviation_), "What the judgement leaves out");
   set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");

@@ -160,7 +160,11 @@ std::string explain_gap(const CommonPoints& points, const std::vector<Reading>& 
     const CommonPoints as_meant = changed(points, change.factor, change.swap);
     const bool plain = change.words[0] == '\0';
     if (!plain) {
-      if (misfit(as_meant, {}) < kExplained) return text + "; " + change.words + " it fits: mend the survey's files";
+      if (misfit(as_meant, {}) < kExplained)
+        return text + "; " + change.words + " it fits: mend the survey's files" +
+               (change.factor == 1e-3 ? ", or the unit of the design if that is written in metres and declares "
+                                        "millimetres (IfcUnitAssignment)"
+                                      : "");
       for (const Reading& reading : readings)
         if (misfit(as_meant, reading.transform) < kExplained)
           return text + "; " + change.words + ", " + reading.words +

@@ -212,6 +212,9 @@ void PropertySet::angle(const std::string& name, double radian, double plane_ang
     single(name, step::typed("IFCPLANEANGLEMEASURE", step::real_rounded(radian / plane_angle_unit, 9)), description);
 }
 
+/// A label holds 255 characters; what is longer is a text.
+static bool is_label(const std::string& text) { return text.size() <= 255; }
+
 void PropertySet::integer(const std::string& name, std::int64_t value, const std::string& description) {
   single(name, step::typed("IFCINTEGER", step::integer(value)), description);
 }
@@ -221,9 +224,8 @@ void PropertySet::boolean(const std::string& name, bool value, const std::string
 }
 
 void PropertySet::label(const std::string& name, const std::string& value, const std::string& description) {
-  // A label holds 255 characters; what is longer is a text.
   if (!value.empty())
-    single(name, step::typed(value.size() <= 255 ? "IFCLABEL" : "IFCTEXT", step::text(value)), description);
+    single(name, step::typed(is_label(value) ? "IFCLABEL" : "IFCTEXT", step::text(value)), description);
 }
 
 void PropertySet::date_time(const std::string& name, const std::string& value, const std::string& description) {
@@ -260,8 +262,11 @@ void PropertySet::reals(const std::string& name, const std::vector<double>& numb
 
 void PropertySet::labels(const std::string& name, const std::vector<std::string>& texts,
                          const std::string& description) {
+  // Values of one list are of one type (WR31 of IfcPropertyListValue).
+  const bool are_short = std::all_of(texts.begin(), texts.end(), is_label);
   std::vector<std::string> values;
-  for (const std::string& value : texts) values.push_back(step::typed("IFCLABEL", step::text(value)));
+  for (const std::string& value : texts)
+    values.push_back(step::typed(are_short ? "IFCLABEL" : "IFCTEXT", step::text(value)));
   listed(name, values, description);
 }
 

@@ -117,8 +117,10 @@ void leave_out_fixing_plates(Design& design) {
 
 bool may_hang(const std::string& ifc_class) {
   static const std::set<std::string> classes = {
-      "IfcWindow",          "IfcWindowStandardCase",  "IfcDoor",   "IfcDoorStandardCase",   "IfcBuildingElementProxy",
-      "IfcElementAssembly", "IfcBuildingElementPart", "IfcMember", "IfcMemberStandardCase", "IfcShadingDevice"};
+      "IfcWindow", "IfcWindowStandardCase", "IfcDoor", "IfcDoorStandardCase", "IfcBuildingElementProxy",
+      "IfcElementAssembly", "IfcBuildingElementPart", "IfcMember", "IfcMemberStandardCase", "IfcShadingDevice",
+      // Upright slabs are what some programs make of precast parts, and roofs of fields of cladding.
+      "IfcSlab", "IfcSlabStandardCase", "IfcSlabElementedCase", "IfcRoof", "IfcRailing", "IfcFurnishingElement"};
   return classes.contains(ifc_class);
 }
 

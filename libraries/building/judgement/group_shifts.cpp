@@ -278,7 +278,7 @@ std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMe
     row->words = row->name + (row->kind.starts_with("floor") ? " hangs " : " stands ") +
                  way_of(group, strongest, samples[best]) + " (" + std::to_string(row->following) + " of its " +
                  std::to_string(row->anchors) + " anchors share it" +
-                 (would_pass ? "; without it " + std::to_string(row->would_pass) + " more would pass" : "") +
+                 (row->would_pass > 0 ? "; without it " + std::to_string(row->would_pass) + " more would pass" : "") +
                  "): one cause to look for, before single anchors are reset.";
     told[best] = std::move(row);
   }

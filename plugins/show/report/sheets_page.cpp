@@ -107,6 +107,11 @@ void write_sheet(Markup& html, const Sheet& sheet, const ReportInput& input, std
                      tolerance(deviation.tau) + "; sheet " + std::to_string(number) + " of " + std::to_string(of));
     for (const auto& doubt : deviation.doubts)
       html.element("p", {{"class", "warnings"}}, "Not to be trusted, " + ifc::in_words(*doubt) + ".");
+    for (const auto& misfit : deviation.misfits)
+      html.element("p", {{"class", "warnings"}}, "Less certain, " + ifc::in_words(*misfit));
+    for (const auto& request : deviation.requests)
+      if (!request->not_judged.empty())
+        html.element("p", {{"class", "warnings"}}, "Not judged: " + request->asked + ": " + request->not_judged + ".");
   }
   const FacadeT* facade = nullptr;
   for (const auto& one : deviation.facades)

@@ -273,7 +273,7 @@ void write_method(Markup& html, const AccuracyT& accuracy) {
   html.element("h3", "Pass, fail, undecided");
   html.element(
       "p",
-      "An anchor passes when its deviation and " + fixed(accuracy.guard_factor, 3) +
+      "Against the survey a check anchor passes when its deviation and " + fixed(accuracy.guard_factor, 3) +
           " times its standard uncertainty u stay within the tolerance, fails when the deviation less that margin is "
           "still outside, and is undecided in between (guard band, JCGM 106). “Within” in the anchor table is the "
           "probability that the true deviation is inside the tolerance.");

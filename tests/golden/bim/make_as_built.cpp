@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "../../unit/bim/doubt.hpp"
 #include "../../unit/bim/loop_state.hpp"
 #include "../../unit/bim/measured.hpp"
 #include "../../unit/bim/small_building.hpp"
@@ -36,7 +37,13 @@ DeviationT second_epoch(const ifc::Design& design) {
   for (const ifc::Element& element : design.elements)
     if (element.is_anchor && ++k % 4 != 0)
       deviations[element.guid] = Eigen::Vector3d(0, 0.001, k % 4 == 1 ? 0.009 : k % 4 == 2 ? 0.005 : 0);
-  return test::judged(design, deviations, Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d(0, -1, 0));
+  DeviationT judged = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d(0, -1, 0));
+  // What people are told may be longer than a label of IFC.
+  judged.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt(std::string(300, 'x'))));
+  judged.doubts.back()->grade = DoubtGrade::doubt;
+  judged.misfits.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("the residuals are as large")));
+  judged.misfits.back()->grade = DoubtGrade::misfit, judged.misfits.back()->factor = 1.3;
+  return judged;
 }
 
 Json box_of(const ifc::Element& element) {

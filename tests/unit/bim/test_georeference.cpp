@@ -84,6 +84,13 @@ TEST(Gap, ADesignInMillimetresThatItsFileCallsMetresIsNamed) {
       << site.words();
 }
 
+/// Which of the two is wrong the numbers do not say.
+TEST(Gap, ADesignInMetresThatItsFileCallsMillimetresIsNamedBesideASurveyInMillimetres) {
+  Site site;
+  for (std::size_t i = 0; i < site.points.ids.size(); ++i) site.points.design[i] = 0.001 * site.points.survey[i];
+  EXPECT_NE(site.words().find("mend the survey's files, or the unit of the design"), std::string::npos) << site.words();
+}
+
 TEST(Gap, WhatNothingExplainsSaysSo) {
   Site site;
   for (std::size_t i = 0; i < 12; ++i) site.points.survey[i].x() += static_cast<double>(i * i);

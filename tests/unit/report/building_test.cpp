@@ -137,6 +137,21 @@ TEST(Building, SheetsHoldEverythingOnce) {
       << "nothing of the title ends the style";
 }
 
+/// Who carries the sheet does not see the page.
+TEST(Building, SheetsSayWhatWasNotJudgedAndWhyAllIsLessCertain) {
+  ReportInput input = test::example();
+  input.deviation->requests.push_back(std::make_unique<JudgementRequestT>());
+  input.deviation->requests.back()->asked = "class=IfcMechanicalFastenr: vertical=1mm";
+  input.deviation->requests.back()->not_judged = "selects nothing";
+  input.deviation->misfits.push_back(std::make_unique<MeasurementDoubtT>());
+  input.deviation->misfits.back()->grade = DoubtGrade::misfit;
+  input.deviation->misfits.back()->reason = "the residuals are large", input.deviation->misfits.back()->factor = 1.34;
+  const std::string html = render_sheets(input);
+  const int sheets = count_of(html, "<section class=\"sheet\">");
+  EXPECT_EQ(count_of(html, "Not judged: class=IfcMechanicalFastenr: vertical=1mm: selects nothing."), sheets);
+  EXPECT_EQ(count_of(html, "are 1.34 times as large for it."), sheets);
+}
+
 /// A floor of 25 anchors is 30 m wide: on one strip across a sheet its names were 0.7 mm high.
 TEST(Building, AWideFloorIsDrawnInStretchesOfOneScale) {
   FacadeView view;
