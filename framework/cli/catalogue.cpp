@@ -132,6 +132,7 @@ void tell_refused(const runtime::Registry& registry) {
 int list(const Options& options) {
   if (options.name == "pipelines") return list_pipelines(options);
   if (options.name == "artifacts") return list_artifacts(options);
+  if (options.name == "errors") return list_errors(options);
   const runtime::Registry registry = discover();
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;

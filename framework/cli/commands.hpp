@@ -52,6 +52,8 @@ int describe(const Options& options);
 /// `list pipelines`, `list artifacts`.
 int list_pipelines(const Options& options);
 int list_artifacts(const Options& options);
+/// Exit codes, and kinds of failures of nodes.
+int list_errors(const Options& options);
 /// What `describe` knows beside nodes: pipelines, and artifacts by their short names.
 std::vector<std::string> names_of_pipelines_and_artifacts(const runtime::Registry& registry);
 /// `describe` of what is no kind of node; false if options.name is no pipeline, or no artifact.

@@ -148,9 +148,10 @@ void declare_pipelines(Declared& all) {
   add_store(plan, options);
   add_json(plan, options);
 
-  CLI::App& list = all.add("list", "lists the kinds of nodes, the pipelines or the artifacts", cli::list);
-  list.add_option("what", options.name, "nodes (if nothing is said), pipelines or artifacts")
-      ->check(CLI::IsMember({"nodes", "pipelines", "artifacts"}))
+  CLI::App& list = all.add("list", "lists the kinds of nodes, the pipelines, the artifacts or the errors", cli::list);
+  list.add_option("what", options.name,
+                  "nodes (if nothing is said), pipelines, artifacts or errors (exit codes and failures)")
+      ->check(CLI::IsMember({"nodes", "pipelines", "artifacts", "errors"}))
       ->type_name("WHAT");
   list.add_option("--role", options.role, "only those of this role")->type_name("ROLE");
   add_json(list, options);

@@ -16,7 +16,7 @@ _plumbline() {
           compopt -o nospace 2>/dev/null  # outside of a completion, as in a test, there is none
         fi ;;
       describe) words=$({ "$program" list; "$program" list pipelines; "$program" list artifacts; } 2>/dev/null | cut -d' ' -f1) ;;
-      list) words="nodes pipelines artifacts" ;;
+      list) words="nodes pipelines artifacts errors" ;;
       campaign) ((COMP_CWORD == 2)) && words="init check" ;;
       cache) ((COMP_CWORD == 2)) && words="prune" ;;
       new) ((COMP_CWORD == 2)) && words="detector pose_solver adjuster registrar planner robot metric survey_reader writer python_node" ;;

@@ -24,7 +24,7 @@ function __plumbline_words
         case describe
             begin; $program list; $program list pipelines; $program list artifacts; end 2>/dev/null | cut -d' ' -f1
         case list
-            printf '%s\n' nodes pipelines artifacts
+            printf '%s\n' nodes pipelines artifacts errors
         case campaign
             test -n "$first"; and printf '%s\n' init check
         case cache

@@ -16,7 +16,7 @@ _plumbline_words() {
           $program describe $words[3] 2>/dev/null | sed -n '/^variables/,/^$/s/^  \([a-z_]\{1,\}\) .*/\1=/p'
         fi ;;
       describe) { $program list; $program list pipelines; $program list artifacts } 2>/dev/null | cut -d' ' -f1 ;;
-      list) print -l nodes pipelines artifacts ;;
+      list) print -l nodes pipelines artifacts errors ;;
       campaign) ((CURRENT == 3)) && print -l init check ;;
       cache) ((CURRENT == 3)) && print prune ;;
       new) ((CURRENT == 3)) && print -l detector pose_solver adjuster registrar planner robot metric survey_reader writer python_node ;;

@@ -1,4 +1,5 @@
 // Every command: exit code, standard output, standard error.
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -89,6 +90,18 @@ TEST(Commands, ValidateShowsAllThatIsWrong) {
   EXPECT_EQ(json["valid"], false);
   EXPECT_EQ(json["problems"].size(), 3u);
   EXPECT_EQ(json["problems"][0]["line"], 3);
+}
+
+/// What a run of a script ends with is looked up in one place.
+TEST(Commands, ListErrorsHasEveryExitCodeAndFailure) {
+  const Program plumbline;
+  std::map<std::string, std::set<std::string>> names;
+  for (const Json& told : Json::parse(plumbline({"list", "errors", "--json"}).out)) {
+    EXPECT_TRUE(names[told.at("where")].insert(told.at("name")).second) << told;
+    EXPECT_FALSE(told.at("means").get<std::string>().empty()) << told;
+  }
+  EXPECT_EQ(names.at("exit code"), (std::set<std::string>{"0", "1", "2", "3", "4", "130"}));
+  EXPECT_EQ(names.at("failure"), (std::set<std::string>{"bad_input", "not_converged", "failed"}));
 }
 
 TEST(Commands, ListAndDescribe) {
