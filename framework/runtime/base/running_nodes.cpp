@@ -110,7 +110,7 @@ const char* name_of(int signal) {
     case SIGBUS:
       return "SIGBUS, access to memory whose file was cut short or whose disk failed";
     case SIGFPE:
-      return "SIGFPE, an impossible operation on integers";
+      return "SIGFPE, an impossible operation on integers, or floating-point exceptions that a node had trapped";
     case SIGILL:
       return "SIGILL, an instruction this processor does not have";
     default:

@@ -63,9 +63,15 @@ SeenBoard other_board(const Board& board, const ChessLattice& found) {
   SeenBoard seen;
   const bool squares = found.columns == board.columns - 1 && found.rows == board.rows - 1;
   seen.contradicts = true;
-  seen.problem = "the chessboard has " + inner_corners(found.columns, found.rows) + ", not " +
-                 std::to_string(board.columns) + " x " + std::to_string(board.rows) + " as the board file says" +
-                 (squares ? ": columns and rows there are to count inner corners, not squares" : "");
+  // One photograph does not tell a small board from a large one of which a part is covered or beyond its rim.
+  const bool is_part = !squares && found.columns <= board.columns && found.rows <= board.rows;
+  seen.problem = std::string("the chessboard ") + (is_part ? "shows " : "has ") +
+                 inner_corners(found.columns, found.rows) + ", not " + std::to_string(board.columns) + " x " +
+                 std::to_string(board.rows) + " as the board file says" +
+                 (squares   ? ": columns and rows there are to count inner corners, not squares"
+                  : is_part ? ": a part of it is covered or beyond the rim, or, if all photographs say so, the file is "
+                              "wrong"
+                            : "");
   return seen;
 }
 

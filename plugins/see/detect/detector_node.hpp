@@ -57,11 +57,15 @@ inline GreyImage negative(const GreyImage& image) {
 }
 
 /// Why a photograph shows `count` tags where there are more: they are found only in a mirror, as negatives, or with a
-/// border of two cells (`wide`, where there is such a family).
+/// border of two cells (`wide`, where there is such a family); or, of one in a mirror, that tags of none of the
+/// `families` are there.
 inline std::string found_only_otherwise(const GreyImage& grey, size_t count, bool by_chance, const SearchImage& search,
-                                        const SearchImage& wide) {
+                                        const SearchImage& wide, const std::vector<std::string>& families) {
   const auto some = [](size_t n) { return std::to_string(n) + (n == 1 ? " tag is" : " tags are"); };
   const size_t in_mirror = search(mirrored(grey)).size();
+  // A single one may be chance among tags of another family.
+  const std::string others = in_mirror == 1 && count == 0 ? tags_of_another_family(grey, families) : "";
+  if (!others.empty()) return "it shows " + others + ": the family is wrong";
   if (in_mirror > 2 * count + (by_chance ? 1 : 0))
     return "the photograph is mirrored: " + some(in_mirror) +
            " found only after a flip. Export it from the camera without mirroring (selfie and web-camera programs "
@@ -124,7 +128,7 @@ inline ImageTagsT search_image(const Context& context, const Image& photograph, 
   }
   const auto tags = search(grey);
   if (tags.empty() || by_chance) {
-    const std::string otherwise = found_only_otherwise(grey, tags.size(), by_chance, search, wide);
+    const std::string otherwise = found_only_otherwise(grey, tags.size(), by_chance, search, wide, families);
     if (!otherwise.empty()) {
       result.problem = otherwise;
       context.warn(result.path + ": " + otherwise);

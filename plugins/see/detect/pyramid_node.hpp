@@ -72,14 +72,12 @@ struct DetectTagPyramid : Node {
       constexpr int kSide = 2048;  // the middle tells what is wrong without holding the image
       const GreyImage middle =
           read_grey_part(path, (rows->width() - kSide) / 2, (rows->height() - kSide) / 2, kSide, kSide);
+      std::vector<std::string> names;
+      for (const SquareFamily& one : wanted()) names.push_back(one.name);
       result.problem = found_only_otherwise(
           middle, 0, false, [](const GreyImage&) { return std::vector<DetectedTag>{}; },
-          [&](const GreyImage& grey) { return with_wide_borders(grey); });
-      if (result.problem.empty()) {
-        std::vector<std::string> names;
-        for (const SquareFamily& one : wanted()) names.push_back(one.name);
-        result.problem = why_not_these(middle, names);
-      }
+          [&](const GreyImage& grey) { return with_wide_borders(grey); }, names);
+      if (result.problem.empty()) result.problem = why_not_these(middle, names);
     }
     context.warn(result.path + ": " + (found.mirrored ? "" : "no tag found") +
                  (!found.mirrored && !result.problem.empty() ? "; " : "") + result.problem);

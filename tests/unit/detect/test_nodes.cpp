@@ -174,6 +174,33 @@ TEST(DetectNodes, SayThatAllTagsAreNegativeOrMirrored) {
   }
 }
 
+/// One code in a mirror may be chance where the photograph is full of tags of another family.
+TEST(DetectNodes, OneTagInAMirrorAmongThoseOfAnotherFamilyIsNoMirroredPhotograph) {
+  const test::TemporaryFolder folder;
+  GreyImage all{800, 200, std::vector<std::uint8_t>(800 * 200, 190)};
+  for (int part = 0; part < 4; ++part) {
+    test::TagScene one = scene();
+    one.id = part, one.family = part < 3 ? "tag36h11" : "tag25h9";
+    const GreyImage image = render(one);
+    for (int y = 0; y < 200; ++y) {
+      const auto to = all.pixels.begin() + y * 800 + 200 * part;
+      std::copy_n(image.pixels.begin() + y * 200, 200, to);
+      if (part == 3) std::reverse(to, to + 200);
+    }
+  }
+  write_png(folder.path() / "all.png", all);
+  test::NodeHarness detect("detect.apriltag");
+  detect.set("families", "tag25h9");
+  ImageT image;
+  image.path = "all.png", image.uri = (folder.path() / image.path).string();
+  detect.input<Image>("images", image);
+  detect.run();
+  const ImageTagsT result = detect.output<ImageTags>("observations");
+  EXPECT_TRUE(result.tags.empty());
+  EXPECT_THAT(result.problem, HasSubstr("3 tags of"));
+  EXPECT_THAT(result.problem, HasSubstr("the family is wrong"));
+}
+
 /// In a mirror a few codes look like others of a small dictionary: what is found among many mirrored tags is chance.
 TEST(DetectNodes, AFewTagsAmongManyMirroredOnesAreNone) {
   const test::TemporaryFolder folder;

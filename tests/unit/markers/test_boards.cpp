@@ -316,7 +316,10 @@ TEST(Board, OfAnotherSizeIsNamed) {
     const auto seen = detect::find_board(drawn_chessboard(), board);
     EXPECT_TRUE(seen.contradicts) << columns << " x " << rows;
     EXPECT_TRUE(seen.points.empty()) << columns << " x " << rows;
-    EXPECT_THAT(seen.problem, HasSubstr("has 6 x 4 inner corners"));
+    // A larger one may be there, and covered in part.
+    const bool may_be_part = columns >= 6 && rows >= 4;
+    EXPECT_THAT(seen.problem, HasSubstr(may_be_part ? "shows 6 x 4 inner corners" : "has 6 x 4 inner corners"));
+    EXPECT_EQ(seen.problem.find("a part of it is covered") != std::string::npos, may_be_part) << seen.problem;
   }
 }
 
