@@ -7,6 +7,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
+#include "geometry/geodesy/map_projection.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 #include "simulated_network.hpp"
@@ -147,9 +148,21 @@ TEST_P(SurveyAdjuster, EveryParameterHasItsEffect) {
   for (const size_t i : {0, 3, 8}) keyed.survey.points[i].known = {true, true, true};
   auto marked = by_profile;
   marked.survey.points[12].known = marked.survey.points[0].known = {true, true, true};
+  auto with_vector = given;  // of the earth, between two markers
+  const geodesy::MapProjection map("EPSG:25832");
+  const auto of_the_earth = [&](const Eigen::Vector3d& p) {
+    return map.geocentric(map.inverse(p.head<2>()), p.z() + 47.5);
+  };
+  survey::VectorGroup vector;
+  vector.vectors = {{given.survey.points[0].id, given.survey.points[11].id, 0, 0}};
+  vector.values = of_the_earth(given.truth[11]) - of_the_earth(given.truth[0]);
+  vector.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  vector.is_geocentric = true;
+  with_vector.survey.vectors.push_back(vector);
   EXPECT_EQ(test::parameters_at_fault({with(given, false, {}), with(keyed, false, {}),
                                        with(marked, false, {{"profile", "total_station_1arcsec"}}),
                                        with(given, false, {{"map", "EPSG:25832"}}), with(given, true, {}),
+                                       with(with_vector, true, {{"map", "EPSG:25832"}, {"geoid_height", "47.5"}}),
                                        with(by_profile, true, {}), with(given, true, {{"remove_blunders", "true"}}),
                                        with(given, true, {{"datum", "weighted"}, {"curvature", "on"}}),
                                        with(given, true, {{"covariance", "neighbours"}})}),

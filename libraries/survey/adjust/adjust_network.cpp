@@ -53,6 +53,17 @@ bool start_from(const least_squares::Problem& before, least_squares::Problem& pr
 
 }  // namespace
 
+namespace {
+
+/// Residuals that no mistake of a few readings leaves.
+bool ran_away(const Solution& solution) {
+  constexpr double kSigma0 = 1000;
+  const int degrees = solution.degrees_of_freedom();
+  return degrees > 0 && solution.sum_of_squares() > kSigma0 * kSigma0 * degrees;
+}
+
+}  // namespace
+
 Pass Adjuster::adjust(bool statistics, const Pass* before) {
   NetworkProblem problem = make_problem(m_, options_, state_);
   least_squares::SolverOptions solver;
@@ -63,6 +74,8 @@ Pass Adjuster::adjust(bool statistics, const Pass* before) {
   solver.negligible_step = 3e-5;  // of a standard deviation: below a tenth of a micrometre in any real network
   try {
     Solution solution = least_squares::solve(problem.problem, solver);
+    // Where it ran away, what its last equations leave open says nothing of the network.
+    if (!solution.converged && ran_away(solution)) fail_to_converge(problem, solution);
     refuse_local_defects(problem, solution);
     if (!solution.converged) fail_to_converge(problem, solution);
     if (m_.unrelated) doubt(solution);

@@ -3,7 +3,9 @@
 // network_report.cpp.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -35,15 +37,20 @@ struct CommonError {
     face_index,
     collimation,
     reflector,
+    tilt,
+    sink,
+    twist,
+    edge,
     circle
   } kind = Kind::constant;
   int set_up = -1;           ///< -1: all set-ups
   int first = -1;            ///< circle: row of the first direction after it was turned
   double target_height = 0;  ///< target: of the sights with this height noted [m]
-  std::vector<int> sights;   ///< reflector: rows of the model, ascending
-  std::string set;           ///< reflector: which these are, in words
+  std::vector<int> sights;   ///< reflector, edge: rows of the model, ascending
+  std::string set;           ///< reflector: which these are, in words; edge: the target
   double penalty = 0;        ///< on w^2: it is the best of many of its family, one of which explains that by chance
   std::string rival;         ///< another kind of error that explains as much, in words; empty: none
+  std::string equal;         ///< an error that does, and mended would put points elsewhere: neither is mended
   int observations = 0;      ///< that share it; 0: no such error
   double w = 0;              ///< of the test, standard normal
   double size = 0;           ///< by which the observations are too large: [m], [1] or [rad]
@@ -97,6 +104,7 @@ class Adjuster {
   bool remove_worst(Pass& pass, int worst, std::set<int>& kept, std::set<int>& restored);
   /// Makes an unknown of the error, or a set-up of its own of the sights after the circle was turned.
   bool estimate(Pass& pass, const CommonError& error);
+  void apply(const CommonError& error);
   void split_set_up(const CommonError& error);
   bool clean(const Pass& pass) const;
   int removed() const;
@@ -104,8 +112,21 @@ class Adjuster {
 
   /// The plausible common error that explains more of the misfit than any single observation does; none: 0
   /// observations.
-  CommonError largest_common_error(const Pass& pass) const { return largest_common_error(pass, common_errors(pass)); }
-  CommonError largest_common_error(const Pass& pass, std::vector<CommonError> errors) const;
+  CommonError largest_common_error(const Pass& pass) { return largest_common_error(pass, common_errors(pass)); }
+  CommonError largest_common_error(const Pass& pass, std::vector<CommonError> errors);
+  CommonError as_good_as_a_reading(int suspect, double least, const std::vector<CommonError>& errors) const;
+  /// Of those that explain as much as `worst`, one that puts points elsewhere when mended, in words; empty: none.
+  std::string rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors);
+  struct MendedPlaces {
+    double sum_of_squares = 0;
+    std::vector<Eigen::Vector3d> places;
+  };
+  /// The network with this error mended; none: it cannot be adjusted so.
+  std::optional<MendedPlaces> mended_places(const CommonError& error);
+  bool lie_elsewhere(const Pass& pass, const MendedPlaces& a, const MendedPlaces& b) const;
+  static bool can_be_mended(CommonError::Kind kind) {
+    return kind < CommonError::Kind::tilt || kind == CommonError::Kind::circle;
+  }
   /// Hypotheses to be tested together, each with its rows of the problem and their coefficients.
   struct Hypothesis {
     CommonError error;  ///< kind and set-up; the test fills the rest
@@ -114,6 +135,12 @@ class Adjuster {
   std::vector<CommonError> common_errors(const Pass& pass) const;
   std::vector<Hypothesis> target_heights(const Pass& pass) const;
   std::vector<Hypothesis> circles(const Pass& pass) const;
+  /// A tilt, a sinking or twisting tripod of each set-up, a target whose distances come back from beside it.
+  std::vector<CommonError> set_up_motions(const Pass& pass) const;
+  void add_tilts(const Pass& pass, const std::map<int, std::vector<int>>& of_set_up,
+                 std::vector<CommonError>& found) const;
+  Eigen::Vector2d effect_of_tilt(const Pass& pass, int row) const;
+  Eigen::Vector3d sight_of(const Pass& pass, int row) const;  ///< from point to point [m]; NaN: no height
   /// One constant of some of the distances: another reflector stood there.
   std::vector<CommonError> reflectors(const Pass& pass) const;
   /// Index and collimation where a set-up was read in both faces and (almost) no target in both.
@@ -126,9 +153,10 @@ class Adjuster {
   std::string describe(const CommonError& error) const;
   /// Coefficient of an instrument height noted too large: minus the derivative of the observation by that height.
   double effect_of_instrument_height(const Pass& pass, int row) const;
-  void report_common_error(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result) const;
+  void report_common_error(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result);
 
-  /// True if a point that had controlled observations has none any more.
+  /// True if a point that had controlled observations in plan, or in height, has none there any more, or a reading that
+  /// was controlled is not: it was by the one that is out, and which of the two is wrong nobody can tell.
   bool makes_uncontrolled(const Pass& before, const Pass& after) const;
   std::set<std::string> controlled_points(const Pass& pass) const;
   bool is_unknown(const std::string& id) const;
@@ -161,6 +189,7 @@ class Adjuster {
   std::vector<int> set_up_of_row_;  ///< number; -1: none
   /// Common errors that could not be estimated after all.
   std::set<std::tuple<CommonError::Kind, int, int, double, std::vector<int>>> refused_;
+  bool stopped_ = false;   ///< an error was found that nobody can mend: the rest is as it was read
   std::string undecided_;  ///< of an error that was taken off, what explains the readings as well; empty: none
 };
 

@@ -114,11 +114,11 @@ void Adjuster::report_pointings(const Pass& pass, NetworkResult& result) const {
   }
 }
 
-void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonError>& common,
-                                   NetworkResult& result) const {
+void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result) {
   const CommonError error = largest_common_error(pass, common);
   if (error.observations == 0) return;
-  result.common_error = describe(error) + (error.rival.empty() ? "" : ", or " + error.rival);
+  result.common_error = describe(error) + (error.rival.empty() ? "" : ", or " + error.rival) +
+                        (error.equal.empty() ? "" : ", or " + error.equal + ": the readings do not tell which");
   result.findings.push_back({Finding::Severity::warning,
                              result.common_error +
                                  ". This explains the misfit better than any single observation; mend it "
@@ -129,6 +129,7 @@ void Adjuster::report_common_error(const Pass& pass, const std::vector<CommonErr
 void Adjuster::report_common_estimates(const Pass& pass, const std::vector<CommonError>& common,
                                        NetworkResult& result) const {
   using Kind = CommonError::Kind;
+  result.errors_taken_off = static_cast<int>(state_.extra.size());
   const double factor = std::sqrt(result.variance_factor);
   const auto put = [](ResultSetUp& s, Kind kind, const CommonEstimate& estimate) {
     if (kind == Kind::index) s.index = estimate;

@@ -63,6 +63,13 @@ double largest_plausible(CommonError::Kind kind) {
     case CommonError::Kind::height:
     case CommonError::Kind::target:
       return 2.0;  // [m]
+    case CommonError::Kind::tilt:
+    case CommonError::Kind::twist:
+      return 0.016;  // [rad], 1 gon
+    case CommonError::Kind::sink:
+      return 0.1;  // [m]
+    case CommonError::Kind::edge:
+      return 1.0;  // [m]
     case CommonError::Kind::circle:
       return std::numbers::pi;
   }
@@ -117,6 +124,26 @@ std::string Adjuster::describe(const CommonError& e) const {
              " by " + fixed_digits(std::abs(e.size) * 1000, 1) +
              " mm, the others do not: check which reflector was sighted there, and its constant" +
              known_difference(e.size * 1000, e.sigma * 1000);
+      break;
+    case CommonError::Kind::tilt:
+      text = "the vertical axis" + owner + " looks tilted by " + fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
+             " mgon: check its level and compensator, and measure from there again, or estimate the tilt "
+             "(network.with.tilt_sigma)";
+      break;
+    case CommonError::Kind::sink:
+      text = "the instrument" + owner + " looks as if it had " + (e.size > 0 ? "sunk" : "risen") + " by " +
+             fixed_digits(std::abs(e.size) * 1000, 1) +
+             " mm while it was read: check what its tripod stood on, and measure from there again";
+      break;
+    case CommonError::Kind::twist:
+      text = "the circle" + owner + " looks as if it had turned by " +
+             fixed_digits(e.size * 200000 / std::numbers::pi, 1) +
+             " mgon bit by bit while it was read: check the tripod, and measure from there again";
+      break;
+    case CommonError::Kind::edge:
+      text = "all " + std::to_string(e.observations) + " distances to " + e.set + " look too " +
+             (e.size > 0 ? "long" : "short") + " by " + fixed_digits(std::abs(e.size) * 1000, 1) +
+             " mm: check its prism; without one the beam passed it, or was sent back from an edge beside it";
       break;
     case CommonError::Kind::circle: {
       const std::string at = place(m_.rows[e.first].source);
@@ -311,11 +338,24 @@ bool differ(const CommonError& a, const CommonError& b) {
 
 }  // namespace
 
-CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors) const {
+/// What nobody can mend may be what one reading looks like: an edge, sighted from two sides that are nearly one.
+CommonError Adjuster::as_good_as_a_reading(int suspect, double least, const std::vector<CommonError>& errors) const {
+  CommonError best;
+  for (const CommonError& error : errors)
+    if (!can_be_mended(error.kind) && explained(error) > explained(best)) best = error;
+  if (suspect < 0 || best.observations == 0 || !(best.w * best.w - best.penalty > least) ||
+      explained(best) < critical_removal())
+    return {};
+  return best;
+}
+
+CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors) {
   double single = critical_removal();
-  for (size_t r = 0; r < pass.problem.rows.size(); ++r)
-    if (pass.problem.rows[r] >= 0) single = std::max(single, std::abs(pass.reliability.rows[r].w));
-  for (std::vector<CommonError> more : {test(pass, circles(pass)), reflectors(pass)})
+  int suspect = -1;  // row of the problem
+  for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r)
+    if (pass.problem.rows[r] >= 0 && std::abs(pass.reliability.rows[r].w) > single)
+      single = std::abs(pass.reliability.rows[r].w), suspect = r;
+  for (std::vector<CommonError> more : {test(pass, circles(pass)), reflectors(pass), set_up_motions(pass)})
     errors.insert(errors.end(), more.begin(), more.end());
   std::erase_if(errors, [&](const CommonError& error) {
     return std::abs(error.size) > largest_plausible(error.kind) || refused_.contains(error.key());
@@ -325,13 +365,16 @@ CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonE
     if (explained(error) > explained(worst)) worst = error;
   // Where little is controlled one reading and many explain the same misfit equally well.
   constexpr double kClearlyMore = 1.01;
-  if (!(std::sqrt(std::max(0.0, worst.w * worst.w - worst.penalty)) > kClearlyMore * single)) return CommonError{};
   constexpr double kClearly = 10.8;  // of w^2: 0.1 %
+  if (!(std::sqrt(std::max(0.0, worst.w * worst.w - worst.penalty)) > kClearlyMore * single))
+    return as_good_as_a_reading(suspect, single * single - kClearly, errors);
   CommonError rival;
   for (const CommonError& error : errors)
     if (differ(error, worst) && explained(error) > explained(rival)) rival = error;
   if (rival.observations > 0 && std::pow(explained(worst), 2) - std::pow(explained(rival), 2) < kClearly)
     worst.rival = describe(rival);
+  std::erase_if(errors, [&](const CommonError& error) { return differ(error, worst); });
+  if (can_be_mended(worst.kind)) worst.equal = rival_of(pass, worst, std::move(errors));
   return worst;
 }
 
@@ -356,21 +399,22 @@ void Adjuster::split_set_up(const CommonError& error) {
   find_set_ups_of_rows();
 }
 
+void Adjuster::apply(const CommonError& error) {
+  if (error.kind == CommonError::Kind::circle) return split_set_up(error);
+  static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant,    ExtraUnknown::Kind::scale,
+                                                 ExtraUnknown::Kind::index,       ExtraUnknown::Kind::height,
+                                                 ExtraUnknown::Kind::target,      ExtraUnknown::Kind::face_index,
+                                                 ExtraUnknown::Kind::collimation, ExtraUnknown::Kind::reflector};
+  state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height, error.sights});
+}
+
 bool Adjuster::estimate(Pass& pass, const CommonError& error) {
   using Kind = CommonError::Kind;
   constexpr size_t kMost = 12;  // beyond that nothing is common any more
   if (state_.extra.size() >= kMost) return false;
   const NetworkModel before = m_;
   const StochasticState state = state_;
-  if (error.kind == Kind::circle) {
-    split_set_up(error);
-  } else {
-    static constexpr ExtraUnknown::Kind kinds[] = {ExtraUnknown::Kind::constant,    ExtraUnknown::Kind::scale,
-                                                   ExtraUnknown::Kind::index,       ExtraUnknown::Kind::height,
-                                                   ExtraUnknown::Kind::target,      ExtraUnknown::Kind::face_index,
-                                                   ExtraUnknown::Kind::collimation, ExtraUnknown::Kind::reflector};
-    state_.extra.push_back({kinds[static_cast<int>(error.kind)], error.set_up, error.target_height, error.sights});
-  }
+  apply(error);
   m_.findings.push_back(
       {Finding::Severity::warning,
        describe(error) + (error.kind == Kind::circle ? "; the sights after it have an orientation of their own now"

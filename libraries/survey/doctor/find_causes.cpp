@@ -58,11 +58,16 @@ constexpr AngleMistake kAngleMistakes[] = {
 
 /// In the readings of one set-up, -1: of all. Faces follow from the zenith angles again.
 SurveyObservations without_mistake(SurveyObservations survey, const AngleMistake& mistake, int set_up) {
+  std::set<int> second_face;  // pointings: their circle stands turned by 200 gon
+  for (const Observation& o : survey.observations)
+    if (mistake.undo == from_zenith && o.kind == ObservationKind::zenith_angle && from_zenith(o.value) > kPi)
+      second_face.insert(o.pointing);
   for (Observation& o : survey.observations) {
     if (o.set_up < 0 || (set_up >= 0 && o.set_up != set_up)) continue;
     const bool direction = o.kind == ObservationKind::direction, zenith = o.kind == ObservationKind::zenith_angle;
     if ((direction && mistake.directions) || (zenith && mistake.zenith_angles)) o.value = mistake.undo(o.value);
     if (mistake.undo == from_zenith && zenith && o.value > kPi) o.value = 2 * kPi - o.value;
+    if (mistake.undo == from_zenith && direction && second_face.contains(o.pointing)) o.value = circle(o.value - kPi);
     if (mistake.undo == from_zenith && (direction || zenith)) o.face = 0;
   }
   return survey;

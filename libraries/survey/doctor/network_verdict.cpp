@@ -85,6 +85,21 @@ void doubt_common_errors(NetworkResult& r) {
               "; of the readings one by one: " + r.verdict;
 }
 
+/// What is left agrees because what did not was taken out. One reading in twenty at most is wrong by itself, and an
+/// error in common that was found ends the matter: where it does not, it was another one.
+void doubt_mending(NetworkResult& r) {
+  constexpr long kFew = 3, kOneIn = 20;
+  const long removed = std::count_if(r.rows.begin(), r.rows.end(), [](const ResultRow& row) { return row.removed; });
+  const auto splits = std::count_if(r.set_ups.begin(), r.set_ups.end(),
+                                    [](const ResultSetUp& s) { return s.id.find(" (part ") != std::string::npos; });
+  const bool many = removed >= kFew && kOneIn * removed > static_cast<long>(r.rows.size());
+  const bool besides = removed >= 2 && (r.errors_taken_off > 0 || splits > 0);
+  if (r.validity != Validity::sound || !(many || besides)) return;
+  r.validity = Validity::doubtful;
+  r.verdict = "doubtful: so much was mended that what is left had to agree, and the cause may be another one" +
+              std::string(many ? "" : " than was taken off") + "; of the readings that are left: " + r.verdict;
+}
+
 /// A network has its readings by the hundred and its known points by the handful: in its global test one of these that
 /// is wrong by ten standard deviations may drown.
 void doubt_known_points(NetworkResult& r) {
@@ -152,6 +167,7 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
                 (high ? ", a little high" : "") + ")" + mended(r);
   }
   doubt_common_errors(r);
+  doubt_mending(r);
   doubt_known_points(r);
 }
 

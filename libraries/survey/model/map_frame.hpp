@@ -29,7 +29,13 @@ struct MapCorrection {
 struct GeoidChoice {
   double height = 0;                                     ///< of the geoid above the map's ellipsoid [m]
   Eigen::Vector2d deflection = Eigen::Vector2d::Zero();  ///< xi, eta [rad]; of a grid its own slope is taken
+  /// By how much `height` may rise over the site where it is one constant [rad]: an unknown of the heights of GNSS
+  /// vectors with that prior. 0: it is known to be one, or that of an ellipsoid.
+  double slope_sigma = 0;
   std::string grid;
+
+  /// Nothing says how it lies beyond one height.
+  bool is_open() const { return slope_sigma > 0 && grid.empty() && deflection.isZero(0); }
 };
 
 class MapFrame {

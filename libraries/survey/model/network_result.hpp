@@ -111,6 +111,7 @@ struct NetworkResult {
   bool without_readings = false;      ///< a list of coordinates, taken as given
   std::vector<std::string> left_out;  ///< points that the observations do not determine
   std::string common_error;           ///< explains the readings better than any single one; in words; empty: none
+  int errors_taken_off = 0;           ///< that readings had in common, estimated
   std::string undecided;              ///< errors that explain them alike, of which one was taken off; empty: none
   std::vector<ResultPoint> points;
   std::vector<ResultSetUp> set_ups;

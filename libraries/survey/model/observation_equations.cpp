@@ -175,10 +175,15 @@ bool VectorBlock::evaluate(const double* const* values, double* residuals, doubl
     const Vector3d up = Vector3d::UnitZ(), to = Map<const Vector3d>(values[vector.to]) + vector.to_height * up,
                    from = Map<const Vector3d>(values[vector.from]) + vector.from_height * up;
     Eigen::Matrix3d by_to = Eigen::Matrix3d::Identity(), by_from = by_to;
-    const Vector3d d = map ? Vector3d(map->geocentric(to, &by_to) - map->geocentric(from, &by_from)) : to - from;
+    Vector3d d = map ? Vector3d(map->geocentric(to, &by_to) - map->geocentric(from, &by_from)) : to - from;
+    // Where the geoid rises from one end to the other by t, the far end is t higher above the ellipsoid than it says.
+    const Vector3d far_up = by_to.col(2);
+    const Eigen::Vector2d along = (to - from).head<2>();
+    if (slope >= 0) d += far_up * along.dot(Map<const Eigen::Vector2d>(values[slope]));
     for (int k = 0; k < 3; ++k) {
       const int r = 3 * v + k;
       residuals[r] = d[k] - observed[r];
+      for (int c = 0; slope >= 0 && c < 2; ++c) RowWriter{jacobians, r}.add(slope, 2, c, far_up[k] * along[c]);
       for (int c = 0; c < 3; ++c) {
         if (by_to(k, c) != 0) RowWriter{jacobians, r}.add(vector.to, 3, c, by_to(k, c));
         if (by_from(k, c) != 0) RowWriter{jacobians, r}.add(vector.from, 3, c, -by_from(k, c));

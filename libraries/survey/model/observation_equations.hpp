@@ -78,6 +78,7 @@ class VectorBlock : public least_squares::ResidualBlock {
   std::vector<Vector> vectors;
   Eigen::VectorXd observed;             ///< 3n
   std::shared_ptr<const MapFrame> map;  ///< of geocentric differences; null: dE, dN, dH
+  int slope = -1;                       ///< of the geoid to the east and north [rad], among the parameters; -1: none
 };
 
 /// A point in the frame of a levelled set-up: p = R(orientation) (X + TH e3 - S - IH e3), y at the zero of the circle.

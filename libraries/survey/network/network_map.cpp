@@ -114,6 +114,36 @@ double height_of_lengths(const NetworkModel& m) {
   return 0;
 }
 
+/// Vectors end above the ellipsoid, and heights are counted from the sea.
+void require_geoid(const std::string& system, const GeoidChoice& geoid) {
+  if (!geoid.is_open() || geoid.height != 0 || system.starts_with("+proj=")) return;
+  throw NetworkError(
+      "the network has GNSS vectors, and nothing says how high the geoid lies above the ellipsoid of the map " +
+      system +
+      ": taken as 0 m, plan positions are wrong by 7.5 ppm for 48 m, and heights by what it rises over the site. Give "
+      "geoid_height=47.5 (metres there) or geoid_grid=FILE.gtx; where all heights are above the ellipsoid, "
+      "network.with.geoid_slope=0");
+}
+
+/// One height of the geoid is none of a site of kilometres.
+void tell_of_slope(const GeoidChoice& geoid, NetworkModel& m) {
+  constexpr double kSite = 1000;  // [m]
+  if (!geoid.is_open()) return;
+  double across = 0;
+  for (const VectorGroup& g : m.survey.vectors)
+    for (Eigen::Index k = 0; g.is_geocentric && k + 2 < g.values.size(); k += 3)
+      across = std::max(across, g.values.segment<3>(k).norm());
+  if (!(across > kSite)) return;
+  m.findings.push_back({Finding::Severity::warning,
+                        "one height of the geoid holds for vectors of " + fixed_digits(across / 1000, 1) +
+                            " km: heights from GNSS vectors follow the ellipsoid, and by how much the geoid rises "
+                            "along them nobody has said. That is an unknown here (geoid_slope), with a standard "
+                            "deviation of " +
+                            fixed_digits(1e3 * across * geoid.slope_sigma, 0) +
+                            " mm along the longest, and theirs hold it; give geoid_grid=FILE.gtx",
+                        {}});
+}
+
 }  // namespace
 
 void take_map(NetworkModel& m, const AdjustOptions& options) {
@@ -152,6 +182,7 @@ void take_map(NetworkModel& m, const AdjustOptions& options) {
     throw NetworkError(std::string("map: ") + error.what());
   }
   refuse_other_datum(m, some, !options.geoid.grid.empty());
+  if (some) require_geoid(system, options.geoid), tell_of_slope(options.geoid, m);
 }
 
 void find_map_corrections(NetworkModel& m) {

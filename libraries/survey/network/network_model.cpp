@@ -297,7 +297,8 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
     means = mean_observations(m.survey);
     SetUpChain chain(m.survey, means.observations, options.profile);
     const std::vector<SetUpProblem> problems = check_set_ups(m.survey, means.observations, chain);
-    const bool mended = options.remove_blunders && round < kMost && mend_set_ups(problems, m.survey);
+    const bool mended =
+        options.remove_blunders && round < kMost && mend_set_ups(problems, means.observations, m.survey);
     for (const SetUpProblem& p : problems) {
       using Kind = SetUpProblem::Kind;
       const bool by_itself = p.kind == Kind::unit || p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument;
@@ -317,13 +318,25 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
 
 }  // namespace
 
+/// A free station takes up millimetres in place of metres: its own height is wrong by a kilometre, and nothing else is.
+static void refuse_height(const char* of, double height, const std::string& where) {
+  constexpr double kHighest = 100;  // [m]
+  if (std::abs(height) > kHighest)
+    throw NetworkError(where + ": the " + of + " height is " + fixed_digits(height, 3) +
+                       " m; heights of targets and instruments are metres: mend the unit of the file or the number");
+}
+
 void check_indices(const SurveyObservations& s) {
+  for (const SetUp& set_up : s.set_ups) refuse_height("instrument", set_up.instrument_height, "set-up " + set_up.id);
   const int set_ups = static_cast<int>(s.set_ups.size()), observations = static_cast<int>(s.observations.size());
   for (const Observation& o : s.observations) {
     if (o.set_up < -1 || o.set_up >= set_ups || (o.kind == ObservationKind::direction && o.set_up < 0))
       throw NetworkError("observation " + o.from + " -> " + o.to + " refers to set-up " + std::to_string(o.set_up) +
                          ", there are " + std::to_string(set_ups));
     if (!std::isfinite(o.value)) throw NetworkError(name_of(o) + " has no value");
+    refuse_height("target", o.target_height, name_of(o));
+    refuse_height("target", o.second_target_height, name_of(o));
+    refuse_height("instrument", o.instrument_height, name_of(o));
     if (o.face < 0 || o.face > 2)
       throw NetworkError(name_of(o) + " has the face " + std::to_string(o.face) + ", expected 0, 1 or 2");
   }

@@ -189,6 +189,12 @@ class Assembler {
     add_common("additive constant", 0, options_.additive_constant_sigma);
     add_common("refraction coefficient", m_.refraction_coefficient, m_.curvature ? options_.refraction_sigma : 0);
     add_common("vertical index", 0, options_.vertical_index_sigma);
+    const bool geocentric = std::any_of(m_.survey.vectors.begin(), m_.survey.vectors.end(),
+                                        [](const VectorGroup& g) { return g.is_geocentric; });
+    if (m_.map && geocentric && options_.geoid.is_open()) {
+      geoid_slope_ = add_block("slope of the geoid", {0.0, 0.0});
+      add_prior(geoid_slope_, Eigen::VectorXd::Zero(2), options_.geoid.slope_sigma);
+    }
     static const char* const names[] = {"additive constant",
                                         "scale",
                                         "vertical index",
@@ -346,6 +352,7 @@ class Assembler {
       }
       for (int k = 0; k < g.values.size(); ++k) rows.push_back(m_.first_row_of_group[group] + k);
       if (g.is_geocentric) block->map = m_.map;
+      if (g.is_geocentric && geoid_slope_ >= 0) block->slope = slot(*block, geoid_slope_);
       finish_given(std::move(block), covariance_of(g, m_), rows, kGiven, "observed vectors (" + place(g.source) + ")");
       ++group;
     }
@@ -383,6 +390,7 @@ class Assembler {
   const StochasticState& state_;
   ReadingSigmas sigmas_;
   bool shared_centring_;
+  int geoid_slope_ = -1;  // parameter
   NetworkProblem out_;
 };
 

@@ -217,6 +217,18 @@ class SetUpCheck {
     finish_group(most, p);
   }
 
+  /// Up or down alone, and all with other target heights noted than the sights that agree: no instrument moves like
+  /// that at such a time. Which height is wrong the adjustment tells, up to what it takes for one.
+  bool is_of_a_pole(const std::vector<const Stray*>& group, const Vector3d& moved) const {
+    constexpr double kInPlan = 0.2, kLargest = 2;  // of the height; [m]
+    if (moved.head<2>().norm() > kInPlan * std::abs(moved.z()) || std::abs(moved.z()) > kLargest) return false;
+    const auto height = [&](int order) { return or_zero(survey_.observations[order].target_height); };
+    std::set<double> noted;
+    for (const int order : inside_) noted.insert(height(order));
+    return !noted.empty() && std::none_of(group.begin(), group.end(),
+                                          [&](const Stray* s) { return noted.contains(height(s->sight->order)); });
+  }
+
   /// Strays that fit each other, but elsewhere.
   void check_place() {
     std::vector<FigurePair> pairs;
@@ -230,11 +242,13 @@ class SetUpCheck {
     // An instrument moves at a time and never moves back; and two set-ups that contradict each other do not say which.
     const auto certain = std::count_if(group.begin(), group.end(), [](const Stray* s) { return s->certain; });
     if (!without_others(orders) || certain < 3) return;
-    SetUpProblem& p = add(Kind::moved_instrument, group);
     const Vector3d moved = fit->shift - fit_.shift;
+    if (is_of_a_pole(group, moved)) return settle(group);
+    SetUpProblem& p = add(Kind::moved_instrument, group);
     p.text = "set-up " + name() + ": the instrument stood elsewhere " + when(p.orders) + " (" +
              fixed_digits(1000 * moved.head<2>().norm(), 0) + " mm in plan, " + fixed_digits(1000 * moved.z(), 0) +
-             " mm in height)";
+             " mm in height" +
+             (moved.head<2>().norm() < 0.01 * std::abs(moved.z()) ? "; or heights of targets are noted wrongly)" : ")");
     finish_group(group, p);
     // Which of the two parts stood on the mark, where others see it?
     const std::string& station = survey_.set_ups[set_up_].station;

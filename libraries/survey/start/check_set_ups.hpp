@@ -28,6 +28,7 @@ std::vector<SetUpProblem> check_set_ups(const SurveyObservations& survey,
 /// Mends in the survey what can be mended without losing a reading: a unit, a turned circle (the readings after it
 /// become a set-up of their own), a moved instrument (a set-up and a station of their own). True if anything was.
 /// Readings under a wrong name stay as they are; they are to be left out.
-bool mend_set_ups(const std::vector<SetUpProblem>& problems, SurveyObservations& survey);
+bool mend_set_ups(const std::vector<SetUpProblem>& problems, const std::vector<MeanObservation>& means,
+                  SurveyObservations& survey);
 
 }  // namespace plumbline::survey

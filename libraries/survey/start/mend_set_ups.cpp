@@ -22,11 +22,14 @@ void multiply_distances(const SetUpProblem& p, SurveyObservations& survey) {
 }
 
 /// The sights concerned become a set-up of their own; on a station of its own if the instrument was moved.
-void split_off(const SetUpProblem& p, bool moved, SurveyObservations& survey) {
+void split_off(const SetUpProblem& p, bool moved, const std::vector<MeanObservation>& means,
+               SurveyObservations& survey) {
   std::set<std::pair<std::string, int>> sights;  // target and pointing: all readings of a sight go together
-  for (int i : p.orders) {
-    const Observation& o = survey.observations[i];
-    sights.insert({o.to, o.pointing});
+  const std::set<int> orders(p.orders.begin(), p.orders.end());
+  for (const MeanObservation& mean : means) {
+    if (std::none_of(mean.members.begin(), mean.members.end(), [&](int i) { return orders.contains(i); })) continue;
+    for (const int i : mean.members)  // in the other face too
+      sights.insert({survey.observations[i].to, survey.observations[i].pointing});
   }
   SetUp part = survey.set_ups[p.set_up];
   int number = 2;
@@ -47,13 +50,14 @@ void split_off(const SetUpProblem& p, bool moved, SurveyObservations& survey) {
 
 }  // namespace
 
-bool mend_set_ups(const std::vector<SetUpProblem>& problems, SurveyObservations& survey) {
+bool mend_set_ups(const std::vector<SetUpProblem>& problems, const std::vector<MeanObservation>& means,
+                  SurveyObservations& survey) {
   bool mended = false;
   for (const SetUpProblem& p : problems) {
     if (!p.certain) continue;
     if (p.kind == Kind::unit) multiply_distances(p, survey);
     if (p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument)
-      split_off(p, p.kind == Kind::moved_instrument, survey);
+      split_off(p, p.kind == Kind::moved_instrument, means, survey);
     mended |= p.kind == Kind::unit || p.kind == Kind::turned_circle || p.kind == Kind::moved_instrument;
   }
   return mended;

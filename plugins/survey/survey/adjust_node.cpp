@@ -122,6 +122,7 @@ AdjustOptions AdjustNode::options() const {
   o.known_sigma = *known_sigma;
   o.map = *map;
   o.geoid = geoid();
+  o.geoid.slope_sigma = *geoid_slope * kArcsecond;
   o.mean_height = *mean_height;
   o.centring_per_set_up = *centring == "set_up";
   if (*covariance == "full") o.largest_whole = std::numeric_limits<int>::max();

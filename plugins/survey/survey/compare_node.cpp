@@ -13,6 +13,7 @@
 #include "network_memory.hpp"
 #include "survey/epochs/check_control.hpp"
 #include "survey/epochs/compare_epochs.hpp"
+#include "survey/epochs/epoch_mistakes.hpp"
 #include "survey/epochs/epoch_names.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "survey/files/survey_layout.hpp"
@@ -136,6 +137,15 @@ std::string alternatives_in_words(const Comparison& c, const std::string& id) {
   return "";
 }
 
+/// An epoch whose own readings do not agree shows movements of what is wrong in it.
+std::string epochs_in_doubt(const SurveyNetworkT& first, const SurveyNetworkT& second) {
+  std::string text;
+  for (const auto& [name, network] : {std::pair("the first epoch", &first), {"the second epoch", &second}})
+    if (network->validity == "doubtful" || network->validity == "invalid")
+      text += std::string(text.empty() ? "" : "; ") + name + " by itself is " + network->verdict;
+  return text.empty() ? "" : text + ". Mend that first: until then nothing is known of movements";
+}
+
 ComparisonOptions options_of(double alpha, double alpha0, double power) {
   ComparisonOptions options;
   options.alpha = alpha;
@@ -177,7 +187,15 @@ void CompareEpochsNode::run(Context& context) {
     throw std::runtime_error(scale_in_words(*scale) + "; read it in its unit, these are no movements");
   options.first_variance = variance_of(a, first_network ? first_network.unpack().scaled_with_sigma0 : false);
   options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
-  const Comparison c = compare_epochs(before, after, options);
+  Comparison c = compare_epochs(before, after, options);
+  const auto mistake = find_epoch_mistake(before, after, options, c);
+  if (mistake) {
+    context.warn(mistake->words);
+    c = mistake->comparison, options.free_motions = mistake->free_motions;
+  }
+  const std::string in_doubt = epochs_in_doubt(first_network ? first_network.unpack() : SurveyNetworkT(),
+                                               second_network ? second_network.unpack() : SurveyNetworkT());
+  if (!in_doubt.empty()) context.warn(in_doubt);
   const std::vector<std::string> not_followed =
       names_not_followed({{"the first epoch", before.ids}, {"the second epoch", after.ids}});
   for (const std::string& words : not_followed) context.warn(words);
@@ -188,17 +206,20 @@ void CompareEpochsNode::run(Context& context) {
   SurveyComparisonT out = to_artifact(c, options);
   std::vector<Eigen::Vector3d> places, sigmas;
   for (const Movement& m : c.movements) places.push_back(m.position), sigmas.push_back(m.sigma);
-  out.notes = size_notes(scale, places, sigmas);
-  if (scale) context.warn(out.notes.front());  // what 10 K do is no finding: the page has it
+  const auto told_scale = mistake ? std::nullopt : scale;
+  out.notes = size_notes(told_scale, places, sigmas);
+  if (told_scale) context.warn(out.notes.front());  // what 10 K do is no finding: the page has it
   out.notes.insert(out.notes.begin(), not_followed.begin(), not_followed.end());
+  if (mistake) out.notes.insert(out.notes.begin(), mistake->words);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;
   for (const Movement& m : c.movements) {
     if (!m.moved) continue;
     moved.push_back(m.id);
-    context.warn("point " + m.id + " has moved: " + movement_in_words(m) + alternatives_in_words(c, m.id));
+    context.warn("point " + m.id + (in_doubt.empty() ? " has moved: " : " seems to have moved: ") +
+                 movement_in_words(m) + alternatives_in_words(c, m.id));
   }
-  out.remark = c.variances.text + (c.variances.text.empty() ? "" : "; ") +
+  out.remark = (mistake ? mistake->words + "; " : "") + c.variances.text + (c.variances.text.empty() ? "" : "; ") +
                (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
                (moved.empty() ? "; no point has moved significantly" : "; moved: " + text::join(moved, most_named)) +
                (c.only_first.empty() ? "" : "; not in the second epoch: " + text::join(c.only_first, most_named));

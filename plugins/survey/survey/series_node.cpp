@@ -11,6 +11,7 @@
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/epochs/check_control.hpp"
+#include "survey/epochs/epoch_mistakes.hpp"
 #include "survey/epochs/epoch_names.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "survey/words/network_words.hpp"
@@ -119,6 +120,21 @@ void set_times(Context& context, const std::vector<double>& given, const Dates& 
                "measured on others");
 }
 
+/// What a mistake in one epoch explains of its difference from the first, told before any point moves.
+void note_mistakes(const std::vector<DatedEpoch>& dated, SeriesText& text) {
+  ComparisonOptions options;
+  options.alpha = text.options.alpha, options.alpha0 = text.options.alpha0;
+  options.free_motions = text.options.free_motions;
+  for (size_t k = 1; k < dated.size(); ++k) {
+    if (common_scale(dated[0].epoch, dated[k].epoch)) continue;
+    options.first_variance = dated[0].variance, options.second_variance = dated[k].variance;
+    const Comparison compared = compare_epochs(dated[0].epoch, dated[k].epoch, options);
+    if (const auto mistake = find_epoch_mistake(dated[0].epoch, dated[k].epoch, options, compared))
+      text.notes.push_back(text.labels[k] + " (second) beside " + text.labels[0] + " (first): " + mistake->words +
+                           "; the movements and velocities of this series hold it");
+  }
+}
+
 /// Scales that epochs do not share with the first one; throws where one is of another unit.
 void note_scales(const std::vector<DatedEpoch>& dated, SeriesText& text) {
   for (size_t k = 1; k < dated.size(); ++k) {
@@ -205,6 +221,7 @@ void EpochSeriesNode::run(Context& context) {
   text.options.free_motions = merged_motions(largest, smallest, dated.front().epoch);
   set_times(context, *days, dates, dated, text);
   note_scales(dated, text);
+  note_mistakes(dated, text);
   const EpochSeries result = epoch_series(dated, text.options);
   for (const std::string& note : text.notes) context.warn(note);
   // What 10 K do is no finding: page and verdict have it.

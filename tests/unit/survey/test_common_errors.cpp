@@ -6,6 +6,7 @@
 #include "geometry/random.hpp"
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
+#include "survey/network/network_model.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::survey {
@@ -342,6 +343,75 @@ TEST(CommonErrors, WhatExplainsTheReadingsBetterTakesSoundAway) {
     one_by_one_sound += r.verdict.find("of the readings one by one: sound") != std::string::npos;
   }
   EXPECT_GE(one_by_one_sound, 1);
+}
+
+/// The pole of S2 noted 0.1 m too long is the pole of S1 noted too short: mended the first way all details lay 100 mm
+/// too low, in a sound network.
+TEST(CommonErrors, OfTwoSetUpsWithAPoleNobodyKnowsWhichIsWrong) {
+  for (const int wrong : {0, 1}) {
+    OnControl field(90);
+    for (Observation& o : field.network.survey.observations) {
+      o.target_height = field.is_known(o.to) ? 0 : 1.7;
+      if (!field.is_known(o.to) && o.kind != ObservationKind::direction) {
+        const Eigen::Vector3d d =
+            field.network.truth[o.to[1] * 5 - '0' * 5 + o.to[2] - '0'] - field.network.truth[20 + o.set_up];
+        const Eigen::Vector3d up = d + Eigen::Vector3d(0, 0, 1.7);
+        o.value += o.kind == ObservationKind::slope_distance
+                       ? up.norm() - d.norm()
+                       : std::atan2(up.head<2>().norm(), up.z()) - std::atan2(d.head<2>().norm(), d.z());
+        if (o.set_up == wrong) o.target_height = 1.8;
+      }
+    }
+    const NetworkResult r = field.adjust(true);
+    EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+    expect_words(r.common_error,
+                 {"the target height of", "of set-up S1", "of set-up S2", "the readings do not tell which"});
+    EXPECT_EQ(r.errors_taken_off, 0);
+    EXPECT_TRUE(r.snooping.empty());
+  }
+}
+
+/// Both distances to a mark on an edge 60 mm too long: the two sound directions went, and it lay 63 mm off, "sound".
+TEST(CommonErrors, AnEdgeIsNamedAndNothingIsTakenOut) {
+  OnControl field(91);
+  for (Observation& o : field.network.survey.observations)
+    if (o.kind == ObservationKind::slope_distance && o.to == "M12") o.value += 0.06;
+  const NetworkResult r = field.adjust(true);
+  EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+  expect_words(r.common_error, {"all 2 distances to M12 look too long by", "edge"});
+  EXPECT_TRUE(r.snooping.empty());
+}
+
+/// An axis that leans was an index of all zenith angles, a tripod that sinks one of either set-up; both were taken off.
+TEST(CommonErrors, TiltAndASinkingTripodAreNamedAndNotTakenOff) {
+  for (const bool tilt : {true, false}) {
+    OnControl field(92);
+    field.know_stations();
+    for (Observation& o : field.network.survey.observations) {
+      if (o.set_up != 1 || o.kind != ObservationKind::zenith_angle) continue;
+      const Eigen::Vector3d d = field.network.truth[(o.to[1] - '0') * 5 + o.to[2] - '0'] - field.network.truth[21];
+      const double h = d.head<2>().norm();
+      o.value += tilt ? 2e-4 * d.x() / h : -0.006 * (o.pointing - 20) / 20 * h / d.squaredNorm();
+    }
+    const NetworkResult r = field.adjust(true);
+    EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+    expect_words(r.common_error, {tilt ? "the vertical axis of set-up S2 looks tilted by 1"
+                                       : "the instrument of set-up "
+                                         "S2 looks as if it had sunk by"});
+    EXPECT_EQ(r.errors_taken_off, 0);
+  }
+}
+
+/// The solver found the equations singular and no direction in which they are: the program crashed.
+TEST(NetworkDefects, WithoutOpenDirectionsNothingIsOpen) {
+  NetworkModel model = make_model(simulate({}, 5).survey, free_network(false), {});
+  StochasticState state;
+  state.removed.assign(model.rows.size(), 0);
+  const NetworkProblem problem = make_problem(model, free_network(false), state);
+  const Eigen::MatrixXd none(least_squares::UnknownIndex(problem.problem).count(), 0);
+  const std::vector<Finding> defects = name_defects(model, problem, none);
+  ASSERT_EQ(defects.size(), 1u);
+  expect_words(defects[0].text, {"the normal matrix is singular"});
 }
 
 }  // namespace test_common_errors

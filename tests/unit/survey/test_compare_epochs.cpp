@@ -4,6 +4,7 @@
 
 #include "simulated_network.hpp"
 #include "survey/epochs/check_control.hpp"
+#include "survey/epochs/epoch_mistakes.hpp"
 #include "survey/epochs/epoch_scale.hpp"
 #include "test_support.hpp"
 
@@ -355,6 +356,46 @@ TEST(CompareEpochs, PlaneNetworkHasNoHeightsToCompare) {
       static_cast<Eigen::Index>(std::find(second.ids.begin(), second.ids.end(), "M12") - second.ids.begin());
   second.coordinates.segment<2>(3 * at) += Eigen::Vector2d(0.02, 0.01);
   for (const Movement& m : compare_epochs(first, second, options).movements) EXPECT_EQ(m.moved, m.id == "M12") << m.id;
+}
+
+std::string moved_in(const Comparison& c) {
+  std::string ids;
+  for (const Movement& m : c.movements)
+    if (m.moved) ids += (ids.empty() ? "" : " ") + m.id;
+  return ids;
+}
+
+/// 20 ppm over some hundred metres were three points that had moved, with both sigma0 as they should be.
+TEST(CompareEpochs, OneScaleOfAWholeEpochIsNoMovementOfItsPoints) {
+  const Epoch first = markers(epoch(test::simulate({}, 21).survey));
+  Epoch longer = markers(epoch(test::simulate({}, 22).survey));
+  EXPECT_FALSE(find_epoch_mistake(first, longer, {}, compare_epochs(first, longer, {})));
+  longer.coordinates *= 1.0008;  // of 12 m
+  const Comparison compared = compare_epochs(first, longer, {});
+  ASSERT_NE(moved_in(compared), "");
+  const auto mistake = find_epoch_mistake(first, longer, {}, compared);
+  ASSERT_TRUE(mistake);
+  EXPECT_NE(mistake->words.find("ppm longer than those of the first, which explains the difference"), std::string::npos)
+      << mistake->words;
+  EXPECT_EQ(moved_in(mistake->comparison), "");
+  Epoch one = markers(epoch(test::simulate({}, 22).survey));
+  one.coordinates[3 * 11] += 0.02;  // a corner
+  const Comparison of_one = compare_epochs(first, one, {});
+  EXPECT_EQ(moved_in(of_one), first.ids[11]);
+  EXPECT_FALSE(find_epoch_mistake(first, one, {}, of_one)) << "one point that moved is no scale";
+}
+
+TEST(CompareEpochs, ExchangedNamesAreNoMovementOfMetres) {
+  const Epoch first = markers(epoch(test::simulate({}, 21).survey));
+  Epoch second = markers(epoch(test::simulate({}, 22).survey));
+  std::swap(second.ids[2], second.ids[7]);
+  const Comparison compared = compare_epochs(first, second, {});
+  EXPECT_EQ(moved_in(compared), first.ids[2] + " " + first.ids[7]);
+  const auto mistake = find_epoch_mistake(first, second, {}, compared);
+  ASSERT_TRUE(mistake);
+  EXPECT_EQ(mistake->words.find(first.ids[2] + " and " + first.ids[7] + " have each other's name"), 0u)
+      << mistake->words;
+  EXPECT_EQ(moved_in(mistake->comparison), "");
 }
 
 TEST(CompareEpochs, WhatIsLeftOutOfTheDatumHasNotMovedUnlessItsOwnTestSaysSo) {

@@ -251,5 +251,55 @@ TEST(Map, VectorsOfTheEarthNeedAMapOfTheEarth) {
     EXPECT_FALSE(MapProjection(other).is_geocentric()) << other;
 }
 
+/// GNSS over kilometres with one height of the geoid: heights were off by what it rises, with a standard deviation of a
+/// millimetre; and without a height it was taken as 0 m.
+TEST(GeoidSlope, HeightsOfVectorsHoldWhatIsNotKnownOfTheGeoid) {
+  const Vector2d middle(500000, 5316300);
+  GeoidChoice geoid;
+  geoid.height = 47.5, geoid.deflection = kSecond * Vector2d(6, -4);
+  const MapFrame earth(kMap, geoid, middle);
+  const std::map<std::string, Vector3d> places = {
+      {"K", {500000, 5316300, 300}}, {"A", {503000, 5319000, 350}}, {"B", {501000, 5321000, 320}}};
+  SurveyObservations s;
+  for (const auto& [id, at] : places) {
+    Point p;
+    p.id = id, p.coordinates = at;
+    if (id == "K") p.roles.fill(CoordinateRole::fixed);
+    s.points.push_back(p);
+  }
+  for (const auto& [from, to] : {std::pair("K", "A"), {"K", "B"}, {"A", "B"}}) {
+    VectorGroup& v = s.vectors.emplace_back();
+    v.is_geocentric = true;
+    v.vectors = {{from, to, 0, 0}};
+    v.values = earth.geocentric(places.at(to)) - earth.geocentric(places.at(from));
+    v.covariance = 4e-6 * Eigen::Matrix3d::Identity();
+  }
+  AdjustOptions options;
+  options.datum = DatumMode::file;
+  options.map = kMap;
+  options.geoid.slope_sigma = 10 * kSecond;
+  EXPECT_THROW(adjust_network(s, options), NetworkError) << "at 0 m, which nobody has said";
+  options.geoid.height = 47.5;
+  const NetworkResult r = adjust_network(s, options);
+  for (const auto* id : {"A", "B"}) {
+    const Vector3d error = r.point(id).position - places.at(id), sigma = r.sigma(r.point(id));
+    const double length = (places.at(id) - places.at("K")).head<2>().norm();
+    EXPECT_LT(error.head<2>().norm(), 1e-3);
+    EXPECT_GT(std::abs(error.z()), 10 * sigma.x()) << "the geoid rises";
+    EXPECT_LT(std::abs(error.z()), 2 * sigma.z());
+    EXPECT_NEAR(sigma.z(), 10 * kSecond * length, 0.02 * sigma.z());
+  }
+  // Levelled lines beside the vectors tell the slope.
+  for (const auto* id : {"A", "B"}) {
+    Observation o;
+    o.kind = ObservationKind::height_difference, o.from = "K", o.to = id, o.sigma = 0.001;
+    o.value = places.at(id).z() - 300;
+    s.observations.push_back(o);
+  }
+  const NetworkResult levelled = adjust_network(s, options);
+  EXPECT_LT((levelled.point("A").position - places.at("A")).norm(), 1e-3);
+  EXPECT_EQ(levelled.validity, Validity::sound) << levelled.verdict;
+}
+
 }  // namespace test_deflection
 }  // namespace plumbline::survey

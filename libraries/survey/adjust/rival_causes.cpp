@@ -1,0 +1,88 @@
+// Two errors that explain the same misfit: the pole of one set-up noted too short, or that of the other too long.
+// Mended either way the network agrees with itself, and its points lie elsewhere. So before anything is mended the
+// others that explain nearly as much are tried, each with an adjustment of its own.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "survey/adjust/adjuster.hpp"
+#include "survey/words/network_words.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+constexpr double kAlike = 10.8;          // of v'Pv: 0.1 %
+constexpr double kNearlyAlike = 0.9;     // of |w|: tests are of the linearised network
+constexpr std::size_t kMostRivals = 8;   // each is an adjustment
+constexpr double kElsewhere = 1;         // standard deviations of a coordinate
+constexpr double kNoticeable = 0.00005;  // [m]
+
+}  // namespace
+
+std::optional<Adjuster::MendedPlaces> Adjuster::mended_places(const CommonError& error) {
+  const NetworkModel before = m_;
+  const StochasticState state = state_;
+  apply(error);
+  std::optional<MendedPlaces> found;
+  try {
+    const Pass pass = adjust(false);
+    found.emplace();
+    found->sum_of_squares = pass.solution.sum_of_squares();
+    for (const int block : pass.problem.point_blocks)
+      found->places.push_back(Eigen::Map<const Eigen::Vector3d>(pass.problem.problem.parameters[block].value.data()));
+  } catch (const NetworkError&) {
+    found.reset();
+  }
+  m_ = before;
+  state_ = state;
+  find_set_ups_of_rows();
+  return found;
+}
+
+bool Adjuster::lie_elsewhere(const Pass& pass, const MendedPlaces& a, const MendedPlaces& b) const {
+  std::vector<least_squares::Functional> components;
+  std::vector<double> differences;
+  std::set<std::string> stood;  // free instruments: where they stood nobody wants to know
+  for (const SetUp& s : m_.survey.set_ups) stood.insert(s.station);
+  for (const ResultRow& row : m_.rows) stood.erase(row.to);
+  for (std::size_t i = 0; i < m_.ids.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int unknown = pass.solution.unknowns(pass.problem.point_blocks[i], k);
+      const double difference = std::abs(a.places[i][k] - b.places[i][k]);
+      if (unknown < 0 || stood.contains(m_.ids[i]) || !(difference > kNoticeable)) continue;
+      components.push_back({{unknown, 1.0}});
+      differences.push_back(difference);
+    }
+  if (components.empty()) return false;
+  const Eigen::VectorXd variances = pass.cofactors.variances(components);
+  for (std::size_t k = 0; k < differences.size(); ++k)
+    if (differences[k] > kElsewhere * std::sqrt(variances[static_cast<Eigen::Index>(k)])) return true;
+  return false;
+}
+
+std::string Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors) {
+  const auto explained = [](const CommonError& e) { return e.w * e.w - e.penalty; };
+  std::erase_if(errors, [&](const CommonError& e) {
+    return e.key() == worst.key() || !(explained(e) > kNearlyAlike * kNearlyAlike * explained(worst));
+  });
+  std::stable_sort(errors.begin(), errors.end(),
+                   [&](const CommonError& a, const CommonError& b) { return explained(a) > explained(b); });
+  if (errors.size() > kMostRivals) errors.resize(kMostRivals);
+  if (errors.empty()) return "";
+  const std::optional<MendedPlaces> mended = mended_places(worst);
+  if (!mended) return "";
+  for (const CommonError& e : errors) {
+    if (!can_be_mended(e.kind)) {
+      if (explained(e) > explained(worst) - kAlike) return describe(e);
+      continue;
+    }
+    const std::optional<MendedPlaces> other = mended_places(e);
+    if (other && other->sum_of_squares < mended->sum_of_squares + kAlike && lie_elsewhere(pass, *mended, *other))
+      return describe(e);
+  }
+  return "";
+}
+
+}  // namespace plumbline::survey

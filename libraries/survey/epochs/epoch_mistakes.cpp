@@ -1,0 +1,112 @@
+#include "survey/epochs/epoch_mistakes.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/statistics.hpp"
+#include "survey/epochs/epoch_scale.hpp"
+
+namespace plumbline::survey {
+
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+std::vector<const Movement*> moved_points(const Comparison& c) {
+  std::vector<const Movement*> found;
+  for (const Movement& m : c.movements)
+    if (m.moved) found.push_back(&m);
+  return found;
+}
+
+/// Size of the second epoch in units of the first, over the points that both have in plan.
+double size_ratio(const Epoch& first, const Epoch& second) {
+  std::vector<std::pair<Vector3d, Vector3d>> places;
+  Vector3d a = Vector3d::Zero(), b = a;
+  for (size_t i = 0; i < first.ids.size(); ++i) {
+    const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
+    if (at == second.ids.end()) continue;
+    Vector3d p = first.coordinates.segment<3>(static_cast<Index>(3 * i)),
+             q = second.coordinates.segment<3>(static_cast<Index>(3 * (at - second.ids.begin())));
+    if (!p.head<2>().allFinite() || !q.head<2>().allFinite()) continue;
+    if (!std::isfinite(p.z()) || !std::isfinite(q.z())) p.z() = q.z() = 0;
+    places.emplace_back(p, q), a += p, b += q;
+  }
+  const double n = static_cast<double>(std::max<size_t>(1, places.size()));
+  double before = 0, after = 0;
+  for (const auto& [p, q] : places) before += (p - a / n).squaredNorm(), after += (q - b / n).squaredNorm();
+  return std::sqrt(after / before);
+}
+
+/// One scale takes out of the difference what no chance would, and fewer points have moved with it.
+std::optional<EpochMistake> other_scale(const Epoch& first, const Epoch& second, const ComparisonOptions& options,
+                                        const Comparison& compared) {
+  if (options.free_motions != 4 && options.free_motions != 6) return std::nullopt;
+  ComparisonOptions with_scale = options;
+  ++with_scale.free_motions;
+  EpochMistake mistake{"", compare_epochs(first, second, with_scale), with_scale.free_motions};
+  const double explained = compared.statistic - mistake.comparison.statistic;
+  const double variance = compared.critical / chi_squared_quantile(1 - options.alpha, std::max(1, compared.rank));
+  if (!(explained > variance * chi_squared_quantile(1 - options.alpha0, 1))) return std::nullopt;
+  if (moved_points(mistake.comparison).size() >= moved_points(compared).size()) return std::nullopt;
+  mistake.words =
+      scale_in_words(size_ratio(first, second)) +
+      ", which explains the difference: a ppm setting, a prism constant, a map scale or the temperature was "
+      "another (10 K make concrete 100 ppm longer). It is taken off here, and how far points moved along "
+      "with it is not to be told";
+  return mistake;
+}
+
+/// Where a point went another one was, and the reverse.
+bool are_exchanged(const Movement& a, const Movement& b) {
+  constexpr double kShare = 0.05;  // of what lies between them: they may have moved besides
+  double apart = 0, off = 0;
+  for (Index c = 0; c < 3; ++c) {
+    if (!std::isfinite(a.movement[c]) || !std::isfinite(b.movement[c])) continue;
+    const double between = b.position[c] - a.position[c];
+    apart += between * between;
+    off += std::pow(a.movement[c] - between, 2) + std::pow(b.movement[c] + between, 2);
+  }
+  return std::sqrt(off) < kShare * std::sqrt(apart);
+}
+
+std::optional<EpochMistake> exchanged_names(const Epoch& first, const Epoch& second, const ComparisonOptions& options,
+                                            const Comparison& compared) {
+  const std::vector<const Movement*> all = moved_points(compared);
+  Epoch mended = second;
+  std::string names;
+  for (size_t i = 0; i < all.size(); ++i)
+    for (size_t j = i + 1; j < all.size(); ++j) {
+      if (!are_exchanged(*all[i], *all[j])) continue;
+      const auto named = [&](const std::string& id) {
+        return static_cast<size_t>(std::find(second.ids.begin(), second.ids.end(), id) - second.ids.begin());
+      };
+      std::swap(mended.ids[named(all[i]->id)], mended.ids[named(all[j]->id)]);
+      names += (names.empty() ? "" : "; ") + all[i]->id + " and " + all[j]->id;
+    }
+  if (names.empty()) return std::nullopt;
+  EpochMistake mistake{"", compare_epochs(first, mended, options), options.free_motions};
+  if (moved_points(mistake.comparison).size() >= all.size()) return std::nullopt;
+  mistake.words = names +
+                  " have each other's name in one of the epochs: each lies where the other was. Compared as if "
+                  "the second had them exchanged; mend the names in its file";
+  return mistake;
+}
+
+}  // namespace
+
+std::optional<EpochMistake> find_epoch_mistake(const Epoch& first, const Epoch& second,
+                                               const ComparisonOptions& options, const Comparison& compared) {
+  if (compared.congruent || moved_points(compared).empty()) return std::nullopt;
+  try {
+    if (auto mistake = exchanged_names(first, second, options, compared)) return mistake;
+    return other_scale(first, second, options, compared);
+  } catch (const std::runtime_error&) {  // too few points for a scale
+    return std::nullopt;
+  }
+}
+
+}  // namespace plumbline::survey

@@ -1,0 +1,23 @@
+// What one mistake in a whole epoch makes of another epoch: a ppm setting that was another, two names that were
+// exchanged. Each would be movements of many points, or of metres; undone, fewer points have moved or none.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "survey/epochs/compare_epochs.hpp"
+
+namespace plumbline::survey {
+
+struct EpochMistake {
+  std::string words;      ///< without a full stop
+  Comparison comparison;  ///< with it undone
+  int free_motions = 4;   ///< that it was made with
+};
+
+/// The mistake that explains why points of `compared` seem to have moved, which is the comparison of both; none if none
+/// does.
+std::optional<EpochMistake> find_epoch_mistake(const Epoch& first, const Epoch& second,
+                                               const ComparisonOptions& options, const Comparison& compared);
+
+}  // namespace plumbline::survey
