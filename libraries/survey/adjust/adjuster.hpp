@@ -51,10 +51,12 @@ struct CommonError {
   double penalty = 0;        ///< on w^2: it is the best of many of its family, one of which explains that by chance
   std::string rival;         ///< another kind of error that explains as much, in words; empty: none
   std::string equal;         ///< an error that does, and mended would put points elsewhere: neither is mended
-  int observations = 0;      ///< that share it; 0: no such error
-  double w = 0;              ///< of the test, standard normal
-  double size = 0;           ///< by which the observations are too large: [m], [1] or [rad]
-  double sigma = 0;          ///< of the size
+  int equal_set_up = -1;     ///< its set-up
+  std::vector<int> equal_sights;  ///< and its sights
+  int observations = 0;           ///< that share it; 0: no such error
+  double w = 0;                   ///< of the test, standard normal
+  double size = 0;                ///< by which the observations are too large: [m], [1] or [rad]
+  double sigma = 0;               ///< of the size
 
   std::tuple<Kind, int, int, double, std::vector<int>> key() const {
     return {kind, set_up, first, target_height, sights};
@@ -113,10 +115,15 @@ class Adjuster {
   /// The plausible common error that explains more of the misfit than any single observation does; none: 0
   /// observations.
   CommonError largest_common_error(const Pass& pass) { return largest_common_error(pass, common_errors(pass)); }
-  CommonError largest_common_error(const Pass& pass, std::vector<CommonError> errors);
+  CommonError largest_common_error(const Pass& pass, std::vector<CommonError> errors,
+                                   const std::set<int>& left_alone = {});
   CommonError as_good_as_a_reading(int suspect, double least, const std::vector<CommonError>& errors) const;
-  /// Of those that explain as much as `worst`, one that puts points elsewhere when mended, in words; empty: none.
-  std::string rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors);
+  /// Of those that explain as much as `worst`, one that puts points elsewhere when mended; none: no observations.
+  CommonError rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors);
+  /// Rows of the model whose readings take part in the error.
+  std::set<int> rows_of(int set_up, const std::vector<int>& sights) const;
+  /// Rows that touch a point of an error that nobody can mend, and those of its set-ups that may be its shadow.
+  std::set<int> rows_beside(const Pass& pass, const CommonError& error) const;
   struct MendedPlaces {
     double sum_of_squares = 0;
     std::vector<Eigen::Vector3d> places;
@@ -189,7 +196,7 @@ class Adjuster {
   std::vector<int> set_up_of_row_;  ///< number; -1: none
   /// Common errors that could not be estimated after all.
   std::set<std::tuple<CommonError::Kind, int, int, double, std::vector<int>>> refused_;
-  bool stopped_ = false;   ///< an error was found that nobody can mend: the rest is as it was read
+  bool stopped_ = false;   ///< an error was found that nobody can mend: what touches its points is as it was read
   std::string undecided_;  ///< of an error that was taken off, what explains the readings as well; empty: none
 };
 

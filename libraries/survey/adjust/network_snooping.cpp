@@ -81,12 +81,15 @@ void Adjuster::mend(Pass& pass) {
   const int most = std::max(1, static_cast<int>(options_.largest_removed_share * static_cast<double>(m_.rows.size())));
   std::set<int> kept;      // removal would have left a point uncontrolled
   std::set<int> restored;  // came back once already
+  std::set<int> left;      // beside an error that nobody can mend
   for (;;) {
-    if (const CommonError error = largest_common_error(pass); error.observations > 0) {
-      // What would be taken out or off next follows from it.
+    if (const CommonError error = largest_common_error(pass, common_errors(pass), left); error.observations > 0) {
+      // What would be taken out or off there follows from it.
       if (!can_be_mended(error.kind) || !error.equal.empty()) {
         stopped_ = true;
-        return;
+        left.merge(rows_beside(pass, error));
+        kept.insert(left.begin(), left.end());
+        continue;
       }
       if (!estimate(pass, error)) refused_.insert(error.key());
       continue;
@@ -97,6 +100,41 @@ void Adjuster::mend(Pass& pass) {
     if (worst.empty()) return;
     if (worst.size() == 1 || !remove_together(pass, worst, restored)) remove_worst(pass, worst.front(), kept, restored);
   }
+}
+
+std::set<int> Adjuster::rows_of(int set_up, const std::vector<int>& sights) const {
+  if (!sights.empty()) return {sights.begin(), sights.end()};
+  std::set<int> rows;
+  for (int row = 0; row < static_cast<int>(set_up_of_row_.size()); ++row)
+    if (set_up_of_row_[row] >= 0 && (set_up < 0 || set_up_of_row_[row] == set_up)) rows.insert(row);
+  return rows;
+}
+
+std::set<int> Adjuster::rows_beside(const Pass& pass, const CommonError& error) const {
+  constexpr double kShadow = 0.3;  // of the largest |w| there
+  std::set<int> own = rows_of(error.set_up, error.sights);
+  if (!error.equal.empty()) own.merge(rows_of(error.equal_set_up, error.equal_sights));
+  std::set<std::string> points;
+  std::set<int> set_ups;
+  for (const int row : own) {
+    points.insert(m_.rows[row].to);
+    set_ups.insert(set_up_of_row_[row]);
+  }
+  if (error.sights.empty())
+    for (const int row : own) points.insert(m_.rows[row].from);
+  points.erase("");
+  std::set<int> rows;
+  for (int row = 0; row < static_cast<int>(m_.rows.size()); ++row)
+    if (points.contains(m_.rows[row].from) || points.contains(m_.rows[row].to)) rows.insert(row);
+  double largest = 0;
+  for (std::size_t r = 0; r < pass.problem.rows.size(); ++r)
+    if (rows.contains(pass.problem.rows[r])) largest = std::max(largest, std::abs(pass.reliability.rows[r].w));
+  for (std::size_t r = 0; r < pass.problem.rows.size(); ++r) {
+    const int row = pass.problem.rows[r];
+    if (row >= 0 && set_ups.contains(set_up_of_row_[row]) && std::abs(pass.reliability.rows[r].w) < kShadow * largest)
+      rows.insert(row);
+  }
+  return rows;
 }
 
 /// The worst row, and of a large network those that have nothing to do with it or each other: their stations see no

@@ -349,16 +349,21 @@ CommonError Adjuster::as_good_as_a_reading(int suspect, double least, const std:
   return best;
 }
 
-CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors) {
+CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonError> errors,
+                                           const std::set<int>& left_alone) {
   double single = critical_removal();
   int suspect = -1;  // row of the problem
   for (int r = 0; r < static_cast<int>(pass.problem.rows.size()); ++r)
-    if (pass.problem.rows[r] >= 0 && std::abs(pass.reliability.rows[r].w) > single)
+    if (pass.problem.rows[r] >= 0 && !left_alone.contains(pass.problem.rows[r]) &&
+        std::abs(pass.reliability.rows[r].w) > single)
       single = std::abs(pass.reliability.rows[r].w), suspect = r;
   for (std::vector<CommonError> more : {test(pass, circles(pass)), reflectors(pass), set_up_motions(pass)})
     errors.insert(errors.end(), more.begin(), more.end());
   std::erase_if(errors, [&](const CommonError& error) {
-    return std::abs(error.size) > largest_plausible(error.kind) || refused_.contains(error.key());
+    if (std::abs(error.size) > largest_plausible(error.kind) || refused_.contains(error.key())) return true;
+    if (left_alone.empty()) return false;
+    const std::set<int> own = rows_of(error.set_up, error.sights);
+    return std::any_of(own.begin(), own.end(), [&](int row) { return left_alone.contains(row); });
   });
   CommonError worst;
   for (const CommonError& error : errors)
@@ -374,7 +379,11 @@ CommonError Adjuster::largest_common_error(const Pass& pass, std::vector<CommonE
   if (rival.observations > 0 && std::pow(explained(worst), 2) - std::pow(explained(rival), 2) < kClearly)
     worst.rival = describe(rival);
   std::erase_if(errors, [&](const CommonError& error) { return differ(error, worst); });
-  if (can_be_mended(worst.kind)) worst.equal = rival_of(pass, worst, std::move(errors));
+  if (!can_be_mended(worst.kind)) return worst;
+  if (const CommonError equal = rival_of(pass, worst, std::move(errors)); equal.observations > 0) {
+    worst.equal = describe(equal);
+    worst.equal_set_up = equal.set_up, worst.equal_sights = equal.sights;
+  }
   return worst;
 }
 

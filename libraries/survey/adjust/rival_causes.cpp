@@ -62,7 +62,7 @@ bool Adjuster::lie_elsewhere(const Pass& pass, const MendedPlaces& a, const Mend
   return false;
 }
 
-std::string Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors) {
+CommonError Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors) {
   const auto explained = [](const CommonError& e) { return e.w * e.w - e.penalty; };
   std::erase_if(errors, [&](const CommonError& e) {
     return e.key() == worst.key() || !(explained(e) > kNearlyAlike * kNearlyAlike * explained(worst));
@@ -70,19 +70,19 @@ std::string Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::
   std::stable_sort(errors.begin(), errors.end(),
                    [&](const CommonError& a, const CommonError& b) { return explained(a) > explained(b); });
   if (errors.size() > kMostRivals) errors.resize(kMostRivals);
-  if (errors.empty()) return "";
+  if (errors.empty()) return {};
   const std::optional<MendedPlaces> mended = mended_places(worst);
-  if (!mended) return "";
+  if (!mended) return {};
   for (const CommonError& e : errors) {
     if (!can_be_mended(e.kind)) {
-      if (explained(e) > explained(worst) - kAlike) return describe(e);
+      if (explained(e) > explained(worst) - kAlike) return e;
       continue;
     }
     const std::optional<MendedPlaces> other = mended_places(e);
     if (other && other->sum_of_squares < mended->sum_of_squares + kAlike && lie_elsewhere(pass, *mended, *other))
-      return describe(e);
+      return e;
   }
-  return "";
+  return {};
 }
 
 }  // namespace plumbline::survey

@@ -16,7 +16,8 @@ namespace {
 
 using TestRows = std::vector<std::pair<int, double>>;
 
-constexpr std::size_t kFewestRows = 6;  // rows of a motion
+constexpr std::size_t kFewestRows = 6;   // rows of a motion
+constexpr std::size_t kMostEdges = 300;  // each is a solve: beyond, those where a distance is worst
 
 /// Of a tilt about two axes: as |w| of one hypothesis it would explain less, as it had two amounts to choose.
 double penalty_of_two(double statistic) {
@@ -105,6 +106,7 @@ std::vector<CommonError> Adjuster::set_up_motions(const Pass& pass) const {
       hypotheses.push_back({e, std::move(*list)});
     }
   }
+  std::vector<std::pair<double, Hypothesis>> edges;  // with minus the largest |w|
   for (const auto& [id, by_set_up] : targets) {
     if (by_set_up.size() < 2) continue;
     CommonError e;
@@ -112,9 +114,16 @@ std::vector<CommonError> Adjuster::set_up_motions(const Pass& pass) const {
     TestRows rows;
     for (const auto& [set_up, own] : by_set_up) rows.insert(rows.end(), own.begin(), own.end());
     std::sort(rows.begin(), rows.end());
-    for (const auto& [r, one] : rows) e.sights.push_back(pass.problem.rows[r]);
-    hypotheses.push_back({std::move(e), std::move(rows)});
+    double worst = 0;
+    for (const auto& [r, one] : rows) {
+      e.sights.push_back(pass.problem.rows[r]);
+      worst = std::max(worst, std::abs(pass.reliability.rows[r].w));
+    }
+    edges.push_back({-worst, {std::move(e), std::move(rows)}});
   }
+  std::stable_sort(edges.begin(), edges.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (edges.size() > kMostEdges) edges.resize(kMostEdges);
+  for (auto& [worst, edge] : edges) hypotheses.push_back(std::move(edge));
   std::vector<CommonError> found = test(pass, hypotheses);
   add_tilts(pass, of_set_up, found);
   return found;

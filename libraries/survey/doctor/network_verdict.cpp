@@ -86,14 +86,15 @@ void doubt_common_errors(NetworkResult& r) {
 }
 
 /// What is left agrees because what did not was taken out. One reading in twenty at most is wrong by itself, and an
-/// error in common that was found ends the matter: where it does not, it was another one.
+/// error in common that was found ends the matter but for one in a hundred: where it does not, it was another one.
 void doubt_mending(NetworkResult& r) {
-  constexpr long kFew = 3, kOneIn = 20;
+  constexpr long kFew = 3, kOneIn = 20, kOneInBesides = 100;
   const long removed = std::count_if(r.rows.begin(), r.rows.end(), [](const ResultRow& row) { return row.removed; });
   const auto splits = std::count_if(r.set_ups.begin(), r.set_ups.end(),
                                     [](const ResultSetUp& s) { return s.id.find(" (part ") != std::string::npos; });
-  const bool many = removed >= kFew && kOneIn * removed > static_cast<long>(r.rows.size());
-  const bool besides = removed >= 2 && (r.errors_taken_off > 0 || splits > 0);
+  const long rows = static_cast<long>(r.rows.size());
+  const bool many = removed >= kFew && kOneIn * removed > rows;
+  const bool besides = removed >= 2 && kOneInBesides * removed > rows && (r.errors_taken_off > 0 || splits > 0);
   if (r.validity != Validity::sound || !(many || besides)) return;
   r.validity = Validity::doubtful;
   r.verdict = "doubtful: so much was mended that what is left had to agree, and the cause may be another one" +

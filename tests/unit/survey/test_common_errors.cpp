@@ -382,6 +382,21 @@ TEST(CommonErrors, AnEdgeIsNamedAndNothingIsTakenOut) {
   EXPECT_TRUE(r.snooping.empty());
 }
 
+/// One error that nobody can mend does not keep a blunder of another target in.
+TEST(CommonErrors, BesideAnEdgeBlundersOfOtherTargetsGo) {
+  OnControl field(91);
+  for (Observation& o : field.network.survey.observations) {
+    if (o.kind == ObservationKind::slope_distance && o.to == "M12") o.value += 0.06;
+    if (o.kind == ObservationKind::direction && o.to == "M31" && o.set_up == 1) o.value += 0.01;
+  }
+  const NetworkResult r = field.adjust(true);
+  EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+  expect_words(r.common_error, {"distances to M12 look too long by"});
+  for (const SnoopingAction& a : r.snooping) EXPECT_NE(r.rows[a.row].to, "M12");
+  EXPECT_TRUE(std::any_of(r.snooping.begin(), r.snooping.end(),
+                          [&](const SnoopingAction& a) { return r.rows[a.row].to == "M31"; }));
+}
+
 /// An axis that leans was an index of all zenith angles, a tripod that sinks one of either set-up; both were taken off.
 TEST(CommonErrors, TiltAndASinkingTripodAreNamedAndNotTakenOff) {
   for (const bool tilt : {true, false}) {
