@@ -144,6 +144,7 @@ class Adjuster {
   std::vector<Hypothesis> circles(const Pass& pass) const;
   /// A tilt, a sinking or twisting tripod of each set-up, a target whose distances come back from beside it.
   std::vector<CommonError> set_up_motions(const Pass& pass) const;
+  void erase_chance(const Pass& pass, std::vector<CommonError>& motions) const;
   void add_tilts(const Pass& pass, const std::map<int, std::vector<int>>& of_set_up,
                  std::vector<CommonError>& found) const;
   Eigen::Vector2d effect_of_tilt(const Pass& pass, int row) const;

@@ -102,41 +102,6 @@ void Adjuster::mend(Pass& pass) {
   }
 }
 
-std::set<int> Adjuster::rows_of(int set_up, const std::vector<int>& sights) const {
-  if (!sights.empty()) return {sights.begin(), sights.end()};
-  std::set<int> rows;
-  for (int row = 0; row < static_cast<int>(set_up_of_row_.size()); ++row)
-    if (set_up_of_row_[row] >= 0 && (set_up < 0 || set_up_of_row_[row] == set_up)) rows.insert(row);
-  return rows;
-}
-
-std::set<int> Adjuster::rows_beside(const Pass& pass, const CommonError& error) const {
-  constexpr double kShadow = 0.3;  // of the largest |w| there
-  std::set<int> own = rows_of(error.set_up, error.sights);
-  if (!error.equal.empty()) own.merge(rows_of(error.equal_set_up, error.equal_sights));
-  std::set<std::string> points;
-  std::set<int> set_ups;
-  for (const int row : own) {
-    points.insert(m_.rows[row].to);
-    set_ups.insert(set_up_of_row_[row]);
-  }
-  if (error.sights.empty())
-    for (const int row : own) points.insert(m_.rows[row].from);
-  points.erase("");
-  std::set<int> rows;
-  for (int row = 0; row < static_cast<int>(m_.rows.size()); ++row)
-    if (points.contains(m_.rows[row].from) || points.contains(m_.rows[row].to)) rows.insert(row);
-  double largest = 0;
-  for (std::size_t r = 0; r < pass.problem.rows.size(); ++r)
-    if (rows.contains(pass.problem.rows[r])) largest = std::max(largest, std::abs(pass.reliability.rows[r].w));
-  for (std::size_t r = 0; r < pass.problem.rows.size(); ++r) {
-    const int row = pass.problem.rows[r];
-    if (row >= 0 && set_ups.contains(set_up_of_row_[row]) && std::abs(pass.reliability.rows[r].w) < kShadow * largest)
-      rows.insert(row);
-  }
-  return rows;
-}
-
 /// The worst row, and of a large network those that have nothing to do with it or each other: their stations see no
 /// point in common. Each would go by itself too, and every removal is an adjustment of the whole. A row that is much
 /// smaller may be its shadow and waits.

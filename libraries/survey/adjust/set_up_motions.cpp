@@ -16,8 +16,10 @@ namespace {
 
 using TestRows = std::vector<std::pair<int, double>>;
 
-constexpr std::size_t kFewestRows = 6;   // rows of a motion
-constexpr std::size_t kMostEdges = 300;  // each is a solve: beyond, those where a distance is worst
+constexpr std::size_t kFewestRows = 6;  // rows of a motion
+/// Each is a solve. Beyond, those whose distances fit worst: one edge stands out among them, and where 300 other
+/// targets are worse there is more to mend first, after which the rest is tried again.
+constexpr std::size_t kMostEdges = 300;
 
 /// Of a tilt about two axes: as |w| of one hypothesis it would explain less, as it had two amounts to choose.
 double penalty_of_two(double statistic) {
@@ -126,7 +128,27 @@ std::vector<CommonError> Adjuster::set_up_motions(const Pass& pass) const {
   for (auto& [worst, edge] : edges) hypotheses.push_back(std::move(edge));
   std::vector<CommonError> found = test(pass, hypotheses);
   add_tilts(pass, of_set_up, found);
+  erase_chance(pass, found);
   return found;
+}
+
+/// Of many that are tried one is large by chance, and the more so the noisier all readings are than stated: by the
+/// median of |w|, which mistakes of less than half of them leave as it is.
+void Adjuster::erase_chance(const Pass& pass, std::vector<CommonError>& motions) const {
+  constexpr double kMedianOfNoise = 0.6745;  // of |w| of normally distributed readings
+  std::vector<double> sizes;
+  for (std::size_t r = 0; r < pass.problem.rows.size(); ++r)
+    if (const double w = std::abs(pass.reliability.rows[r].w); pass.problem.rows[r] >= 0 && std::isfinite(w))
+      sizes.push_back(w);
+  if (sizes.empty()) return;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  const double least = critical_removal() * std::max(1.0, *middle / kMedianOfNoise);
+  const double choices = 2 * std::log(std::max(1.0, static_cast<double>(motions.size())));
+  std::erase_if(motions, [&](CommonError& e) {
+    e.penalty += choices;
+    return !(e.w * e.w - e.penalty > least * least);
+  });
 }
 
 }  // namespace plumbline::survey

@@ -176,6 +176,9 @@ class ControlCauses {
                                          : "the zone's number before E is missing, which the others have",
                                 [zone](const Vector3d& p) { return with_zone(p, -zone); }))
         continue;
+      const Vector3d front(kRound * std::round(off.x() / kRound), kRound * std::round(off.y() / kRound), 0);
+      if (!front.isZero(0) && consider(in_front(front), [front](const Vector3d& p) { return Vector3d(p - front); }))
+        continue;
       if (off.head<2>().norm() < tolerance_ && std::abs(off.z()) > kAnotherLevel) {
         const double step = std::round(off.z() * 10) / 10;  // those off by the same amount are named together
         const auto level = [step](const Vector3d& p) { return Vector3d(p.x(), p.y(), p.z() - step); };
@@ -190,7 +193,18 @@ class ControlCauses {
           ids, undo.at(what));
   }
 
+  /// Where the digits that all points have in front were left out, of some of them.
+  static std::string in_front(const Vector3d& off) {
+    const auto axis = [](const char* name, double by) {
+      return by == 0 ? "" : std::string(by > 0 ? " +" : " -") + fixed_digits(std::abs(by), 0) + " m in " + name;
+    };
+    const std::string east = axis("E", off.x()), north = axis("N", off.y());
+    return "the leading digits are not those of the others:" + east + (east.empty() || north.empty() ? "" : ",") +
+           north;
+  }
+
   static constexpr double kAnotherLevel = 1;  // [m]
+  static constexpr double kRound = 1000;      // [m], of the digits in front
   const SurveyObservations& survey_;
   const ControlPoints& control_;
   const std::map<std::string, Vector3d> known_;

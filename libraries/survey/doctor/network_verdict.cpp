@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "geometry/statistics.hpp"
 #include "survey/doctor/network_doctor.hpp"
@@ -85,6 +87,26 @@ void doubt_common_errors(NetworkResult& r) {
               "; of the readings one by one: " + r.verdict;
 }
 
+/// A set-up of which sights to three targets were taken out, more than a tenth of its readings: where it was moved, or
+/// they were, what is left of it agrees with either. In words; empty: none.
+std::string thinned_set_up(const NetworkResult& r) {
+  constexpr std::size_t kTargets = 3;
+  constexpr int kOneIn = 10;
+  std::map<std::string, std::set<std::string>> targets;
+  std::map<std::string, std::pair<int, int>> counts;  // readings, removed
+  for (const ResultRow& row : r.rows) {
+    if (row.set_up.empty()) continue;
+    auto& [readings, removed] = counts[row.set_up];
+    ++readings, removed += row.removed;
+    if (row.removed) targets[row.set_up].insert(row.to);
+  }
+  for (const auto& [id, seen] : targets)
+    if (seen.size() >= kTargets && kOneIn * counts.at(id).second > counts.at(id).first)
+      return "sights of set-up " + id + " to " + std::to_string(seen.size()) +
+             " targets were taken out, so that the rest of it had to agree: these may be right and the others wrong";
+  return "";
+}
+
 /// What is left agrees because what did not was taken out. One reading in twenty at most is wrong by itself, and an
 /// error in common that was found ends the matter but for one in a hundred: where it does not, it was another one.
 void doubt_mending(NetworkResult& r) {
@@ -95,8 +117,14 @@ void doubt_mending(NetworkResult& r) {
   const long rows = static_cast<long>(r.rows.size());
   const bool many = removed >= kFew && kOneIn * removed > rows;
   const bool besides = removed >= 2 && kOneInBesides * removed > rows && (r.errors_taken_off > 0 || splits > 0);
-  if (r.validity != Validity::sound || !(many || besides)) return;
+  if (r.validity != Validity::sound) return;
+  const std::string thinned = thinned_set_up(r);
+  if (!many && !besides && thinned.empty()) return;
   r.validity = Validity::doubtful;
+  if (!many && !besides) {
+    r.verdict = "doubtful: " + thinned + "; of the readings that are left: " + r.verdict;
+    return;
+  }
   r.verdict = "doubtful: so much was mended that what is left had to agree, and the cause may be another one" +
               std::string(many ? "" : " than was taken off") + "; of the readings that are left: " + r.verdict;
 }

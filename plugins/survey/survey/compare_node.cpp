@@ -143,7 +143,7 @@ std::string epochs_in_doubt(const SurveyNetworkT& first, const SurveyNetworkT& s
   for (const auto& [name, network] : {std::pair("the first epoch", &first), {"the second epoch", &second}})
     if (network->validity == "doubtful" || network->validity == "invalid")
       text += std::string(text.empty() ? "" : "; ") + name + " by itself is " + network->verdict;
-  return text.empty() ? "" : text + ". Mend that first: until then nothing is known of movements";
+  return text.empty() ? "" : text + ". Mend that first: what is wrong in an epoch looks like movements";
 }
 
 ComparisonOptions options_of(double alpha, double alpha0, double power) {

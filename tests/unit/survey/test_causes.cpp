@@ -165,6 +165,14 @@ TEST(Causes, ControlOfAnotherLevelZoneOrUnit) {
   zone.know(
       [](size_t i, const Eigen::Vector3d& p) { return i == 4 ? Eigen::Vector3d(p + Eigen::Vector3d(32e6, 0, 0)) : p; });
   expect_cause(zone, "of the known point M29 the zone's number stands before E");
+  for (const bool both : {true, false}) {
+    Job front;
+    front.know([both](size_t i, const Eigen::Vector3d& p) {
+      return Eigen::Vector3d(p + Eigen::Vector3d(both && i == 2 ? 0 : 500000, i == 2 ? 0 : 5400000, 0));
+    });
+    expect_cause(front, std::string("of the known point M15 the leading digits are not those of the others:") +
+                            (both ? " -500000 m in E," : "") + " -5400000 m in N");
+  }
   feet.know([](size_t, const Eigen::Vector3d& p) { return Eigen::Vector3d(p / 0.3048); });
   EXPECT_NE(feet.words().find("feet"), std::string::npos) << feet.words();
 }

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "geometry/random.hpp"
+#include "on_control.hpp"
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/network/network_model.hpp"
@@ -12,6 +13,7 @@
 namespace plumbline::survey {
 namespace test_common_errors {
 
+using test::OnControl;
 using test::simulate;
 
 AdjustOptions free_network(bool remove) {
@@ -245,47 +247,6 @@ TEST(CommonErrors, IndexAndCollimationWhereNoTargetWasReadInBothFaces) {
   EXPECT_LT(bad.sigma0, 1.3 * good.sigma0);
 }
 
-/// Twelve markers, the corners known to a millimetre, seen from two set-ups.
-struct OnControl {
-  test::SimulatedNetwork network;
-  ControlPoints control;
-
-  explicit OnControl(std::uint64_t seed) {
-    test::SimulationSettings settings;
-    settings.set_ups = 2, settings.columns = 5, settings.rows = 4;
-    network = simulate(settings, seed);
-    control.coordinates.resize(12);
-    for (const size_t i : {size_t{0}, size_t{4}, size_t{15}, size_t{19}}) {
-      control.coordinates.segment<3>(static_cast<Eigen::Index>(3 * control.ids.size())) = network.truth[i];
-      control.ids.push_back(network.survey.points[i].id);
-    }
-    control.covariance = 1e-6 * Eigen::MatrixXd::Identity(12, 12);
-  }
-  void know_stations() {
-    for (const size_t i : {size_t{20}, size_t{21}}) {
-      control.coordinates.conservativeResize(control.coordinates.size() + 3);
-      control.coordinates.tail<3>() = network.truth[i];
-      control.ids.push_back(network.survey.points[i].id);
-    }
-    control.covariance = 1e-6 * Eigen::MatrixXd::Identity(18, 18);
-    control.covariance.bottomRightCorner<6, 6>() *= 0.01;
-  }
-  bool is_known(const std::string& id) const {
-    return std::find(control.ids.begin(), control.ids.end(), id) != control.ids.end();
-  }
-  NetworkResult adjust(bool remove) const {
-    AdjustOptions options;
-    options.curvature = Switch::off, options.remove_blunders = remove;
-    return adjust_network(network.survey, options, control);
-  }
-  double worst(const NetworkResult& r) const {
-    double most = 0;
-    for (size_t i = 0; i < 20; ++i)
-      most = std::max(most, (r.point(network.survey.points[i].id).position - network.truth[i]).norm());
-    return most;
-  }
-};
-
 /// Details on a pole whose prism is 17.5 mm another one: a circle turned by 13 mgon explained that, and points lay 18
 /// mm off in a sound network.
 TEST(CommonErrors, ASecondPrismIsNoTurnedCircle) {
@@ -343,78 +304,6 @@ TEST(CommonErrors, WhatExplainsTheReadingsBetterTakesSoundAway) {
     one_by_one_sound += r.verdict.find("of the readings one by one: sound") != std::string::npos;
   }
   EXPECT_GE(one_by_one_sound, 1);
-}
-
-/// The pole of S2 noted 0.1 m too long is the pole of S1 noted too short: mended the first way all details lay 100 mm
-/// too low, in a sound network.
-TEST(CommonErrors, OfTwoSetUpsWithAPoleNobodyKnowsWhichIsWrong) {
-  for (const int wrong : {0, 1}) {
-    OnControl field(90);
-    for (Observation& o : field.network.survey.observations) {
-      o.target_height = field.is_known(o.to) ? 0 : 1.7;
-      if (!field.is_known(o.to) && o.kind != ObservationKind::direction) {
-        const Eigen::Vector3d d =
-            field.network.truth[o.to[1] * 5 - '0' * 5 + o.to[2] - '0'] - field.network.truth[20 + o.set_up];
-        const Eigen::Vector3d up = d + Eigen::Vector3d(0, 0, 1.7);
-        o.value += o.kind == ObservationKind::slope_distance
-                       ? up.norm() - d.norm()
-                       : std::atan2(up.head<2>().norm(), up.z()) - std::atan2(d.head<2>().norm(), d.z());
-        if (o.set_up == wrong) o.target_height = 1.8;
-      }
-    }
-    const NetworkResult r = field.adjust(true);
-    EXPECT_NE(r.validity, Validity::sound) << r.verdict;
-    expect_words(r.common_error,
-                 {"the target height of", "of set-up S1", "of set-up S2", "the readings do not tell which"});
-    EXPECT_EQ(r.errors_taken_off, 0);
-    EXPECT_TRUE(r.snooping.empty());
-  }
-}
-
-/// Both distances to a mark on an edge 60 mm too long: the two sound directions went, and it lay 63 mm off, "sound".
-TEST(CommonErrors, AnEdgeIsNamedAndNothingIsTakenOut) {
-  OnControl field(91);
-  for (Observation& o : field.network.survey.observations)
-    if (o.kind == ObservationKind::slope_distance && o.to == "M12") o.value += 0.06;
-  const NetworkResult r = field.adjust(true);
-  EXPECT_NE(r.validity, Validity::sound) << r.verdict;
-  expect_words(r.common_error, {"all 2 distances to M12 look too long by", "edge"});
-  EXPECT_TRUE(r.snooping.empty());
-}
-
-/// One error that nobody can mend does not keep a blunder of another target in.
-TEST(CommonErrors, BesideAnEdgeBlundersOfOtherTargetsGo) {
-  OnControl field(91);
-  for (Observation& o : field.network.survey.observations) {
-    if (o.kind == ObservationKind::slope_distance && o.to == "M12") o.value += 0.06;
-    if (o.kind == ObservationKind::direction && o.to == "M31" && o.set_up == 1) o.value += 0.01;
-  }
-  const NetworkResult r = field.adjust(true);
-  EXPECT_NE(r.validity, Validity::sound) << r.verdict;
-  expect_words(r.common_error, {"distances to M12 look too long by"});
-  for (const SnoopingAction& a : r.snooping) EXPECT_NE(r.rows[a.row].to, "M12");
-  EXPECT_TRUE(std::any_of(r.snooping.begin(), r.snooping.end(),
-                          [&](const SnoopingAction& a) { return r.rows[a.row].to == "M31"; }));
-}
-
-/// An axis that leans was an index of all zenith angles, a tripod that sinks one of either set-up; both were taken off.
-TEST(CommonErrors, TiltAndASinkingTripodAreNamedAndNotTakenOff) {
-  for (const bool tilt : {true, false}) {
-    OnControl field(92);
-    field.know_stations();
-    for (Observation& o : field.network.survey.observations) {
-      if (o.set_up != 1 || o.kind != ObservationKind::zenith_angle) continue;
-      const Eigen::Vector3d d = field.network.truth[(o.to[1] - '0') * 5 + o.to[2] - '0'] - field.network.truth[21];
-      const double h = d.head<2>().norm();
-      o.value += tilt ? 2e-4 * d.x() / h : -0.006 * (o.pointing - 20) / 20 * h / d.squaredNorm();
-    }
-    const NetworkResult r = field.adjust(true);
-    EXPECT_NE(r.validity, Validity::sound) << r.verdict;
-    expect_words(r.common_error, {tilt ? "the vertical axis of set-up S2 looks tilted by 1"
-                                       : "the instrument of set-up "
-                                         "S2 looks as if it had sunk by"});
-    EXPECT_EQ(r.errors_taken_off, 0);
-  }
 }
 
 /// The solver found the equations singular and no direction in which they are: the program crashed.

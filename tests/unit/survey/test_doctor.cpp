@@ -275,6 +275,18 @@ TEST(Verdict, ASetUpThatLostAThirdOfItsReadingsIsNoResult) {
   EXPECT_EQ(judged(r).validity, Validity::invalid);
 }
 
+/// A facade that moved between set-ups: the sound sights to the control of the last went, few beside all readings.
+TEST(Verdict, ASetUpOfWhichThreeTargetsWentIsDoubtful) {
+  NetworkResult r = sound_result();
+  for (int i = 0; i < 80; ++i) r.rows.push_back(r.rows[19]);
+  for (int i = 0; i < 3; ++i) r.rows[i].removed = true, r.rows[i].to = "P1";
+  EXPECT_EQ(judged(r).validity, Validity::sound) << "one target";
+  r.rows[1].to = "P2", r.rows[2].to = "P3";
+  const NetworkResult three = judged(r);
+  EXPECT_EQ(three.validity, Validity::doubtful);
+  expect_words(three.verdict, {"sights of set-up S1 to 3 targets were taken out", "these may be right"});
+}
+
 TEST(Verdict, ASetUpThatWasSplitTwiceIsNoResult) {
   NetworkResult r = sound_result();
   ResultSetUp part = r.set_ups[0];
