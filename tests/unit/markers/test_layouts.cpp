@@ -190,6 +190,16 @@ TEST(RearrangedTags, AreToldWithTheDistancesThatChanged) {
   EXPECT_NE(found[4], found[6]) << words;
 }
 
+/// Hung once more, half of the pairs are as far apart as before, or nearly so.
+TEST(RearrangedTags, TwoArrangementsAreToldApartWhereTheSecondBegins) {
+  Scene s = scene(0.1, 8);
+  for (MarkerView& view : s.block.views)
+    if (view.image >= 5) view.marker = (view.marker * 5 + 7) % 12;
+  const std::string words = rearranged_tags(s.block);
+  EXPECT_THAT(words, HasSubstr("the tags stand elsewhere from image5.jpg on: ")) << words;
+  EXPECT_THAT(words, HasSubstr("A folder for each arrangement")) << words;
+}
+
 /// One tag that all pairs which moved have in common is named, and not the arrangement.
 TEST(RearrangedTags, OneThatWasMovedIsNotAll) {
   Scene s = scene(0.1, 6);
