@@ -23,7 +23,9 @@ using namespace plumbline::loop;
 volatile std::sig_atomic_t stopped = 0;
 
 struct Arguments {
-  std::string job, signature, public_key, robot, folder, version = "2.0.0", password_file;
+  std::string job, signature, public_key, robot, folder, given, version = "2.0.0", password_file;
+  std::vector<int> floors;  ///< of this robot; none: all
+  double stand_off = VdaRobot().stand_off;
   BrokerOptions broker;
   double longest = 0;
 };
@@ -68,7 +70,7 @@ Job job_to_do(const Arguments& arguments) {
 void check_time(const Job& job, const Arguments& arguments, const ExchangeLog& log) {
   const std::vector<std::string> sent = log.sent();
   const bool begun = std::any_of(sent.begin(), sent.end(), [&](const std::string& line) {
-    return line.find("\"orderId\":\"" + job.id + "\"") != std::string::npos;
+    return line.find("\"orderId\":\"" + vda_order_id(job) + "\"") != std::string::npos;
   });
   if (const auto objections = job_objections(job, 0, begun ? "" : utc_now(), job.basis); !objections.empty())
     throw std::runtime_error(arguments.job + ": " + objections[0]);
@@ -80,6 +82,7 @@ VdaRobot robot_of(const Arguments& arguments) {
     throw std::runtime_error("--robot is '" + arguments.robot + "'; expected MANUFACTURER/SERIAL-NUMBER");
   VdaRobot robot;
   robot.version = arguments.version == "2.0.0" ? VdaVersion::v2_0 : VdaVersion::v3_0;
+  robot.stand_off = arguments.stand_off;
   robot.manufacturer = arguments.robot.substr(0, slash), robot.serial = arguments.robot.substr(slash + 1);
   return robot;
 }
@@ -90,9 +93,9 @@ void say(const std::string& line) {
 }
 
 int carry_out(const Arguments& arguments) {
-  const Job job = job_to_do(arguments);
+  const Job job = part_of(job_to_do(arguments), {arguments.floors.begin(), arguments.floors.end()});
   if (arguments.public_key.empty()) say("who made this job is not checked: --public-key checks its signature");
-  ExchangeFolder log(arguments.folder);
+  ExchangeFolder log(arguments.folder, arguments.given.empty() ? arguments.job + ".given.jsonl" : arguments.given);
   check_time(job, arguments, log);
   OrderExchange exchange(job, robot_of(arguments), log);
   MqttClient client(arguments.broker);
@@ -142,6 +145,14 @@ int main(int argc, char** argv) {
   app.add_option("--robot", arguments.robot, "MANUFACTURER/SERIAL-NUMBER, as the robot names itself")->required();
   app.add_option("--folder", arguments.folder, "sent.jsonl and states.jsonl of this robot; the same each time")
       ->required();
+  app.add_option("--floor", arguments.floors, "items of this floor only, again for each of several; without: all")
+      ->check(CLI::Range(0, 1000));
+  app.add_option("--given", arguments.given,
+                 "which robot has which items, for all robots of a site; else JOB.given.jsonl");
+  app.add_option("--stand-off", arguments.stand_off,
+                 "of the robot's base from the items, outward of the facade [m]; below 0: from inside")
+      ->check(CLI::Range(-20.0, 20.0))
+      ->capture_default_str();
   app.add_option("--version", arguments.version, "of VDA 5050")->check(CLI::IsMember({"2.0.0", "3.0.0"}));
   app.add_option("--public-key", arguments.public_key, "Ed25519 in PEM: the job must be signed with its private half");
   app.add_option("--signature", arguments.signature, "of the job; else JOB.sig");

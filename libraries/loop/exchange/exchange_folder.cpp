@@ -7,9 +7,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "base/text/whole_file.hpp"
+#include "base/text/words.hpp"
 #include "loop/exchange/order_exchange.hpp"
 
 namespace plumbline::loop {
@@ -19,11 +22,13 @@ std::runtime_error exchange_error(const std::string& path, const char* what) {
   return std::runtime_error(path + " " + what + ": " + std::strerror(errno));
 }
 
-/// Opens for appending, under a lock, without a torn last line.
-int open_lines(const std::string& path) {
+/// Opens for appending, under a lock, without a torn last line. `waits`: until another program has let go of it.
+int open_lines(const std::string& path, bool waits = false) {
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (file < 0) throw exchange_error(path, "cannot be opened");
-  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+  while (waits && flock(file, LOCK_EX) != 0)
+    if (errno != EINTR) throw exchange_error(path, "cannot be locked");
+  if (!waits && flock(file, LOCK_EX | LOCK_NB) != 0) {
     close(file);
     throw std::runtime_error(path + " is in use: another program exchanges with this robot; one at a time");
   }
@@ -54,9 +59,64 @@ std::vector<std::string> lines_of(const std::string& path) {
   return lines;
 }
 
+struct FileCloser {
+  int file;
+  ~FileCloser() { close(file); }
+};
+
+/// "F01-C01-R1:1".
+std::string item_key(const std::string& item, int revision) { return item + ":" + std::to_string(revision); }
+
+/// Robots by item and revision. Throws std::runtime_error for a line that says neither: what it gives away is not
+/// known.
+std::map<std::string, std::string> robots_by_item(const std::string& path) {
+  std::map<std::string, std::string> robots;
+  std::size_t number = 0;
+  for (const std::string& text : lines_of(path)) {
+    ++number;
+    const auto line = nlohmann::ordered_json::parse(text, nullptr, false);
+    if (!line.is_object() || !line.contains("item") || !line.contains("revision") || !line.contains("robot"))
+      throw std::runtime_error(path + ":" + std::to_string(number) + " is '" + text.substr(0, 60) +
+                               "', expected item, revision and robot: which robot has what is not known; mend that "
+                               "line, or take it out if no robot had it");
+    robots.try_emplace(item_key(line["item"].get<std::string>(), line["revision"].get<int>()),
+                       line["robot"].get<std::string>());
+  }
+  return robots;
+}
+
 }  // namespace
 
-ExchangeFolder::ExchangeFolder(const std::string& folder) : folder_(folder) {
+std::string ExchangeFolder::held_by_others(const Job& job, const std::string& robot, bool take) {
+  if (given_.empty()) return {};
+  const int file = open_lines(given_, true);
+  const FileCloser closer{file};
+  const std::map<std::string, std::string> robots = robots_by_item(given_);
+  std::map<std::string, std::vector<std::string>> held;  // by robot
+  std::string lines;
+  for (const JobItem& item : job.items) {
+    const auto found = robots.find(item_key(item.id, item.revision));
+    if (found != robots.end() && found->second != robot) held[found->second].push_back(item.id);
+    if (found == robots.end())
+      lines += (lines.empty() ? "" : "\n") +
+               nlohmann::ordered_json{
+                   {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
+                   .dump();
+  }
+  if (held.empty()) {
+    if (take && !lines.empty()) append_line(file, lines, given_);
+    return {};
+  }
+  std::string words;
+  for (const auto& [other, items] : held)
+    words += (words.empty() ? "" : "; ") + text::join(items, 4) + (items.size() > 1 ? " were" : " was") + " given to " +
+             other;
+  return words + " (" + given_ +
+         "): nothing is sent. Two robots share a job by floors (--floor 1, --floor 2); if that " +
+         "robot is known not to have taken them, take its lines out of that file";
+}
+
+ExchangeFolder::ExchangeFolder(const std::string& folder, const std::string& given) : folder_(folder), given_(given) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw std::runtime_error("folder " + folder + " cannot be made: " + failed.message());

@@ -90,6 +90,15 @@ OrderExchange::OrderExchange(const Job& job, const VdaRobot& robot, ExchangeLog&
   // What is on disk was heard by a program before this one; the robot is asked anew.
   answered_ = false;
   refuse_old_revision();
+  if (status_ == ExchangeStatus::asking && sent_at_ < 0) refuse_items_of_others(false);
+}
+
+/// Nobody does what another robot was asked for. With `take` they are this robot's from now on.
+void OrderExchange::refuse_items_of_others(bool take) {
+  const std::string why = log_.held_by_others(job_, robot_.manufacturer + "/" + robot_.serial, take);
+  if (why.empty()) return;
+  status_ = sent_at_ < 0 ? ExchangeStatus::rejected : ExchangeStatus::unknown;
+  reason_ = why;
 }
 
 /// A robot that did a later plan's work would do it backwards.
@@ -108,12 +117,12 @@ void OrderExchange::restore_sent() {
     if (!sent.is_object()) continue;
     order_number_ = std::max(order_number_, sent.value("headerId", 0));
     const double at = sent.value("at", 0.0);
-    if (sent.value("orderId", "") == job_.id) {
+    if (sent.value("orderId", "") == vda_order_id(job_)) {
       // What the robot said before is late if it comes now.
       sent_at_ = at, header_at_sending_ = newest_header_ = sent.value("robotHeaderId", -1LL);
       newest_ = std::max(newest_, sent.value("robotSeconds", -1e300));
     }
-    if (sent.value("orderId", "") == job_.id) continue;
+    if (sent.value("orderId", "") == vda_order_id(job_)) continue;
     newest_revision_ = std::max(newest_revision_, sent.value("revision", 0));
     other_order_ = sent.value("orderId", ""), other_sent_at_ = std::max(other_sent_at_, at);
   }
@@ -155,8 +164,8 @@ void OrderExchange::take(const std::string& payload, Heard heard, double now) {
   const bool is_newest = state.seconds > newest_ || (state.seconds == newest_ && state.header > newest_header_) ||
                          (heard == Heard::now && goes_on_by_number(state.seconds, state.header, now));
   // Late ones tell nothing about now, but may tell that an action came to its end.
-  const bool ours = state.order == job_.id;
-  if (is_new && (ours || state.refusals.count(job_.id) > 0) && state.digest != last_actions_) {
+  const bool ours = state.order == vda_order_id(job_);
+  if (is_new && (ours || state.refusals.count(vda_order_id(job_)) > 0) && state.digest != last_actions_) {
     log_.append_state(json.dump(-1, ' ', false, ordered_json::error_handler_t::replace));
     last_actions_ = state.digest;
   }
@@ -190,7 +199,7 @@ void OrderExchange::take(const std::string& payload, Heard heard, double now) {
     return;
   }
   if (!is_newest) return;
-  if (const auto refusal = state.refusals.find(job_.id); refusal != state.refusals.end()) {
+  if (const auto refusal = state.refusals.find(vda_order_id(job_)); refusal != state.refusals.end()) {
     status_ = ExchangeStatus::rejected, reason_ = "the robot refuses the order: " + refusal->second;
     return;
   }
@@ -214,7 +223,7 @@ MqttMessage OrderExchange::question(const std::string& utc) {
   out["headerId"] = ++question_number_, out["timestamp"] = utc;
   out["version"] = robot_.version == VdaVersion::v2_0 ? "2.0.0" : "3.0.0";
   out["manufacturer"] = robot_.manufacturer, out["serialNumber"] = robot_.serial;
-  ordered_json action{{"actionId", job_.id + ":state:" + utc + ":" + std::to_string(question_number_)},
+  ordered_json action{{"actionId", vda_order_id(job_) + ":state:" + utc + ":" + std::to_string(question_number_)},
                       {"actionType", "stateRequest"},
                       {"blockingType", "NONE"}};
   // The text of 2.0 says actionType, its schema for instant actions actionName.
@@ -228,7 +237,7 @@ MqttMessage OrderExchange::order(double now, const std::string& utc) {
   const MqttMessage message{vda_topic(robot_, "order"), vda_order(job_, robot_), times_.expiry};
   // On disk first: if nothing comes after this line, the order may be out and may not.
   log_.append_sent(ordered_json{
-      {"orderId", job_.id},
+      {"orderId", vda_order_id(job_)},
       {"revision", job_.revision},
       {"headerId", order_number_},
       {"at", now},
@@ -262,6 +271,8 @@ std::vector<MqttMessage> OrderExchange::due(double now, const std::string& utc) 
               (sent_at_ < 0 ? ": it was not sent; make a new one" : ": it is not sent again; measure the items");
     return {};
   }
+  refuse_items_of_others(true);
+  if (is_over()) return {};
   return {order(now, utc)};
 }
 

@@ -31,13 +31,20 @@ class ExchangeLog {
   virtual void append_state(const std::string& line) = 0;
   virtual std::vector<std::string> sent() const = 0;
   virtual std::vector<std::string> states() const = 0;
+  /// Which items of the job, at their revisions, were given to robots other than `robot` (MANUFACTURER/SERIAL), in
+  /// words with what to do; empty: none, and with `take` they are this robot's, on disk when it returns.
+  virtual std::string held_by_others(const Job& job, const std::string& robot, bool take) {
+    return static_cast<void>(job), static_cast<void>(robot), static_cast<void>(take), std::string();
+  }
 };
 
 /// sent.jsonl and states.jsonl in a folder that is made. A torn last line, of a program that was killed, is cut off.
-/// One program at a time: a second one is refused. Throws std::runtime_error with path and reason.
+/// One program at a time: a second one is refused. `given`: the file that says which robot has which items, shared by
+/// the programs of all robots (a line each: item, revision, robot, order); empty: nobody asks. Throws
+/// std::runtime_error with path and reason.
 class ExchangeFolder : public ExchangeLog {
  public:
-  explicit ExchangeFolder(const std::string& folder);
+  explicit ExchangeFolder(const std::string& folder, const std::string& given = "");
   ~ExchangeFolder() override;
   ExchangeFolder(const ExchangeFolder&) = delete;
   ExchangeFolder& operator=(const ExchangeFolder&) = delete;
@@ -45,9 +52,10 @@ class ExchangeFolder : public ExchangeLog {
   void append_state(const std::string& line) override;
   std::vector<std::string> sent() const override;
   std::vector<std::string> states() const override;
+  std::string held_by_others(const Job& job, const std::string& robot, bool take) override;
 
  private:
-  std::string folder_;
+  std::string folder_, given_;
   int sent_ = -1, states_ = -1;
 };
 
@@ -102,6 +110,7 @@ class OrderExchange {
   bool goes_on_by_number(double seconds, long long header, double now);
   void restore_sent();
   void refuse_old_revision();
+  void refuse_items_of_others(bool take);
   MqttMessage question(const std::string& utc);
   MqttMessage order(double now, const std::string& utc);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
@@ -19,7 +20,7 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Items nearer than this to the first of a node are done from the same place [m].
+/// Items whose places to stand are nearer than this to that of the first of a node are done from there [m].
 constexpr double kReachOfNode = 0.5;
 
 ordered_json vda_numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -58,12 +59,27 @@ ordered_json action_of(const Job& job, const JobItem& item, VdaVersion version) 
   return action;
 }
 
-ordered_json node_of(const Job& job, const JobItem& item, std::size_t sequence) {
+/// From where an item is done: before it, and never in it.
+struct Stand {
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< [m] in the root frame, less its origin
+  std::optional<double> theta;                      ///< towards the item [rad]; none: it faces up or down
+};
+
+Stand stand_before(const JobItem& item, double stand_off) {
+  const Eigen::Vector2d out = (item.design_rotation * Eigen::Vector3d::UnitZ()).head<2>();
+  if (out.norm() < 0.5 || stand_off == 0) return {item.design.head<2>(), std::nullopt};
+  const Eigen::Vector2d away = stand_off * out.normalized();
+  return {item.design.head<2>() + away, std::atan2(-away.y(), -away.x())};
+}
+
+ordered_json node_of(const Job& job, const JobItem& item, double stand_off, std::size_t sequence) {
   ordered_json node;
   node["nodeId"] = "floor-" + std::to_string(item.floor) + "-" + item.id, node["sequenceId"] = sequence;
   node["released"] = true;
-  const Eigen::Vector3d place = item.design + job.origin;
-  node["nodePosition"] = {{"x", place.x()}, {"y", place.y()}, {"mapId", "floor-" + std::to_string(item.floor)}};
+  const Stand stand = stand_before(item, stand_off);
+  node["nodePosition"] = {{"x", stand.place.x() + job.origin.x()}, {"y", stand.place.y() + job.origin.y()}};
+  if (stand.theta) node["nodePosition"]["theta"] = *stand.theta;
+  node["nodePosition"]["mapId"] = "floor-" + std::to_string(item.floor);
   node["actions"] = ordered_json::array();
   return node;
 }
@@ -90,6 +106,8 @@ std::string vda_action_id(const Job& job, const JobItem& item) {
   return job.id + ":" + item.id + ":" + std::to_string(item.revision);
 }
 
+std::string vda_order_id(const Job& job) { return job.id + job.part; }
+
 std::string vda_topic(const VdaRobot& robot, const std::string& subtopic) {
   return std::string("uagv/") + (robot.version == VdaVersion::v2_0 ? "v2/" : "v3/") + robot.manufacturer + "/" +
          robot.serial + "/" + subtopic;
@@ -102,16 +120,16 @@ std::string vda_order(const Job& job, const VdaRobot& robot) {
   out["headerId"] = robot.header_id, out["timestamp"] = robot.timestamp;
   out["version"] = robot.version == VdaVersion::v2_0 ? "2.0.0" : "3.0.0";
   out["manufacturer"] = robot.manufacturer, out["serialNumber"] = robot.serial;
-  out["orderId"] = job.id, out["orderUpdateId"] = 0;
+  out["orderId"] = vda_order_id(job), out["orderUpdateId"] = 0;
   ordered_json nodes = ordered_json::array(), edges = ordered_json::array();
   const JobItem* first = nullptr;
-  if (robot.start && node_of(job, job.items.front(), 0)["nodeId"] != robot.start->node)
+  if (robot.start && node_of(job, job.items.front(), robot.stand_off, 0)["nodeId"] != robot.start->node)
     nodes.push_back(start_node(*robot.start));
   for (const JobItem& item : job.items) {
-    const bool here =
-        first && first->floor == item.floor && (item.design - first->design).head<2>().norm() <= kReachOfNode;
+    const auto place = [&](const JobItem& one) { return stand_before(one, robot.stand_off).place; };
+    const bool here = first && first->floor == item.floor && (place(item) - place(*first)).norm() <= kReachOfNode;
     if (!here) {
-      nodes.push_back(node_of(job, item, 2 * nodes.size())), first = &item;
+      nodes.push_back(node_of(job, item, robot.stand_off, 2 * nodes.size())), first = &item;
       if (const std::size_t n = nodes.size(); n > 1)
         edges.push_back(edge_between(nodes[n - 2], nodes[n - 1], 2 * n - 3, robot.version));
     }
@@ -184,7 +202,7 @@ class StateReader {
     const std::string order = state.at("orderId").get<std::string>();
     const ordered_json& actions = state.at("actionStates");
     if (order.empty() && actions.empty()) return;  // a robot that has nothing to do
-    if (order != job_.id) return refuse(line, "is on order '" + order + "', this job is " + job_.id);
+    if (!is_of_job(order)) return refuse(line, "is on order '" + order + "', this job is " + job_.id);
     const std::string by =
         state.at("manufacturer").get<std::string>() + "/" + state.at("serialNumber").get<std::string>();
     for (const ordered_json& action : actions) {
@@ -199,6 +217,12 @@ class StateReader {
       said_.push_back({*seconds, state.at("headerId").get<long long>(), line, id, status,
                        action.contains(key) ? action.at(key).get<std::string>() : std::string(), at, by});
     }
+  }
+
+  /// The order of the whole job, or of some of its floors.
+  bool is_of_job(const std::string& order) const {
+    static const std::regex floors("(-F[0-9]+)*");
+    return order.rfind(job_.id, 0) == 0 && std::regex_match(order.substr(job_.id.size()), floors);
   }
 
   void add(const Said& said) {

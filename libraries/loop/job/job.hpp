@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct JobItem {
 
 struct Job {
   std::string id;
+  std::string part;  ///< "-F2": the items of these floors alone, for one robot of several; empty: the whole job
   int revision = 0;
   std::string created_at, valid_until;  ///< ISO 8601; empty: not said
   std::string basis;                    ///< InstallationPlan.basis
@@ -52,6 +54,10 @@ Job in_survey(const Job& job, const FrameLink& building_from_survey);
 
 /// Notes at all released items the ids of the jobs that hold them: of all floors and of their own.
 void note_jobs(const InstallationPlanT& plan, LoopStateT& state);
+
+/// Its items on these floors, for one of several robots; all of them without floors. The id stays that of the whole, so
+/// that reports answer it. Throws std::runtime_error for a floor on which the job has no item.
+Job part_of(const Job& job, const std::set<int>& floors);
 
 std::string job_json(const Job& job);
 

@@ -11,7 +11,7 @@ void WriteVda5050::run(Context& context) {
   VdaRobot robot;
   robot.version = *version == "2.0.0" ? VdaVersion::v2_0 : VdaVersion::v3_0;
   robot.manufacturer = *manufacturer, robot.serial = *serial_number, robot.timestamp = *timestamp;
-  robot.header_id = static_cast<int>(*header_id);
+  robot.header_id = static_cast<int>(*header_id), robot.stand_off = *stand_off;
   order.commit(text_file("order.json", "application/json", vda_order(made, robot)));
   topic.commit(text_file("topic.txt", "text/plain", vda_topic(robot, "order") + "\n"));
   context.metric("actions", static_cast<double>(made.items.size()), "1");

@@ -63,6 +63,11 @@ sed 's/"revision": 1,/&\n "validUntil": "2020-01-01T00:00:00Z",/;' plain.json | 
 timeout 30 "${call[@]/plain.json/late.json}" --longest 20 >> plain.log 2>&1 || fail "what the robot had done in time was not taken later"
 if "$robots" --job late.json --robot RobotCompany/001 --folder spool_late --port "$port" --longest 5 2> late.log; then fail "a job was begun after its time"; fi
 grep -q 'was valid until 2020' late.log || fail "it was not said that the job is too old"
+# What one robot has is not given to another, which has a folder of its own.
+code=0
+"$robots" --job plain.json --robot RobotCompany/002 --folder spool_second --port "$port" --longest 5 > second.log 2>&1 || code=$?
+[[ $code == 3 ]] || fail "a job that another robot has ends with exit code $code, not 3"
+grep -q 'F01-C01-R1.* were given to RobotCompany/001' second.log || fail "it was not said who has the job"
 # A second program on the same folder, another host without TLS.
 for host in 192.0.2.1 127.0.0.1.example.invalid 127.example.invalid; do
   if "$robots" --job plain.json --robot RobotCompany/001 --folder spool_other --host "$host" --longest 1 > other.log 2> refused.log; then fail "a plain connection to another machine was tried"; fi

@@ -14,6 +14,8 @@ int main(int count, char** arguments) {
     item.id = "F01-C0" + std::to_string(i + 1) + "-R1", item.kind = "bracket", item.operation = "setBracket";
     item.revision = 1, item.floor = 1, item.reason = "gate of its panels is GO";
     item.design = {2.0 * i, 0, 3}, item.target = {2.0 * i, 0, 3.004}, item.setting = {0, 0.004, 0};
+    item.design_rotation = item.target_rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * 3.14159265358979323846, Eigen::Vector3d::UnitX()));
     item.tolerance = {0.003, 0.003, 0.003}, item.p_in = 0.99;
     if (i > 0) item.depends_on = {job.items.back().id};
     job.items.push_back(item);

@@ -460,5 +460,36 @@ TEST(ExchangeFolder, LinesOutliveAKillAndOneProgramWorksAtATime) {
   std::filesystem::remove_all(folder);
 }
 
+/// Two robots, a folder each: what one was asked for is not asked of the other, in a part of the job neither.
+TEST(ExchangeFolder, WhatOneRobotHasNoOtherIsGiven) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("plumbline_given_" + std::to_string(getpid()));
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::string given = folder / "job.json.given.jsonl";
+  Job job = job_of("job-a", 4);
+  job.items[2].floor = job.items[3].floor = 2;
+  const VdaRobot two{VdaVersion::v2_0, "RobotCompany", "002", 0, "", std::nullopt};
+  ExchangeFolder first(folder / "001", given), second(folder / "002", given);
+  Robot robot;
+  OrderExchange lower(part_of(job, {1}), robot_one(), first);
+  lower.due(100, utc_of(100)), lower.on_state(robot.state(101), 101);
+  // Nothing is given before it is sent.
+  EXPECT_EQ(OrderExchange(job, two, second).status(), ExchangeStatus::asking);
+  EXPECT_TRUE(lower.due(101, utc_of(101)).at(0).topic.ends_with("order"));
+  OrderExchange whole(job, two, second);
+  EXPECT_EQ(whole.status(), ExchangeStatus::rejected);
+  EXPECT_EQ(whole.reason().substr(0, whole.reason().find(" (")), "b0, b1 were given to RobotCompany/001");
+  EXPECT_NE(whole.reason().find("--floor 1, --floor 2"), std::string::npos);
+  EXPECT_EQ(OrderExchange(part_of(job, {2}), two, second).status(), ExchangeStatus::asking);
+  // It goes on where it was, and another revision of an item is other work.
+  EXPECT_EQ(OrderExchange(part_of(job, {1}), robot_one(), first).status(), ExchangeStatus::asking);
+  for (JobItem& item : job.items) item.revision = 2;
+  EXPECT_EQ(OrderExchange(job, two, second).status(), ExchangeStatus::asking);
+  std::ofstream(given, std::ios::app) << "nonsense\n";
+  EXPECT_THROW(OrderExchange(job, two, second), std::runtime_error);
+  std::filesystem::remove_all(folder);
+}
+
 }  // namespace exchange_test
 }  // namespace plumbline::loop

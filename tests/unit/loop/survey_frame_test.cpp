@@ -184,7 +184,9 @@ TEST(SurveyFrame, OrdersAreInTheJobsFrameAndWhatRobotsAnswerComesBack) {
     const json& p = parameters.at("targetPosition");
     const Eigen::Vector3d target(p[0], p[1], p[2]);
     EXPECT_LT((link.apply(target) - designed.items[0].target - designed.origin).norm(), 3e-9);
-    EXPECT_NEAR(order["nodes"][0]["nodePosition"]["x"].get<double>(), (job.items[0].design + job.origin).x(), 1e-9);
+    const Eigen::Vector2d out = (job.items[0].design_rotation * Eigen::Vector3d::UnitZ()).head<2>().normalized();
+    const double stand = (job.items[0].design + job.origin).x() + robot.stand_off * out.x();
+    EXPECT_NEAR(order["nodes"][0]["nodePosition"]["x"].get<double>(), stand, 1e-9);
     const json result = {{"measured", p}, {"frame", "survey"}};
     const json state = {{"headerId", 1},
                         {"timestamp", "2026-05-02T09:00:00Z"},

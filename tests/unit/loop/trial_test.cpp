@@ -25,7 +25,9 @@ TEST(Trial, NothingWrongBecomesVerifiedAmongFaultsOfAllKinds) {
       planted, brackets_wrong, verified, stated, panels_wrong, 1e3 * worst);
   for (const auto& [kind, count] : kinds) std::printf("  %s: %d\n", kind.c_str(), count);
   for (const char* kind : {"hidden", "partial campaign", "other job", "did nothing"}) EXPECT_GT(kinds[kind], 0) << kind;
+  EXPECT_GE(planted, 170) << "hardly a fault was planted";
   EXPECT_EQ(brackets_wrong, 0);
+  EXPECT_EQ(panels_wrong, 0) << "worst " << 1e3 * worst << " mm outside";
   EXPECT_GT(verified, stated / 2);
 }
 

@@ -21,6 +21,8 @@ namespace vda5050_test {
 
 using nlohmann::json;
 
+constexpr double kPi = 3.14159265358979323846;
+
 JobItem item_at(const std::string& id, const std::string& kind, const Eigen::Vector3d& place) {
   JobItem item;
   item.id = id, item.kind = kind, item.operation = kind == "bracket" ? "setBracket" : "placePanel";
@@ -105,6 +107,27 @@ TEST(Vda5050, AnOrderIsTheJobPlaceByPlace) {
   EXPECT_EQ(vda_topic(make_robot(VdaVersion::v3_0), "order"), "uagv/v3/Acme/R2D2/order");
 }
 
+/// The base stands before the facade and looks at it, in front of it or in the building, and never in the bracket.
+TEST(Vda5050, ANodeIsBeforeTheFacade) {
+  Job job = make_job();
+  Eigen::Matrix3d axes;  // right, up, out of a facade whose outside is -y
+  axes << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  for (JobItem& item : job.items) item.design_rotation = item.target_rotation = Eigen::Quaterniond(axes);
+  VdaRobot robot = make_robot(VdaVersion::v3_0);
+  const auto first = [&] { return json::parse(vda_order(job, robot))["nodes"][0]["nodePosition"]; };
+  EXPECT_NEAR(first()["x"].get<double>(), 432100, 1e-6);
+  EXPECT_NEAR(first()["y"].get<double>(), 5812300 - 1.5, 1e-6);
+  EXPECT_NEAR(first()["theta"].get<double>(), kPi / 2, 1e-9);
+  robot.stand_off = -2;
+  EXPECT_NEAR(first()["y"].get<double>(), 5812302, 1e-6);
+  EXPECT_NEAR(first()["theta"].get<double>(), -kPi / 2, 1e-9);
+  // Round a corner is another place, however near the brackets are.
+  job.items[1].design_rotation = Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ()) * job.items[1].design_rotation;
+  EXPECT_EQ(json::parse(vda_order(job, robot))["nodes"].size(), 4u);
+  PLUMBLINE_REQUIRE_DATA("robot/vda5050/3.0.0/order.schema");
+  EXPECT_EQ(faults(schema_of("3.0.0", "order"), json::parse(vda_order(job, robot))), "");
+}
+
 TEST(Vda5050, WhatCannotBeOrderedIsSaid) {
   const auto fault = [](const Job& job, const VdaRobot& robot) {
     try {
@@ -157,6 +180,32 @@ std::string at_second(int second) {
   char text[32];
   std::snprintf(text, sizeof text, "2026-05-02T08:00:%02dZ", second);
   return text;
+}
+
+/// Orders of single floors answer the job that they are of.
+TEST(Vda5050, APartOfAJobHasItsActions) {
+  Job job = make_job();
+  job.items[0].floor = 1;
+  const Job part = part_of(job, {2});
+  EXPECT_EQ(vda_order_id(part), job.id + "-F2");
+  EXPECT_EQ(json::parse(vda_order(part, make_robot(VdaVersion::v2_0)))["orderId"], job.id + "-F2");
+  EXPECT_EQ(part.items.size(), 3u);
+  EXPECT_EQ(vda_action_id(part, part.items[0]), vda_action_id(job, job.items[1]));
+  json state = make_state(part, "fff", 3, "2026-05-02T08:00:09Z", VdaVersion::v2_0);
+  state["orderId"] = vda_order_id(part);
+  const ActualsT read = vda_actuals(state.dump(), job, "states.jsonl");
+  EXPECT_TRUE(read.refused.empty());
+  ASSERT_EQ(read.items.size(), 3u);
+  EXPECT_EQ(read.items[0]->job, job.id) << "as the state knows it";
+  state["orderId"] = job.id + "-other";
+  EXPECT_EQ(vda_actuals(state.dump(), job, "states.jsonl").refused.size(), 1u);
+  try {
+    part_of(job, {7});
+    FAIL() << "a floor without items";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("floor 7 has no item"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("1, 2"), std::string::npos);
+  }
 }
 
 TEST(Vda5050, StatesBecomeReports) {
