@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -14,78 +13,30 @@
 #include "photo/bundle/adjust.hpp"
 #include "photo/markers/common_error.hpp"
 #include "photo/markers/rig.hpp"
+#include "photo/markers/rig_model.hpp"
 
 namespace plumbline::markers {
 namespace {
 
-/// What is estimated besides the poses: everything, less of the lens, nothing.
-enum class Freedom { all, principal, none };
-
 constexpr double kDisagrees = 5;  // times the median: a photograph that the rig does not explain
 constexpr double kWorse = 10;     // times the calibrations of their own: these cameras are no rig
-
-bundle::Placement placed(const RigidTransform& t) {
-  bundle::Placement placement;
-  placement.set(t.rotation, t.inverse().translation);
-  return placement;
-}
-
-/// One photograph that takes part.
-struct Shot {
-  int camera = 0;  ///< index into the rig's members
-  int view = 0;    ///< index into the calibration's views
-  int exposure = 0;
-};
-
-/// Who takes part, with the values of all unknowns.
-struct Rig {
-  std::vector<int> members;  ///< indices into the given cameras, the reference first
-  std::vector<std::string> exposure_names;
-  std::vector<Shot> shots;
-  std::vector<bundle::Placement> exposures, cameras;  ///< reference from board, camera from reference
-  std::vector<bundle::Interior> interiors;
-  Eigen::Vector2d bend = Eigen::Vector2d::Zero();
-};
-
-/// The same as a block: an image for each exposure, which nobody took, and behind these one for each shot.
-struct RigModel {
-  bundle::Problem problem;
-  bundle::State state;
-  std::vector<std::pair<int, int>> labels;  ///< shot and point of each image point
-
-  /// Computed minus measured [px].
-  Eigen::Vector2d residual_of(const bundle::Layout& layout, size_t label) const {
-    const bundle::ImagePoint& point = problem.image_points[label];
-    bundle::Rows rows;
-    if (!bundle::evaluate(problem, layout, state, point, false, rows))
-      throw std::runtime_error("the board lies behind the camera of " + problem.images[point.image].name);
-    return rows.values() / point.whitening(0, 0);
-  }
-};
 
 class RigAdjuster {
  public:
   RigAdjuster(const std::vector<RigCamera>& cameras, const std::vector<std::vector<std::string>>& moments,
               const CalibrationOptions& options)
-      : cameras_(cameras), moments_(moments), options_(options) {
-    Eigen::AlignedBox2d box;
-    for (const auto& camera : cameras)
-      for (const auto& view : *camera.views)
-        for (const auto& p : view.points) box.extend(p.board.head<2>());
-    middle_ = box.center(), half_ = 0.5 * box.sizes().cwiseMax(1e-9);
-  }
+      : cameras_(cameras), moments_(moments), options_(options), models_(cameras, moments, options) {}
 
   /// `part` 0: all exposures; 1 and 2: every other one.
   AdjustedRig adjust(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part) const {
     AdjustedRig rig;
     rig.reference = members.front();
-    Rig begin;
-    fill(members, start, part, begin);
+    Rig begin = models_.rig_of(members, start, part);
     leave_out_what_disagrees(begin, rig);
     if (!rig.refused.empty()) return rig;
-    for (const Freedom freedom : {Freedom::all, Freedom::principal, Freedom::none}) {
+    for (const RigFreedom freedom : {RigFreedom::all, RigFreedom::principal, RigFreedom::none}) {
       try {
-        RigModel model = build(begin, freedom);
+        RigModel model = models_.build(begin, freedom);
         const bundle::Layout layout(model.problem);
         bundle::AdjustOptions options;
         options.minimise.max_iterations = options_.max_iterations;
@@ -94,13 +45,13 @@ class RigAdjuster {
         const bundle::Adjusted adjusted = bundle::adjust(model.problem, layout, model.state, options);
         model.state = adjusted.state;
         read(begin, model, layout, adjusted, rig);
-        if (freedom == Freedom::principal)
+        if (freedom == RigFreedom::principal)
           rig.held = "k3 and what follows it of the cameras and the bend of the board";
-        else if (freedom == Freedom::none)
+        else if (freedom == RigFreedom::none)
           rig.held = "the interior orientations and the bend of the board";
         return rig;
       } catch (const std::runtime_error& error) {
-        if (freedom == Freedom::none) rig.refused = std::string("the common adjustment failed: ") + error.what();
+        if (freedom == RigFreedom::none) rig.refused = std::string("the common adjustment failed: ") + error.what();
       }
     }
     return rig;
@@ -115,132 +66,6 @@ class RigAdjuster {
   }
 
  private:
-  const CalibratedView& calibrated(const Rig& p, const Shot& s) const {
-    const size_t camera = static_cast<size_t>(p.members[s.camera]);
-    return cameras_[camera].calibration->views[s.view];
-  }
-  const CalibrationView& given(const Rig& p, const Shot& s) const {
-    const size_t camera = static_cast<size_t>(p.members[s.camera]);
-    return (*cameras_[camera].views)[calibrated(p, s).view];
-  }
-
-  void fill(const std::vector<int>& members, const std::vector<RigidTransform>& start, int part, Rig& p) const {
-    p.members = members;
-    std::set<std::string> names;
-    for (const int c : members) names.insert(moments_[c].begin(), moments_[c].end());
-    std::map<std::string, int> exposure;
-    int number = 0;
-    for (const auto& name : names) {
-      ++number;
-      if (part > 0 && number % 2 != part - 1) continue;
-      exposure[name] = static_cast<int>(p.exposure_names.size());
-      p.exposure_names.push_back(name);
-    }
-    p.exposures.resize(p.exposure_names.size());
-    std::vector<size_t> most(p.exposures.size(), 0);
-    for (size_t m = 0; m < members.size(); ++m) {
-      const size_t c = static_cast<size_t>(members[m]);
-      p.cameras.push_back(placed(start[m]));
-      const auto interior = cameras_[c].calibration->camera.parameters();
-      std::copy(interior.begin(), interior.end(), p.interiors.emplace_back().begin());
-      const auto& views = cameras_[c].calibration->views;
-      for (size_t v = 0; v < views.size(); ++v) {
-        const auto at = exposure.find(moments_[c][views[v].view]);
-        if (at == exposure.end() || views[v].points.size() < 4) continue;
-        const size_t e = static_cast<size_t>(at->second);
-        p.shots.push_back({static_cast<int>(m), static_cast<int>(v), at->second});
-        if (views[v].points.size() <= most[e]) continue;
-        most[e] = views[v].points.size();
-        p.exposures[e] = placed(start[m].inverse() * views[v].cam_from_board);
-      }
-    }
-    p.bend = {cameras_[members[0]].calibration->bend_x, cameras_[members[0]].calibration->bend_y};
-    if (!(options_.bend_sigma > 0)) p.bend.setZero();
-    drop_empty_exposures(p);
-  }
-
-  static void drop_empty_exposures(Rig& p) {
-    std::vector<int> photographs(p.exposures.size(), 0), now(p.exposures.size(), -1);
-    for (const Shot& s : p.shots) ++photographs[s.exposure];
-    Rig kept;
-    for (size_t e = 0; e < photographs.size(); ++e) {
-      if (photographs[e] == 0) continue;
-      now[e] = static_cast<int>(kept.exposures.size());
-      kept.exposures.push_back(p.exposures[e]), kept.exposure_names.push_back(p.exposure_names[e]);
-    }
-    for (Shot& s : p.shots) s.exposure = now[s.exposure];
-    p.exposures = std::move(kept.exposures), p.exposure_names = std::move(kept.exposure_names);
-  }
-
-  RigModel build(const Rig& p, Freedom freedom) const {
-    RigModel model;
-    bundle::Problem& problem = model.problem;
-    problem.groups = {{"points"}, {"bend"}};
-    for (const std::string& name : p.exposure_names) problem.images.push_back({name});
-    model.state.images = p.exposures, model.state.mounts = p.cameras, model.state.interiors = p.interiors;
-    model.state.bends = {p.bend};
-    for (size_t m = 0; m < p.members.size(); ++m) {
-      const std::string& id = cameras_[p.members[m]].id;
-      const Calibration& own = *cameras_[p.members[m]].calibration;
-      problem.mounts.push_back({"camera " + id, m == 0});
-      bundle::Camera camera{id, bundle::lens_of(own.camera.lens), 0, {}};
-      for (Eigen::Index k = 0; k < bundle::value_count(camera.lens); ++k) {
-        const bool estimated =
-            k < BrownCamera::parameter_count && (own.covariance.size() == 0 || own.covariance(k, k) > 0);
-        camera.free.push_back(estimated && freedom != Freedom::none && (freedom == Freedom::all || k < 6));
-      }
-      problem.cameras.push_back(std::move(camera));
-    }
-    const bool bent = options_.bend_sigma > 0 && freedom == Freedom::all;
-    problem.sheets = {{"the board", bent}};
-    if (bent)
-      problem.known.push_back(
-          {{{bundle::Kind::bend, 0}}, Eigen::Vector2d::Zero(), Eigen::Matrix2d::Identity() / options_.bend_sigma, 1});
-    for (size_t s = 0; s < p.shots.size(); ++s) {
-      const Shot& shot = p.shots[s];
-      const int image = static_cast<int>(problem.images.size());
-      problem.images.push_back({given(p, shot).path, shot.camera, false, false, shot.camera, shot.exposure});
-      model.state.images.emplace_back();  // not looked at
-      for (const int k : calibrated(p, shot).points) {
-        const CalibrationPoint& point = given(p, shot).points[k];
-        const Eigen::Vector2d unit = (point.board.head<2>() - middle_).cwiseQuotient(half_);
-        problem.points.push_back({std::to_string(k), true, 0, Eigen::Vector2d::Ones() - unit.cwiseAbs2()});
-        model.state.points.push_back(point.board);
-        problem.image_points.push_back({image, static_cast<int>(model.labels.size()), point.pixel,
-                                        Eigen::Matrix2d::Identity() / point.sigma, 0, true});
-        model.labels.emplace_back(static_cast<int>(s), k);
-      }
-    }
-    return model;
-  }
-
-  /// Root mean square residual of every photograph [px], after a robust minimisation over the poses alone.
-  std::vector<double> fit(Rig& p) const {
-    RigModel model = build(p, Freedom::none);
-    const bundle::Layout layout(model.problem);
-    bundle::MinimiseOptions options;
-    options.max_iterations = options_.max_iterations;
-    options.side = bundle::Side::images;
-    double unit = 10;
-    for (int pass = 0; pass < 3; ++pass) {
-      options.loss = {bundle::Loss::Kind::cauchy, 3 * unit};
-      bundle::minimise_schur(model.problem, model.state, options);
-      std::vector<double> lengths;
-      for (size_t k = 0; k < model.labels.size(); ++k)
-        lengths.push_back(model.residual_of(layout, k).norm() * model.problem.image_points[k].whitening(0, 0));
-      unit = std::clamp(upper_median(lengths), 1e-3, unit);
-    }
-    std::copy_n(model.state.images.begin(), p.exposures.size(), p.exposures.begin());
-    p.cameras = model.state.mounts;
-    std::vector<double> squares(p.shots.size(), 0), points(p.shots.size(), 0);
-    for (size_t k = 0; k < model.labels.size(); ++k) {
-      const size_t s = static_cast<size_t>(model.labels[k].first);
-      squares[s] += model.residual_of(layout, k).squaredNorm(), points[s] += 1;
-    }
-    for (size_t s = 0; s < squares.size(); ++s) squares[s] = std::sqrt(squares[s] / points[s]);
-    return squares;
-  }
-
   static std::string no_rig(int bad, int of, const std::string& camera, double together, double separate) {
     const std::string text = fmt::format(
         "(as a rig all fit to {:.1f} px in the median, each camera for itself to {:.2f} px): photographs with the same "
@@ -256,9 +81,9 @@ class RigAdjuster {
   void leave_out_what_disagrees(Rig& p, AdjustedRig& rig) const {
     double separate = 0;
     for (const int c : p.members) separate = std::max(separate, cameras_[c].calibration->rms);
-    const std::vector<double> rms = fit(p);
+    const std::vector<double> rms = models_.fit(p);
     const double limit = kDisagrees * std::max(separate, std::min(upper_median(rms), kWorse * separate));
-    std::vector<Shot> kept;
+    std::vector<RigShot> kept;
     std::vector<int> own(p.members.size(), 0), good(p.members.size(), 0);
     for (size_t s = 0; s < rms.size(); ++s) {
       const size_t c = static_cast<size_t>(p.shots[s].camera);
@@ -266,7 +91,7 @@ class RigAdjuster {
       if (rms[s] <= limit)
         kept.push_back(p.shots[s]), ++good[c];
       else
-        rig.left_out.push_back(given(p, p.shots[s]).path);
+        rig.left_out.push_back(models_.given(p, p.shots[s]).path);
     }
     for (size_t c = 0; c < own.size() && rig.refused.empty(); ++c) {
       if (upper_median(rms) <= kWorse * separate && good[c] >= 3 && 2 * good[c] >= own[c]) continue;
@@ -292,9 +117,9 @@ class RigAdjuster {
       bool any = false;
       std::vector<Eigen::Vector2d> moved(model.labels.size(), Eigen::Vector2d::Zero());
       for (size_t k = 0; k < moved.size(); ++k) {
-        const Shot& shot = p.shots[model.labels[k].first];
+        const RigShot& shot = p.shots[model.labels[k].first];
         if (shot.camera != static_cast<int>(m)) continue;
-        moved[k] = given(p, shot).points[model.labels[k].second].by_inset;
+        moved[k] = models_.given(p, shot).points[model.labels[k].second].by_inset;
         any = any || !moved[k].isZero(0);
       }
       effects.push_back(any ? effect_of(model.problem, layout, model.state, moved)
@@ -364,7 +189,7 @@ class RigAdjuster {
   const std::vector<RigCamera>& cameras_;
   const std::vector<std::vector<std::string>>& moments_;
   const CalibrationOptions& options_;
-  Eigen::Vector2d middle_, half_;
+  RigModels models_;
 };
 
 /// Cameras that shared moments connect, with their poses against the first of them.
