@@ -121,6 +121,7 @@ std::vector<std::string> files_with_texts(const std::filesystem::path& root) {
        {"libraries/loop/state/next_words.cpp", "libraries/loop/state/plan_artifact.cpp",
         "libraries/loop/fit/plan_settings.cpp", "libraries/loop/gate/gate.cpp", "libraries/loop/gate/assumed_sills.cpp",
         "libraries/loop/estimate/combine_campaigns.cpp", "plugins/build/loop/facade_input.cpp",
+        "plugins/build/loop/panel_names.cpp", "plugins/build/loop/panel_waits.cpp",
         "plugins/build/evaluate/image_plan_node.cpp", "plugins/survey/survey/series_words.cpp"})
     files.push_back(name);
   std::sort(files.begin(), files.end());
