@@ -2,11 +2,23 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 
 namespace plumbline::cli {
 
 namespace {
+
+/// CLI11's own validators name the largest number that there is, with 309 digits.
+std::string not_below(const std::string& text, bool may_be_zero) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const bool is_number = end != text.c_str() && *end == 0;
+  if (is_number && (may_be_zero ? value >= 0 : value > 0)) return {};
+  return "is '" + text + "', expected a number " + (may_be_zero ? "of 0 or more" : "above 0");
+}
+const CLI::Validator kNotNegative([](std::string& text) { return not_below(text, true); }, "0 or more");
+const CLI::Validator kPositive([](std::string& text) { return not_below(text, false); }, "above 0");
 
 void add_pipeline(CLI::App& app, Options& options) {
   app.add_option("pipeline", options.pipeline, "a pipeline file, or the name of one of the shipped ones")
@@ -247,7 +259,7 @@ void declare_store(Declared& all) {
   CLI::App& prune = all.add_below(cache, "prune", "removes what was not used for the longest time", cli::prune);
   add_store(prune, options);
   prune.add_option("--keep", options.limit, "the store may keep that much, such as 2GiB")->type_name("SIZE");
-  prune.add_option("--days", options.days, "and what was used within so many days")->check(CLI::NonNegativeNumber);
+  prune.add_option("--days", options.days, "and what was used within so many days")->check(kNotNegative);
 }
 
 void declare_bench(CLI::App& command, BenchOptions& options) {
@@ -268,7 +280,7 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
                   "folder for what makes the bench again: files, seeds, commit, versions, hashes, raw results")
       ->type_name("DIR");
   command.add_option("--cells", options.cells, "for verify: how many cells are made again, 0 for all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(kNotNegative)
       ->capture_default_str();
   command.add_option("--store", options.store, "folder of the store; where other machines work, one they all see")
       ->type_name("DIR");
@@ -282,7 +294,7 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
   command.add_option("--memory", options.memory, "limit for memory that nodes announce, such as 3GiB")
       ->type_name("SIZE");
   command.add_option("--limit", options.limit, "seconds after which a cell is ended and counts as failed")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   command.add_flag("--retry", options.retry, "run failed cells again");
   command.add_flag("--status", options.status, "run nothing: say how far it is, and with --out write the tables");
   command.add_option("--executor", options.executor, "local, slurm (one sbatch --array), ssh (GNU parallel) or print")
@@ -294,7 +306,7 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command.add_option("--task", options.task, "run this task of the plan only; the executors use it")
-      ->check(CLI::NonNegativeNumber);
+      ->check(kNotNegative);
   command.add_option("--plan", options.plan, "the plan that the task belongs to");
   command.add_flag("--overwrite", options.overwrite, "replace files in the output folder whoever wrote them");
   command.add_flag("--json", options.json, "machine-readable output");

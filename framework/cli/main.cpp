@@ -63,10 +63,11 @@ std::string usage_text(const CLI::ParseError& error, int argc, char** argv, cons
     if (!below.empty() && !takes_words && std::ranges::find(below, argv[2]) == below.end())
       return "there is no command '" + first + " " + argv[2] + "'" + plumbline::cli::did_you_mean(argv[2], below);
   }
-  const CLI::App* command = app.get_subcommands().empty() ? &app : app.get_subcommands()[0];
-  std::vector<std::string> known;
-  for (const CLI::Option* option : command->get_options())
-    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  std::vector<std::string> known;  // to the command that was called and those above it
+  for (const CLI::App* command = &app; command;
+       command = command->get_subcommands().empty() ? nullptr : command->get_subcommands()[0])
+    for (const CLI::Option* option : command->get_options())
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   for (int i = 1; i < argc; ++i) {
     const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
     if (word.rfind("--", 0) == 0 && word.size() > 2 && std::find(known.begin(), known.end(), word) == known.end())

@@ -25,7 +25,8 @@ std::string unknown_tags(const std::vector<ImageTagsT>& images, const PlatesT& p
     if (++shown <= 6)
       names += (shown > 1 ? ", " : "") + key.first + " " + std::to_string(key.second) + " (in " +
                std::to_string(count) + (count == 1 ? " image)" : " images)");
-  return std::to_string(unknown.size()) + " tags are in no row of the plate table and were not used: " + names +
+  return std::to_string(unknown.size()) + (unknown.size() == 1 ? " tag is" : " tags are") +
+         " in no row of the plate table and " + (unknown.size() == 1 ? "was" : "were") + " not used: " + names +
          (shown > 6 ? ", …" : "");
 }
 

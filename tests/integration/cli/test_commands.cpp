@@ -19,6 +19,9 @@ TEST(Commands, WrongUsageIsExitCode2WithNearNames) {
   answer = plumbline({"run", "x.yaml", "--thread=2"});
   EXPECT_EQ(answer.code, 2);
   EXPECT_TRUE(contains(answer.err, "there is no option '--thread' — did you mean '--threads'?")) << answer.err;
+  answer = plumbline({"cache", "prune", "--days", "x"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_TRUE(contains(answer.err, "--days: is 'x', expected a number of 0 or more")) << answer.err;
   for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
            {}, {"run"}, {"run", "x.yaml", "--threads", "0"}, {"run", "x.yaml", "--threads", "many"}, {"describe"}}) {
     answer = plumbline(arguments);
