@@ -20,6 +20,7 @@
 #include "runtime/record/record.hpp"
 #include "runtime/sweep/sweep_archive.hpp"
 #include "runtime/sweep/sweep_dispatch.hpp"
+#include "runtime/sweep/sweep_places.hpp"
 #include "runtime/sweep/sweep_run.hpp"
 #include "runtime/sweep/sweep_table.hpp"
 #include "terminal.hpp"
@@ -316,7 +317,9 @@ int bench(const BenchOptions& given) {
   Options for_store;
   for_store.store = options.store;
   runtime::Store store = open_store(for_store);
-  const SweepPlan plan = plan_sweep(asked_of(options, registry), options.overrides, registry, store.file_hashes());
+  const runtime::SweepFile file = asked_of(options, registry);
+  refuse_unknown_kinds(file, registry);
+  const SweepPlan plan = plan_sweep(file, options.overrides, registry, store.file_hashes());
   warn_of_kinds_offered_twice(graphs_of(plan), registry);
   if (plan.cells.empty()) throw UsageError(options.file + ": everything is excluded, there is nothing to run");
   require_archive_can_be(options, plan.file);

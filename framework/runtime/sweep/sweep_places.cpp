@@ -118,4 +118,20 @@ void refuse_what_cannot_run(const SweepFile& file, const Overrides& overrides, c
   if (!problems.empty()) throw InvalidPipeline(problems);
 }
 
+void refuse_unknown_kinds(const SweepFile& file, const Registry& registry) {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : registry.kinds()) names.push_back(name);
+  std::vector<Problem> problems;
+  for (const SweepGroup& group : file.groups)
+    for (const SweepAlternative& alternative : group.alternatives) {
+      if (alternative.kind.empty() || registry.find(alternative.kind)) continue;
+      const auto near = near_names(alternative.kind, names);
+      problems.push_back({alternative.at, "no plugin brings the kind '" + alternative.kind + "'" +
+                                              (near.empty() ? "" : " — did you mean '" + near[0] + "'?") +
+                                              " (plumbline list has all; with its plugin missing, take it out of '" +
+                                              group.name + "')"});
+    }
+  if (!problems.empty()) throw InvalidPipeline(problems);
+}
+
 }  // namespace plumbline::runtime

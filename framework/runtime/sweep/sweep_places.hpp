@@ -28,4 +28,9 @@ std::string node_for(const std::filesystem::path& pipeline, const std::string& g
 /// no seed, and a kind in a place that no pipeline has, or that another role fills. Throws InvalidPipeline.
 void refuse_what_cannot_run(const SweepFile& file, const Overrides& overrides, const Registry& registry);
 
+/// Refuses kinds of lists that no plugin brings, as KEY=VALUE with such a kind is: a slip of the pen is none of the
+/// alternatives. Of an archive, whose plugins may be elsewhere, such cells are planned and told one by one. Throws
+/// InvalidPipeline.
+void refuse_unknown_kinds(const SweepFile& file, const Registry& registry);
+
 }  // namespace plumbline::runtime

@@ -83,28 +83,6 @@ std::set<uint64_t> judged_seeds(const SweepPlan& plan, const CellRecords& record
   return first(look);
 }
 
-Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, const SweepFile& file) {
-  Json json;
-  json["scenario"] = cell.scenario;
-  json["values"] = cell.values;
-  json["choices"] = cell.choices;
-  json["seed"] = cell.seed;
-  const std::string failure = record ? failure_of(cell, *record, file) : "";
-  json["status"] = !record ? "missing" : failure.empty() ? "done" : "failed";
-  if (!record) return json;
-  if (!failure.empty()) json["error"] = failure;
-  json["measures"] = Json::object();
-  for (const auto& [quantity, name] : file.measure)
-    if (const auto found = record->metrics.find(name); found != record->metrics.end())
-      json["measures"][quantity] = found->second.value;
-  if (const Json modes = modes_of(*record, file.measure.at("error")); !modes.empty()) json["modes"] = modes;
-  json["inputs"] = record->inputs;
-  json["seconds"] = record->seconds;
-  json["run"] = record->run;
-  if (!record->warnings.empty()) json["warnings"] = record->warnings.size();
-  return json;
-}
-
 /// Why `plumbline run` would forbid to use what a cell found; empty if it would not.
 std::string refusal_of(const SweepCell& cell, const CellRecord& record) {
   const auto above = [&](const std::string& name, double limit) {
@@ -119,6 +97,30 @@ std::string refusal_of(const SweepCell& cell, const CellRecord& record) {
       return "node '" + node + "' says of its result that it is not to be used (invalid)";
   }
   return "";
+}
+
+Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, const SweepFile& file) {
+  Json json;
+  json["scenario"] = cell.scenario;
+  json["values"] = cell.values;
+  json["choices"] = cell.choices;
+  json["seed"] = cell.seed;
+  const std::string failure = record ? failure_of(cell, *record, file) : "";
+  if (!cell.graph) json["planned"] = false;
+  json["status"] = !record ? "missing" : failure.empty() ? "done" : "failed";
+  if (!record) return json;
+  if (!failure.empty()) json["error"] = failure;
+  if (!record->failed && !refusal_of(cell, *record).empty()) json["forbidden"] = true;
+  json["measures"] = Json::object();
+  for (const auto& [quantity, name] : file.measure)
+    if (const auto found = record->metrics.find(name); found != record->metrics.end())
+      json["measures"][quantity] = found->second.value;
+  if (const Json modes = modes_of(*record, file.measure.at("error")); !modes.empty()) json["modes"] = modes;
+  json["inputs"] = record->inputs;
+  json["seconds"] = record->seconds;
+  json["run"] = record->run;
+  if (!record->warnings.empty()) json["warnings"] = record->warnings.size();
+  return json;
 }
 
 }  // namespace

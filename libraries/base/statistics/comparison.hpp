@@ -70,6 +70,10 @@ struct PairedComparison {
 /// the others without a word, so the errors are not compared; nor are failures where it has no trials at all.
 PairedComparison compare(const std::vector<Place>& places, const InferenceOptions& options);
 
+/// Of intervals and verdicts at each of several looks at which one may stop, so that all of them together err in 5 % at
+/// most (Bonferroni): 1 - 0.05 / looks. `looks` ≥ 1.
+inline double confidence_of_a_look(std::size_t looks) { return 1 - 0.05 / static_cast<double>(looks); }
+
 /// Adjusts the p of all comparisons as one family and gives the verdicts. A difference whose whole interval lies within
 /// the rope is `equal` even if it is significant: it does not matter. `rope` is in the unit of the errors; 0: never
 /// equal. `shares` of the error probability as in holm().

@@ -9,6 +9,7 @@
 
 #include "geometry/median.hpp"
 #include "show/bench/duels.hpp"
+#include "show/bench/pairing.hpp"
 
 namespace plumbline::bench {
 
@@ -25,7 +26,8 @@ Row row_of(const std::vector<const Cell*>& cells, const Bench& bench, double con
   std::size_t failures = 0;
   for (const Cell* cell : cells) {
     row.missing += cell->status == "missing";
-    failures += cell->status == "failed";
+    row.unplanned += !cell->planned;
+    failures += cell->status == "failed" && cell->planned;
     if (cell->status != "done") continue;
     trials.push_back({cell->error_size(),
                       cell->measure("bias"),
@@ -120,22 +122,60 @@ void add_unmeasured(const Bench& bench, const std::string& quantity, const std::
                    (at.empty() ? "" : " (the first: " + at + ")") + ", which therefore have none");
 }
 
+/// Cells of one alternative at one place: that failed, and of those that its own test forbade.
+std::pair<std::size_t, std::size_t> failed_and_forbidden(const Bench& bench, const Duel& duel,
+                                                         const std::string& name) {
+  std::size_t failed = 0, forbidden = 0;
+  for (const Cell& cell : bench.cells) {
+    if (cell.place != duel.place || !cell.has_run()) continue;
+    if (const auto choice = cell.choices.find(duel.group); choice == cell.choices.end() || choice->second != name)
+      continue;
+    failed += cell.status == "failed", forbidden += cell.forbidden;
+  }
+  return {failed, forbidden};
+}
+
+/// Sets Duel::untested at each place, and over all of them where every place that is won for want of results is so.
+void mark_untested(const Bench& bench, const std::vector<Row>& rows, std::vector<Duel>& duels) {
+  const auto for_results = [](const Duel& duel) {
+    return duel.refused.empty() && is_winner(duel.errors.verdict) && !duel.errors.errors_differ;
+  };
+  for (Duel& duel : duels) {
+    if (duel.overall || !for_results(duel)) continue;
+    const bool first = duel.errors.verdict == statistics::Verdict::first_better;
+    const auto [failed, forbidden] = failed_and_forbidden(bench, duel, first ? duel.second : duel.first);
+    duel.untested = 2 * forbidden > failed && stated_of(rows, duel, first ? duel.first : duel.second) != Stated::holds;
+  }
+  for (Duel& all : duels) {
+    if (!all.overall || !for_results(all)) continue;
+    std::size_t won = 0, untested = 0;
+    for (const Duel& duel : duels)
+      if (!duel.overall && duel.group == all.group && duel.first == all.first && duel.second == all.second &&
+          for_results(duel) && duel.errors.verdict == all.errors.verdict)
+        ++won, untested += duel.untested;
+    all.untested = won > 0 && untested == won;
+  }
+}
+
 std::vector<std::string> unused_of(const Bench& bench) {
   std::vector<std::string> unused;
   for (const Group& group : bench.groups)
     for (const std::string& name : group.alternatives) {
-      std::size_t cells = 0, done = 0;
+      std::size_t cells = 0, done = 0, unplanned = 0;
       std::string reason;
       for (const Cell& cell : bench.cells) {
         const auto choice = cell.choices.find(group.name);
         if (choice == cell.choices.end() || choice->second != name) continue;
         ++cells;
-        done += cell.status == "done";
+        done += cell.status == "done", unplanned += !cell.planned;
         if (cell.status == "failed" && reason.empty()) reason = cell.error;
       }
       if (done > 0) continue;
       unused.push_back(group.name + "=" + name + " gave no result: " +
-                       (cells == 0       ? "all its cells are excluded"
+                       (cells == 0 ? "all its cells are excluded"
+                        : unplanned == cells && !reason.empty()
+                            ? "it did not run, because no pipeline can be made of any of its " + std::to_string(cells) +
+                                  " cells; the first: " + reason
                         : reason.empty() ? "none of its " + std::to_string(cells) + " cells has run yet"
                                          : "all that ran failed; the first: " + reason));
     }
@@ -194,11 +234,24 @@ std::vector<std::string> repeated_of(const std::vector<Duel>& duels) {
 
 }  // namespace
 
+Stated stated_of(const std::vector<Row>& rows, const Duel& duel, const std::string& name) {
+  Stated found = Stated::unknown;
+  for (const Row& row : rows) {
+    const auto choice = row.choices.find(duel.group);
+    if (row.place != duel.place || choice == row.choices.end() || choice->second != name) continue;
+    const auto& band = row.summary.nees_band;
+    if (!std::isfinite(row.summary.nees) || !std::isfinite(band.lower)) return Stated::unknown;
+    if (row.summary.nees < band.lower || row.summary.nees > band.upper) return Stated::wrong;
+    found = Stated::holds;
+  }
+  return found;
+}
+
 bool are_one_trial(const std::vector<const Cell*>& cells) {
   const Cell* first = nullptr;
   std::size_t count = 0;
   for (const Cell* cell : cells) {
-    if (cell->status == "missing") continue;
+    if (!cell->has_run()) continue;
     ++count;
     if (!first) first = cell;
     if (cell->status != first->status) return false;
@@ -225,7 +278,7 @@ double seconds_of(const Bench& bench, const Cell& cell) {
 Analysis analyse(const Bench& bench) {
   Analysis analysis;
   statistics::InferenceOptions options;
-  if (!bench.looks.empty()) analysis.confidence = 1 - 0.05 / static_cast<double>(bench.looks.size());
+  if (!bench.looks.empty()) analysis.confidence = statistics::confidence_of_a_look(bench.looks.size());
   options.confidence = analysis.confidence;
   std::size_t pairs = 0;
   for (const Group& group : bench.groups) pairs += group.alternatives.size() * (group.alternatives.size() - 1) / 2;
@@ -249,8 +302,9 @@ Analysis analyse(const Bench& bench) {
   for (const auto& key : order) analysis.rows.push_back(row_of(by_row[key], bench, options.confidence));
   mark_own_trials(analysis.rows);
   analysis.duels = judged_duels(bench, options);
+  mark_untested(bench, analysis.rows, analysis.duels);
   for (const Duel& duel : analysis.duels)
-    analysis.open += (!duel.overall || duel.weighted) &&
+    analysis.open += (!duel.overall || duel.weighted) && !duel.never_ran &&
                      (!duel.refused.empty() || duel.errors.verdict == statistics::Verdict::undecided ||
                       duel.errors.verdict == statistics::Verdict::too_few);
   analysis.failures = failures_of(bench);

@@ -16,6 +16,7 @@ struct Row {
   std::map<std::string, std::string> choices;
   statistics::TrialSummary summary;
   std::size_t missing = 0;                ///< cells that have not run yet
+  std::size_t unplanned = 0;              ///< cells that cannot run: no pipeline could be made of them; no trials
   double seconds = 0;                     ///< median over trials, of the nodes that alternatives change; nan: unknown
   double start_cost = 0, final_cost = 0;  ///< medians; nan: not measured
   std::vector<double> errors, worst;      ///< of the finished trials [m]
@@ -25,10 +26,14 @@ struct Row {
 
 struct Duel {
   std::string group, first, second;
-  std::string place;      ///< empty for all places together, if there are several
-  bool overall = false;   ///< then `errors` has the spread between places
-  bool weighted = false;  ///< and, if the file states weights, a mean over them with its verdict
-  std::string refused;    ///< why they cannot be compared; empty: they can
+  std::string place;       ///< empty for all places together, if there are several
+  bool overall = false;    ///< then `errors` has the spread between places
+  bool weighted = false;   ///< and, if the file states weights, a mean over them with its verdict
+  std::string refused;     ///< why they cannot be compared; empty: they can
+  bool never_ran = false;  ///< one of them cannot run there, then `refused` says which
+  /// A winner for want of the other's results, which the other's own test forbids, where nothing shows that those of
+  /// the winner may be used: its covariance is not known, or does not hold. That is no merit.
+  bool untested = false;
   statistics::PairedComparison errors;
   std::size_t repeated = 0;  ///< seeds that all gave the same and are one trial; 0: they do not
   statistics::TimeComparison times;
@@ -58,6 +63,11 @@ struct Analysis {
 };
 
 Analysis analyse(const Bench& bench);
+
+/// Whether the covariances of an alternative hold at a place: its NEES lies in its band in every row there, in one of
+/// them it does not, or it is not known.
+enum class Stated { holds, wrong, unknown };
+Stated stated_of(const std::vector<Row>& rows, const Duel& duel, const std::string& name);
 
 /// Time of the nodes that alternatives change in a cell [s], without those that only judge; nan if one of them was
 /// taken from the store and so not timed.

@@ -34,6 +34,8 @@ Cell read_cell(const Json& json, const std::vector<Variable>& variables) {
   json.at("seed").get_to(cell.seed);
   json.at("status").get_to(cell.status);
   cell.error = json.value("error", "");
+  cell.planned = json.value("planned", true);
+  cell.forbidden = json.value("forbidden", false);
   if (json.contains("measures"))
     for (const auto& [name, value] : json.at("measures").items()) cell.measures[name] = number(value);
   if (json.contains("modes"))

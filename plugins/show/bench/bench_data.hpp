@@ -17,6 +17,10 @@ struct Cell {
   std::uint64_t seed = 0;
   std::string status;  ///< "done", "failed", "missing"
   std::string error;
+  bool planned = true;     ///< false: no pipeline could be made of it, so nothing of it ran; its status is "failed"
+  bool forbidden = false;  ///< failed, because a node says of its own result that it is not to be used
+  /// Whether an alternative was tried there: it gave a result, or ran and failed.
+  bool has_run() const { return planned && status != "missing"; }
   std::map<std::string, double> measures;  ///< nan where not known
   /// What is found and stated in parts of the errors: "scale", then found, predicted, nees, freedom.
   std::map<std::string, std::map<std::string, double>> modes;

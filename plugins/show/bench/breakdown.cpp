@@ -51,7 +51,7 @@ std::optional<double> share_that_holds(const Bench& bench, const std::string& va
   std::size_t all = 0, good = 0;
   const bool worst = measures_worst(bench);
   for (const Cell& cell : bench.cells)
-    if (cell.status != "missing" && cell.values.at(variable) == value) ++all, good += holds(cell, tolerance, worst);
+    if (cell.has_run() && cell.values.at(variable) == value) ++all, good += holds(cell, tolerance, worst);
   if (all == 0) return std::nullopt;
   return static_cast<double>(good) / static_cast<double>(all);
 }
@@ -137,6 +137,7 @@ void add(const Bench& bench, const std::string& variable, const std::vector<std:
   std::map<Key, Sites> sites;
   const bool worst = measures_worst(bench);
   for (const Cell& cell : bench.cells) {
+    if (!cell.planned) continue;  // nothing of it holds, and nothing of it breaks
     const Key key{place_without(cell, variable), cell.choices};
     if (sites.count(key) == 0) order.push_back(key);
     auto& cells = sites[key][cell.seed];
@@ -190,43 +191,95 @@ std::string breakdown_text(const Breakdown& b) {
   return far + " (" + values_text(b, b.lower) + " to " + values_text(b, b.upper) + ")";
 }
 
+namespace {
+
+using Alike = std::vector<const Breakdown*>;  ///< alternatives of one variable, place and tolerance, the best first
+
+Alike alike_of(const std::vector<Breakdown>& found, const Breakdown& first, double tolerance) {
+  Alike alike;
+  for (const Breakdown& b : found)
+    if (b.variable == first.variable && b.place == first.place && b.tolerance == tolerance) alike.push_back(&b);
+  std::stable_sort(alike.begin(), alike.end(),
+                   [](const Breakdown* a, const Breakdown* b) { return a->median > b->median; });
+  return alike;
+}
+
+/// Whether alternatives differ, or break between the first value and the last.
+bool tells(const Alike& alike) {
+  if (alike[0]->median > 0 && alike[0]->median < alike[0]->values.size()) return true;
+  return std::any_of(alike.begin(), alike.end(), [&](const Breakdown* b) {
+    return b->median != alike[0]->median || b->at_most != alike[0]->at_most;
+  });
+}
+
+/// At the first tolerance at which that is so: where all hold everywhere, or nowhere, nothing can be chosen.
+Alike telling(const std::vector<Breakdown>& found, const Breakdown& first) {
+  for (const Breakdown& b : found)
+    if (b.variable == first.variable && b.place == first.place)
+      if (Alike alike = alike_of(found, first, b.tolerance); tells(alike)) return alike;
+  return alike_of(found, first, first.tolerance);
+}
+
+/// "half of the sites stay within 2 mm up to 0.3 with a, b. Up to 0.1 with c"
+std::string ends_text(const Alike& alike) {
+  const std::string within = tolerance_text(alike[0]->tolerance) + " mm ";
+  const bool none = alike[0]->median == 0 && alike[0]->at_most == 0;
+  if (alike.size() > 1 && none)
+    return "nobody stays within " + within + "on half of the sites, even at " + alike[0]->values[0];
+  std::string text = "half of the sites stay within " + within, last;
+  for (const Breakdown* b : alike) {
+    const std::string far = breakdown_text(*b), name = b->name.empty() ? "" : " with " + b->name;
+    const std::string begun = last.empty() ? far : ". " + begin_sentence(far);
+    text += far == last ? "," + name.substr(name.empty() ? 0 : 5) : begun + name;
+    last = far;
+  }
+  return text;
+}
+
+std::string told_beside(const Alike& alike) {
+  std::string text;
+  std::size_t open = 0;
+  for (const Breakdown* b : alike) open = std::max(open, b->open);
+  if (open > 0)
+    text += "; of " + (open == 1 ? "one site" : "up to " + std::to_string(open) + " sites") +
+            " the next value has not run yet";
+  for (const Breakdown* b : alike)
+    if (!b->excluded.empty())
+      text += "; " + (b->name.empty() ? "" : "with " + b->name + " ") + "the bench leaves out " +
+              text::enumerate(b->excluded);
+  if (!alike[0]->by_worst) text += "; by their RMSE, because no largest error is measured";
+  return text;
+}
+
+/// What is said of places: those of which the same is to be said share a sentence.
+struct Said {
+  std::string lead, body;
+  std::vector<std::string> places;
+};
+
+}  // namespace
+
 std::vector<std::string> breakdown_sentences(const std::vector<Breakdown>& found) {
-  std::vector<std::string> sentences;
+  std::vector<Said> all;
   std::vector<std::pair<std::string, std::string>> told;
   for (const Breakdown& first : found) {
     const std::pair<std::string, std::string> key{first.variable, first.place};
     if (std::find(told.begin(), told.end(), key) != told.end()) continue;
     told.push_back(key);
-    std::vector<const Breakdown*> alike;
-    for (const Breakdown& b : found)
-      if (b.variable == first.variable && b.place == first.place && b.tolerance == first.tolerance) alike.push_back(&b);
-    std::stable_sort(alike.begin(), alike.end(),
-                     [](const Breakdown* a, const Breakdown* b) { return a->median > b->median; });
+    const Alike alike = telling(found, first);
     const Breakdown& widest =
         **std::max_element(alike.begin(), alike.end(),
                            [](const Breakdown* a, const Breakdown* b) { return a->values.size() < b->values.size(); });
-    std::string text = "as " + first.variable + " goes from " + widest.values.front() + " to " + widest.values.back() +
-                       (first.place.empty() ? "" : " on " + first.place) + ", half of the sites stay within " +
-                       tolerance_text(first.tolerance) + " mm ";
-    std::string last;
-    for (const Breakdown* b : alike) {
-      const std::string far = breakdown_text(*b), name = b->name.empty() ? "" : " with " + b->name;
-      const std::string begun = last.empty() ? far : ". " + begin_sentence(far);
-      text += far == last ? "," + name.substr(name.empty() ? 0 : 5) : begun + name;
-      last = far;
-    }
-    std::size_t open = 0;
-    for (const Breakdown* b : alike) open = std::max(open, b->open);
-    if (open > 0)
-      text += "; of " + (open == 1 ? "one site" : "up to " + std::to_string(open) + " sites") +
-              " the next value has not run yet";
-    for (const Breakdown* b : alike)
-      if (!b->excluded.empty())
-        text += "; " + (b->name.empty() ? "" : "with " + b->name + " ") + "the bench leaves out " +
-                text::enumerate(b->excluded);
-    if (!first.by_worst) text += "; by their RMSE, because no largest error is measured";
-    sentences.push_back(text + ".");
+    const std::string lead =
+        "as " + first.variable + " goes from " + widest.values.front() + " to " + widest.values.back();
+    const std::string body = ends_text(alike) + told_beside(alike);
+    const auto same =
+        std::find_if(all.begin(), all.end(), [&](const Said& s) { return s.lead == lead && s.body == body; });
+    (same == all.end() ? *all.insert(all.end(), {lead, body, {}}) : *same).places.push_back(first.place);
   }
+  std::vector<std::string> sentences;
+  for (const Said& s : all)
+    sentences.push_back(s.lead + (s.places[0].empty() ? "" : " on " + listed(s.places)) + ", " + s.body + ".");
   return sentences;
 }
 

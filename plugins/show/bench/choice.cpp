@@ -9,6 +9,7 @@
 #include "base/text/words.hpp"
 #include "show/bench/pairing.hpp"
 #include "show/bench/sentences.hpp"
+#include "show/bench/standings.hpp"
 
 namespace plumbline::bench {
 
@@ -17,75 +18,6 @@ using statistics::Verdict;
 namespace {
 
 constexpr std::size_t items_in_a_sentence = 3;
-
-struct Standing {
-  std::vector<std::string> beaten_on, untried;        ///< places
-  double most = 0;                                    ///< largest difference by which it is beaten on one of them [m]
-  bool beaten_overall = false, best_overall = false;  ///< by the verdict with the file's weights; best: and beats some
-  double most_overall = 0;                            ///< [m]
-  std::size_t cells = 0, failed = 0, useless = 0;
-  bool compared = false;  ///< with enough trials for a verdict
-  bool is_beaten() const { return beaten_overall || !beaten_on.empty(); }
-};
-using Standings = std::map<std::string, Standing>;
-
-bool has_verdict(const Duel& duel) { return duel.refused.empty() && duel.errors.verdict != Verdict::too_few; }
-
-/// What the verdicts over all places say, where the file states what a mean over them means.
-void add_overall(const std::vector<Pairing>& pairs, Standings& standings) {
-  for (const Pairing& pair : pairs) {
-    if (!pair.overall || !pair.overall->weighted || !has_verdict(*pair.overall)) continue;
-    const auto& errors = pair.overall->errors;
-    standings[pair.first()].compared = standings[pair.second()].compared = true;
-    if (!is_winner(errors.verdict)) continue;
-    const bool first = errors.verdict == Verdict::first_better;
-    Standing& loser = standings[first ? pair.second() : pair.first()];
-    loser.beaten_overall = true;
-    standings[first ? pair.first() : pair.second()].best_overall = true;
-    if (errors.errors_differ) loser.most_overall = std::max(loser.most_overall, std::abs(errors.difference.value));
-  }
-  for (auto& [name, standing] : standings) standing.best_overall &= !standing.beaten_overall;
-}
-
-/// Places where nothing of an alternative has run: what is said of it says nothing of them.
-void add_untried(const Bench& bench, const Group& group, Standings& standings) {
-  std::map<std::string, std::set<std::string>> tried;
-  for (const Cell& cell : bench.cells)
-    if (const auto choice = cell.choices.find(group.name); choice != cell.choices.end() && cell.status != "missing")
-      tried[choice->second].insert(cell.place);
-  for (const std::string& place : bench.places())
-    for (const auto& [name, places] : tried)
-      if (places.count(place) == 0) standings[name].untried.push_back(place);
-}
-
-Standings standings_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
-  Standings standings;
-  const auto note = [](std::vector<std::string>& places, const std::string& place) {
-    if (std::find(places.begin(), places.end(), place) == places.end()) places.push_back(place);
-  };
-  for (const Pairing& pair : pairs)
-    for (const Duel* duel : pair.places) {
-      if (!has_verdict(*duel)) continue;
-      standings[duel->first].compared = standings[duel->second].compared = true;
-      if (!is_winner(duel->errors.verdict)) continue;
-      const bool first = duel->errors.verdict == Verdict::first_better;
-      Standing& loser = standings[first ? duel->second : duel->first];
-      note(loser.beaten_on, duel->place);
-      if (duel->errors.errors_differ) loser.most = std::max(loser.most, std::abs(duel->errors.difference.value));
-    }
-  add_overall(pairs, standings);
-  add_untried(bench, group, standings);
-  const double useless_above = bench.useless_above();
-  for (const Cell& cell : bench.cells) {
-    const auto choice = cell.choices.find(group.name);
-    if (choice == cell.choices.end() || cell.status == "missing") continue;
-    Standing& standing = standings[choice->second];
-    ++standing.cells;
-    standing.failed += cell.status == "failed";
-    standing.useless += cell.status == "done" && cell.error_size() > useless_above;
-  }
-  return standings;
-}
 
 std::string places_text(const std::vector<std::string>& places, std::size_t all) {
   if (all < 2) return "";
@@ -143,7 +75,7 @@ void add_beaten(const Bench& bench, const std::vector<std::string>& beaten, cons
 
 /// What stands in a group: who was compared and who not, by name and in its order.
 struct Field {
-  std::vector<std::string> unbeaten, beaten, silent, unknown;
+  std::vector<std::string> ran, unbeaten, beaten, silent, unknown;
   SaidOf failing, useless, untried;
   bool any_winner = false;
 };
@@ -152,7 +84,9 @@ Field field_of(const Group& group, Standings& standings) {
   Field field;
   for (const std::string& name : group.alternatives) {
     const Standing& s = standings[name];
+    if (s.cells == 0 && s.unplanned > 0) field.silent.push_back(name + " did not run");
     if (s.cells == 0) continue;
+    field.ran.push_back(name);
     const std::string of_cells = " of " + std::to_string(s.cells) + " cells";
     if (s.failed == s.cells)
       field.silent.push_back(name + " gave no result in any" + of_cells);
@@ -210,8 +144,9 @@ void add_nothing_separates(const Bench& bench, const Field& field, const std::ve
   std::string power;
   for (const Pairing& pair : pairs) {
     for (const Duel* duel : pair.places)
-      all_equal &=
-          duel->refused.empty() && (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few);
+      all_equal &= duel->never_ran || duel->untested ||
+                   (duel->refused.empty() &&
+                    (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few));
     if (power.empty()) power = power_text(pair, bench);
   }
   const std::string lead = "nothing separates " + text::enumerate(field.unbeaten) + ": ";
@@ -281,7 +216,7 @@ std::vector<std::string> refused_in_words(const Field& field, const std::vector<
   for (const Pairing& pair : pairs) {
     if (!is_unknown(pair.first()) && !is_unknown(pair.second())) continue;
     for (const Duel* duel : pair.places) {
-      if (duel->refused.empty()) continue;
+      if (duel->refused.empty() || duel->never_ran) continue;
       sentences.push_back(duel->words + (duel->place.empty() ? "" : " (" + duel->place + ")"));
       break;
     }
@@ -289,11 +224,75 @@ std::vector<std::string> refused_in_words(const Field& field, const std::vector<
   return sentences;
 }
 
-std::string choice_of(const Bench& bench, const Group& group, const std::vector<Pairing>& pairs) {
-  Standings standings = standings_of(bench, group, pairs);
+/// "x forbids by its own test 16 results on noisy that y gives with no NEES to judge them by: more results are no merit
+/// there"
+void add_untested(const Bench& bench, const Group& group, const Standings& standings,
+                  std::vector<std::string>& sentences) {
+  SaidOf said;
+  for (const std::string& name : group.alternatives) {
+    const auto standing = standings.find(name);
+    if (standing == standings.end() || standing->second.untested.empty()) continue;
+    const Standing& s = standing->second;
+    std::size_t forbidden = 0;
+    for (const Cell& cell : bench.cells)
+      if (const auto choice = cell.choices.find(group.name); choice != cell.choices.end() && choice->second == name)
+        forbidden += cell.forbidden && s.untested_on.count(cell.place) > 0;
+    std::vector<std::string> how;
+    for (const auto& [stated, winners] : s.untested)
+      how.push_back(text::enumerate(winners) + (winners.size() > 1 ? " give" : " gives") +
+                    (stated == Stated::wrong ? " with a NEES outside its band" : " with no NEES to judge them by"));
+    const std::vector<std::string> places(s.untested_on.begin(), s.untested_on.end());
+    said.add(name, std::to_string(forbidden) + (forbidden == 1 ? " result" : " results") +
+                       (bench.places().size() > 1 ? " on " + listed(places) : "") + " that " + text::enumerate(how) +
+                       ": more results are no merit there");
+  }
+  for (const auto& [what, names] : said.all())
+    sentences.push_back(text::enumerate(names) + (names.size() > 1 ? " forbid by their" : " forbids by its") +
+                        " own test " + (names.size() > 1 ? "each " : "") + what);
+}
+
+/// Of those that are not beaten, who states its own errors right and who does not.
+void add_honesty(const Group& group, const Field& field, const Analysis& analysis,
+                 std::vector<std::string>& sentences) {
+  std::vector<std::string> right, wrong;
+  for (const std::string& name : field.unbeaten) {
+    bool known = false, lies = false;
+    for (const Row& row : analysis.rows) {
+      if (const auto choice = row.choices.find(group.name); choice == row.choices.end() || choice->second != name)
+        continue;
+      for (const auto& part : row.summary.calibration) {
+        const auto honest = statistics::honesty(part);
+        known |= honest != statistics::Honesty::unknown;
+        lies |= honest == statistics::Honesty::too_much || honest == statistics::Honesty::too_little;
+      }
+    }
+    if (known) (lies ? wrong : right).push_back(name);
+  }
+  if (right.empty() || wrong.empty()) return;
+  sentences.push_back("of their own errors " + text::enumerate(wrong) + (wrong.size() > 1 ? " state" : " states") +
+                      " too much or too little (what covariances state says where), " + text::enumerate(right) +
+                      (right.size() > 1 ? " do" : " does") + " not");
+}
+
+std::string said_of(const Group& group, const std::vector<std::string>& sentences) {
+  std::string text = group.name + ":";
+  for (std::size_t k = 0; k < sentences.size(); ++k)
+    text += " " + (k == 0 ? sentences[k] : begin_sentence(sentences[k], group.alternatives)) + ".";
+  return text;
+}
+
+std::string choice_of(const Bench& bench, const Group& group, const Analysis& analysis) {
+  std::vector<Pairing> pairs = pairings(analysis, group.name);
+  std::erase_if(pairs, [](const Pairing& pair) {
+    return std::all_of(pair.places.begin(), pair.places.end(), [](const Duel* duel) { return duel->never_ran; });
+  });
+  Standings standings = standings_of(bench, group, analysis, pairs);
   const Field field = field_of(group, standings);
   std::vector<std::string> sentences;
-  if (!pairs.empty() && std::all_of(pairs.begin(), pairs.end(), all_same)) {
+  if (field.ran.size() < 2 && !field.silent.empty()) {
+    sentences.push_back(field.ran.empty() ? "nothing to choose: nothing ran"
+                                          : "nothing to choose: only " + field.ran[0] + " ran");
+  } else if (!pairs.empty() && std::all_of(pairs.begin(), pairs.end(), all_same)) {
     sentences.push_back("nothing separates " + text::enumerate(field.unbeaten) + ": they gave the same in every trial");
     sentences.push_back("what they do differently does not reach what is measured here");
   } else if (const auto opposed = opposed_in_words(bench, field, pairs); field.any_winner || !opposed.empty()) {
@@ -306,8 +305,10 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   }
   const auto refused = refused_in_words(field, pairs);
   sentences.insert(sentences.end(), refused.begin(), refused.end());
-  if (!field.unknown.empty() && refused.empty())
+  if (!field.unknown.empty() && refused.empty() && field.ran.size() > 1)
     sentences.push_back("of " + text::enumerate(field.unknown) + " nothing can be said: too few trials to compare");
+  add_untested(bench, group, standings, sentences);
+  add_honesty(group, field, analysis, sentences);
   for (const auto& [places, names] : field.untried.all())
     sentences.push_back(text::enumerate(names) + (names.size() > 1 ? " were" : " was") + " not tried on " + places);
   add_counts("without result: ", field.failing, sentences);
@@ -315,17 +316,14 @@ std::string choice_of(const Bench& bench, const Group& group, const std::vector<
   sentences.insert(sentences.end(), field.silent.begin(), field.silent.end());
   if (const double most = bench.none_within(); std::isfinite(most))
     sentences.push_back(fmt::format("in no trial was any of them within {:g} mm", 1e3 * most));
-  std::string text = group.name + ":";
-  for (std::size_t k = 0; k < sentences.size(); ++k)
-    text += " " + (k == 0 ? sentences[k] : begin_sentence(sentences[k], group.alternatives)) + ".";
-  return text;
+  return said_of(group, sentences);
 }
 
 }  // namespace
 
 std::vector<std::string> choices_to_make(const Bench& bench, const Analysis& analysis) {
   std::vector<std::string> sentences;
-  for (const Group& group : bench.groups) sentences.push_back(choice_of(bench, group, pairings(analysis, group.name)));
+  for (const Group& group : bench.groups) sentences.push_back(choice_of(bench, group, analysis));
   return sentences;
 }
 

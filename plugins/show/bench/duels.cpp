@@ -58,6 +58,7 @@ class DuelBuilder {
       places.push_back({1, encounters(counting, duel, seconds)});
       if (duel.weighted) weigh(bench, name, twins.front().first->scenario, places.back());
     }
+    refuse_what_never_ran(place, duel);
     if (duel.weighted && bench.weights_of_scenarios)  // one in which both were tried nowhere weighs all the same
       for (const auto& [scenario, weight] : bench.weights)
         if (std::none_of(places.begin(), places.end(), [&](const auto& p) { return p.stratum == scenario; }))
@@ -74,6 +75,17 @@ class DuelBuilder {
     if (bench.weights_of_scenarios) of.stratum = scenario;
   }
 
+  /// What can run nowhere there is not worse than the other one: there is nothing of it.
+  void refuse_what_never_ran(const std::string* place, Duel& duel) const {
+    std::size_t cells = 0, first = 0, second = 0;
+    for (const auto& [name, twins] : twins_)
+      for (const auto& [a, b] : twins)
+        if (!place || name == *place) ++cells, first += !a->planned, second += !b->planned;
+    if (cells == 0 || (first < cells && second < cells)) return;
+    duel.never_ran = true;
+    duel.refused = (first < cells ? second_ : second < cells ? first_ : first_ + " and " + second_) + " did not run";
+  }
+
   /// How many seeds these are where each alternative, with whatever else varies held, gave the same with all of them;
   /// else 0. Where one of them always fails, the other one tells.
   static std::size_t seeds_of_one_trial(const std::vector<Twin>& twins) {
@@ -81,7 +93,7 @@ class DuelBuilder {
     std::set<std::uint64_t> seeds;
     for (const auto& [a, b] : twins)
       for (const Cell* cell : {a, b})
-        if (cell->status != "missing") alike[cell->choices].push_back(cell), seeds.insert(cell->seed);
+        if (cell->has_run()) alike[cell->choices].push_back(cell), seeds.insert(cell->seed);
     bool any = false;
     for (const auto& [choices, cells] : alike) {
       const bool silent = std::all_of(cells.begin(), cells.end(), [](const Cell* c) { return c->status == "failed"; });
@@ -106,7 +118,7 @@ class DuelBuilder {
     std::map<std::uint64_t, Sum> by_seed;
     const std::set<std::string> nodes(group_.nodes.begin(), group_.nodes.end());
     for (const auto& [a, b] : twins) {
-      if (a->status == "missing" || b->status == "missing") continue;
+      if (!a->has_run() || !b->has_run()) continue;
       const bool first_done = a->status == "done", second_done = b->status == "done";
       Sum& sum = by_seed[a->seed];
       ++sum.cells;

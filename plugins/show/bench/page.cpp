@@ -96,7 +96,7 @@ std::string rate_cell(const Row& row, double tau) {
       return number_cell(number_text(100 * rate.share, 1) + " %<small>" + number_text(100 * rate.interval.lower, 1) +
                              "–" + number_text(100 * rate.interval.upper, 1) + "</small>",
                          rate.share);
-  return number_cell("–", NAN);
+  return number_cell(row.unplanned > 0 ? "did not run" : "–", NAN);
 }
 
 /// Three tolerances of the sweep: the smallest, the middle, the largest.
@@ -176,6 +176,18 @@ std::string breakdown_table(const Bench& bench, const Analysis& analysis) {
   return text + "</tbody></table></div>\n";
 }
 
+std::string stated_table(const Analysis& analysis) {
+  std::string text =
+      "<div class=\"scroll\"><table><thead><tr><th>place</th><th>alternative</th><th>part</th><th "
+      "class=\"n\">predicted "
+      "/ found</th><th class=\"n\">NEES / freedom (band)</th><th>stated</th></tr></thead><tbody>\n";
+  for (const StatedPart& p : stated_parts(analysis))
+    text += "<tr><td>" + xml_escaped(p.place) + "</td><td>" + xml_escaped(p.name) + "</td><td>" + xml_escaped(p.part) +
+            "</td><td class=\"n\">" + p.ratio + "</td><td class=\"n\">" + p.nees + "</td><td>" + p.verdict +
+            "</td></tr>\n";
+  return text + "</tbody></table></div>\n";
+}
+
 /// What a person needs first: a sentence for each group, what is wrong with the bench itself, and the picture.
 std::string first_screen(const Bench& bench, const Analysis& analysis) {
   std::string text;
@@ -200,7 +212,7 @@ std::string behind(const Bench& bench, const Analysis& analysis) {
   };
   if (!bench.groups.empty()) fold("Verdicts, pair by pair", verdict_list(bench, analysis));
   if (const auto sentences = calibration_verdicts(analysis); !sentences.empty())
-    fold("What covariances state against what is found", plain_list(sentences));
+    fold("What covariances state against what is found", plain_list(sentences) + stated_table(analysis));
   if (!analysis.breakdowns.empty()) fold("Where they break", breakdown_table(bench, analysis));
   if (!analysis.rising.empty()) fold("Costs that go up", plain_list(analysis.rising, "bad"));
   return text.empty() ? "" : "<section>" + text + "</section>\n";

@@ -31,7 +31,8 @@ std::string place_with_size(const Duel& duel) {
   const auto& e = duel.errors;
   if (e.errors_differ) return duel.place + " (by " + millimetres(e.difference.value) + ")";
   const double more = std::abs(e.lost_first - e.lost_second);
-  return duel.place + " (" + text::format_fixed(more, 0) + " more results)";
+  return duel.place + " (" + text::format_fixed(more, 0) + " more results" +
+         (duel.untested ? ", which the other one's own test forbids)" : ")");
 }
 
 /// Every verdict and the places that have it, in an order that puts winners first.

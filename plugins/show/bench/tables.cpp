@@ -41,6 +41,7 @@ Json row_json(const Row& row) {
             {"trials", s.trials},
             {"failures", s.failures},
             {"missing", row.missing},
+            {"did_not_run", row.unplanned},
             {"own_trials", row.own_trials},
             {"rmse", estimate_json(s.rmse)},
             {"mean", estimate_json(s.mean)},
@@ -68,6 +69,7 @@ Json duel_json(const Duel& duel) {
   json["words"] = duel.words;
   if (!duel.refused.empty()) {
     json["refused"] = duel.refused;
+    if (duel.never_ran) json["never_ran"] = true;
     return json;
   }
   if (duel.repeated > 0) json["seeds_of_one_trial"] = duel.repeated;
@@ -85,6 +87,7 @@ Json duel_json(const Duel& duel) {
                       {"highest", duel.errors.spread->highest}};
   if (duel.overall && !duel.weighted) return json;
   json["verdict"] = to_text(duel.errors.verdict);
+  if (duel.untested) json["untested"] = true;
   json["places"] = duel.errors.places;
   json["places_left_out"] = duel.errors.left_out;
   json["difference"] = estimate_json(duel.errors.difference);
@@ -127,7 +130,7 @@ std::string rate_text(const Row& row, double tau) {
     if (rate.tau == tau)
       return fmt::format("{:.1f} %", 100 * rate.share) + " (" + fmt::format("{:.1f}", 100 * rate.interval.lower) + "–" +
              fmt::format("{:.1f}", 100 * rate.interval.upper) + ")";
-  return "–";
+  return row.unplanned > 0 ? "did not run" : "–";
 }
 
 std::string seeds_text(const std::vector<std::uint64_t>& seeds) {
@@ -157,6 +160,24 @@ std::string interval_text(const Estimate& estimate, double scale) {
   const char* joint = estimate.interval.lower < 0 ? " to " : "–";  // "-0.3–-0.1" is not read
   return value + " (" + number_text(scale * estimate.interval.lower, half) + joint +
          number_text(scale * estimate.interval.upper, half) + ")";
+}
+
+std::vector<StatedPart> stated_parts(const Analysis& analysis) {
+  std::vector<StatedPart> parts;
+  for (const Row& row : analysis.rows)
+    for (const auto& c : row.summary.calibration) {
+      const auto honest = statistics::honesty(c);
+      std::string nees = number_text(c.nees, 0.1);
+      if (std::isfinite(c.nees) && std::isfinite(c.nees_band.lower))
+        nees += " (" + number_text(c.nees_band.lower, 0.1) + "–" + number_text(c.nees_band.upper, 0.1) + ")";
+      parts.push_back({row.place, row.name, c.mode.empty() ? "all that is measured" : c.mode, interval_text(c.ratio, 1),
+                       nees,
+                       honest == statistics::Honesty::too_much     ? "too much"
+                       : honest == statistics::Honesty::too_little ? "too little"
+                       : honest == statistics::Honesty::honest     ? "right"
+                                                                   : "not judged"});
+    }
+  return parts;
 }
 
 std::string overrides_text(const Bench& bench) {
@@ -269,6 +290,14 @@ std::string to_markdown(const Bench& bench, const Analysis& analysis) {
   const std::vector<std::string> calibration = calibration_verdicts(analysis);
   if (!calibration.empty()) text += "\n## What covariances state\n\n";
   for (const std::string& sentence : calibration) text += "- " + sentence + "\n";
+  if (const auto parts = stated_parts(analysis); !parts.empty()) {
+    text += std::string(calibration.empty() ? "\n## What covariances state\n" : "") +
+            "\n| place | alternative | part | predicted / found | NEES / freedom (band) | stated |\n"
+            "|---|---|---|---|---|---|\n";
+    for (const StatedPart& p : parts)
+      text += "| " + table_cell(p.place) + " | " + table_cell(p.name) + " | " + table_cell(p.part) + " | " + p.ratio +
+              " | " + p.nees + " | " + p.verdict + " |\n";
+  }
   if (!analysis.rising.empty()) text += "\n## Costs that go up\n\n";
   for (const std::string& sentence : analysis.rising) text += "- " + sentence + ".\n";
   const double tau = bench.tolerances.empty() ? 0 : bench.tolerances.front();

@@ -16,6 +16,14 @@ std::string to_tex(const Bench& bench, const Analysis& analysis);
 
 /// "12.3": so many decimals that the half width of the interval keeps two digits; "–" for nan.
 std::string number_text(double value, double uncertainty);
+/// One line for each place, alternative and part of the errors of which something is stated: what was predicted over
+/// what was found with its interval, NEES and the band of an honest covariance, and the words of the verdict where it
+/// is one.
+struct StatedPart {
+  std::string place, name, part, ratio, nees, verdict;
+};
+std::vector<StatedPart> stated_parts(const Analysis& analysis);
+
 std::string cost_text(double cost);  ///< six digits, "–" if it is not known
 std::string interval_text(const statistics::Estimate& estimate, double scale);  ///< "0.24 (0.21–0.28)"
 

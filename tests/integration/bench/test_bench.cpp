@@ -337,21 +337,34 @@ TEST(Bench, ACellThatTakesTooLongIsEnded) {
 
 TEST(Bench, EveryAlternativeThatIsNamedAppears) {
   BenchProgram plumbline;
+  plumbline.write("odd.yaml", "plumbline: 1\nvars: {seed: 1, factor: 1}\nnodes:\n  site: {use: story.draw}\n");
   plumbline.bench_file(
       "seeds: 1-3\nmatrix: {factor: [1, 2]}\n"
-      "alternatives: {solver: [trial.plain, trial.unbuilt], mood: {calm: {}, never: {solver.with.own: 1}}}\n"
+      "alternatives: {method: {plain: {}, odd: {pipeline: odd.yaml}}, mood: {calm: {}, never: {solver.with.own: 1}}}\n"
       "exclude: [{mood: never, why: it is never right}]\n");
   plumbline.run();
   const Json summary = plumbline.summary();
   ASSERT_EQ(summary["unused"].size(), 2u);
   for (const Json& verdict : summary["verdicts"])
-    EXPECT_THAT(verdict.get<std::string>(), Not(HasSubstr("unbuilt"))) << "said once, not against everybody";
-  EXPECT_THAT(summary["unused"][0].get<std::string>(), HasSubstr("solver=trial.unbuilt gave no result: all that ran"));
+    EXPECT_THAT(verdict.get<std::string>(), Not(HasSubstr("odd"))) << "said once, not against everybody";
+  EXPECT_THAT(summary["unused"][0].get<std::string>(), HasSubstr("method=odd gave no result: it did not run, bec"));
   EXPECT_THAT(summary["unused"][1].get<std::string>(), HasSubstr("mood=never gave no result: all its cells are excl"));
   EXPECT_THAT(read_file(plumbline.work() / "out/b/bench.md"), HasSubstr("it is never right"));
   const Answer words = plumbline({"bench", "b.yaml", "--out", "out/b"});
   EXPECT_THAT(words.out, HasSubstr("mood=never: 0 of 0 cells"));
-  EXPECT_THAT(words.out, HasSubstr("solver=trial.unbuilt: 6 of 6 cells, 6 failed"));
+  EXPECT_THAT(words.out, HasSubstr("method=odd: 6 of 6 cells, 6 failed"));
+  EXPECT_THAT(summary["choices"][0].get<std::string>(), HasSubstr("nothing to choose: only plain ran"));
+}
+
+/// As KEY=VALUE with such a kind is. Once its cells failed one by one, and the other one was "beaten nowhere".
+TEST(Bench, AKindInAListThatNoPluginBringsIsRefused) {
+  BenchProgram plumbline;
+  plumbline.bench_file("seeds: 1-3\nalternatives: {solver: [trial.plain, trial.plian]}\n");
+  const Answer answer = plumbline({"bench", "b.yaml"});
+  EXPECT_EQ(answer.code, 2);
+  EXPECT_THAT(answer.err, HasSubstr("b.yaml:5:24: "));
+  EXPECT_THAT(answer.err, HasSubstr("no plugin brings the kind 'trial.plian' — did you mean 'trial.plain'?"));
+  EXPECT_TRUE(plumbline.results().empty());
 }
 
 TEST(Bench, AnyNumberOfWorkersAndAThrownAwayStoreGiveTheSameBits) {

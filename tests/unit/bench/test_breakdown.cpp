@@ -124,6 +124,44 @@ TEST(Breakdown, ATrialOfWhichTheLargestErrorIsNotKnownDoesNotHold) {
               HasSubstr("; by their RMSE, because no largest error is measured"));
 }
 
+/// `breaks_at` by alternative: at the first tolerance, and at the second.
+Bench alternatives_of(const std::map<std::string, std::pair<std::size_t, std::size_t>>& breaks_at,
+                      const std::vector<std::string>& places) {
+  Bench bench = bench_of({6, 6, 6, 6, 6, 6, 6});
+  std::vector<Cell> cells;
+  for (const std::string& place : places)
+    for (const auto& [name, ends] : breaks_at)
+      for (Cell cell : bench.cells) {
+        const auto v = static_cast<std::size_t>(10 * std::stod(cell.values["outliers"]) + 0.5);
+        cell.scenario = place, cell.choices["method"] = name;
+        cell.measures["worst"] = v >= ends.second ? 1.0 : v >= ends.first ? 0.004 : 0.001;
+        cells.push_back(cell);
+      }
+  bench.cells = cells;
+  return bench;
+}
+
+/// Once four sentences of ten names each, "not even at 4 with ..., ..., ...".
+TEST(Breakdown, SentencesTellWhereAlternativesDifferAndPlacesThatAgreeShareOne) {
+  const auto tell = [](const std::map<std::string, std::pair<std::size_t, std::size_t>>& ends) {
+    return breakdown_sentences(breakdowns(alternatives_of(ends, {"exact", "noisy"}), 0.95));
+  };
+  EXPECT_THAT(tell({{"a", {0, 3}}, {"b", {0, 5}}}),
+              ElementsAre("as outliers goes from 0 to 0.5 on exact / noisy, half of the sites stay within 5 mm up to "
+                          "0.4 with b. Up to 0.2 with a."));
+  EXPECT_THAT(tell({{"a", {0, 0}}, {"b", {0, 0}}}),
+              ElementsAre("as outliers goes from 0 to 0.5 on exact / noisy, nobody stays within 2 mm on half of the "
+                          "sites, even at 0."));
+}
+
+/// Nothing of it breaks.
+TEST(Breakdown, WhatCannotRunHasNone) {
+  Bench bench = alternatives_of({{"a", {3, 3}}, {"never", {3, 3}}}, {"field"});
+  for (Cell& cell : bench.cells)
+    if (cell.choices["method"] == "never") cell.status = "failed", cell.planned = false;
+  for (const Breakdown& found : breakdowns(bench, 0.95)) EXPECT_EQ(found.name, "a");
+}
+
 TEST(Breakdown, OnlyOfVariablesThatAreNumbers) {
   Bench bench = bench_of({3, 3, 3});
   for (Cell& cell : bench.cells) cell.values["outliers"] += " of all";

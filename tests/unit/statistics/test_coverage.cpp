@@ -46,8 +46,8 @@ std::vector<Place> bench_of(const Coin& coin, uint64_t number) {
 }
 
 /// As `plumbline bench` with stated weights judges: half of the error probability for all places together.
-std::vector<PairedComparison> judged(const std::vector<Place>& places, double rope) {
-  const InferenceOptions options{0.95, 999, 1};
+std::vector<PairedComparison> judged(const std::vector<Place>& places, double rope, double confidence = 0.95) {
+  const InferenceOptions options{confidence, 999, 1};
   std::vector<PairedComparison> family;
   std::vector<double> shares;
   for (const Place& place : places) {
@@ -58,7 +58,7 @@ std::vector<PairedComparison> judged(const std::vector<Place>& places, double ro
     family.push_back(compare(places, options));
     shares.push_back(1);
   }
-  judge(family, rope, 0.95, shares);
+  judge(family, rope, confidence, shares);
   return family;
 }
 
@@ -90,6 +90,37 @@ TEST(Coin, OfExchangeableAlternativesNoneWins) {
       }
   EXPECT_LE(all_winners, limit_of(all));
   std::printf("%d of %d benches name a winner\n", all_winners, all);
+}
+
+/// Whether a bench that looks after 10, 20 and 30 seeds names a winner at one of them.
+bool wins_at_a_look(const Coin& coin, uint64_t number, double confidence) {
+  const std::vector<Place> whole = bench_of(coin, number);
+  for (const size_t look : {10, 20, 30}) {
+    std::vector<Place> places = whole;
+    for (Place& place : places) place.encounters.resize(look);
+    if (names_a_winner(judged(places, 0.001, confidence))) return true;
+  }
+  return false;
+}
+
+/// Stopping at the first winner, each look has its share. With 95 % at each look more of the same benches name one.
+TEST(Coin, WithLooksNoneWinsMoreOften) {
+  int all = 0, winners = 0, without_shares = 0;
+  for (const size_t places : {1, 6})
+    for (const double correlation : {0.0, 0.9})
+      for (const double failures : {0.0, 0.1, 0.4}) {
+        const int count = benches(places == 1 ? 60 : 20);
+        const Coin coin{places, 30, correlation, failures, failures > 0.3};
+        for (int k = 0; k < count; ++k) {
+          const auto number = static_cast<uint64_t>(k) + 5000;
+          winners += wins_at_a_look(coin, number, confidence_of_a_look(3));
+          without_shares += wins_at_a_look(coin, number, 0.95);
+        }
+        all += count;
+      }
+  EXPECT_LE(winners, limit_of(all));
+  EXPECT_GT(without_shares, 2 * winners) << "or looking three times costs nothing";
+  std::printf("%d of %d benches with three looks name a winner, %d without shares\n", winners, all, without_shares);
 }
 
 /// With the site's noise in common, the interval over all places is as wide as that of whole seeds.

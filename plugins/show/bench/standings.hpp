@@ -1,0 +1,30 @@
+// Where each alternative of a group is beaten, by how much, and what else counts against taking it.
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "show/bench/pairing.hpp"
+
+namespace plumbline::bench {
+
+struct Standing {
+  std::vector<std::string> beaten_on, untried;        ///< places
+  double most = 0;                                    ///< largest difference by which it is beaten on one of them [m]
+  bool beaten_overall = false, best_overall = false;  ///< by the verdict with the file's weights; best: and beats some
+  double most_overall = 0;                            ///< [m]
+  std::size_t cells = 0, failed = 0, useless = 0;
+  std::size_t unplanned = 0;                            ///< cells of which no pipeline could be made
+  std::map<Stated, std::vector<std::string>> untested;  ///< who wins by more results that its own test forbids
+  std::set<std::string> untested_on;                    ///< places
+  bool compared = false;                                ///< with enough trials for a verdict
+  bool is_beaten() const { return beaten_overall || !beaten_on.empty(); }
+};
+using Standings = std::map<std::string, Standing>;
+
+Standings standings_of(const Bench& bench, const Group& group, const Analysis& analysis,
+                       const std::vector<Pairing>& pairs);
+
+}  // namespace plumbline::bench
