@@ -77,6 +77,11 @@ void add_figures(PropertySet& set, const JointFiguresT& joint, double widened) {
         set.length("LargestStepUncertainty", widened * step->step_sigma);
     set.length("LargestStepAlong", step->along, "From the joint's middle");
   }
+  if (const JointPlaceT* shift = place(joint.largest_shift); shift && std::isfinite(shift->shift)) {
+    set.length("LargestShift", shift->shift, "Of the joint from its place in the design, to the right or upward");
+    set.length("LargestShiftUncertainty", widened * shift->shift_sigma);
+    set.length("LargestShiftAlong", shift->along, "From the joint's middle");
+  }
 }
 
 }  // namespace

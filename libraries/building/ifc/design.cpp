@@ -207,11 +207,14 @@ class Reader {
     tell_what_hangs(design_, read, [&](std::uint64_t id) { return fillings.contains(id); });
   }
 
-  /// Whether the sides of panels are planes, of those that have a shape of their own.
+  /// Whether the sides of panels are planes and rectangles, of those that have a shape of their own.
   void read_sides() {
     OuterSides sides(model_, units_.length, units_.plane_angle);
-    for (Element& element : design_.elements)
-      if (element.is_panel && element.has_box) element.sag = sides.of(model_.entity(element.instance));
+    for (Element& element : design_.elements) {
+      if (!element.is_panel || !element.has_box) continue;
+      SidesOfShape of_shape = sides.of(model_.entity(element.instance));
+      element.sag = std::move(of_shape.sag), element.filled = std::move(of_shape.filled);
+    }
   }
 
   /// What has neither placement nor shape is nowhere; a part of something else may get by without, an anchor cannot.

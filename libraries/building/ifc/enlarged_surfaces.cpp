@@ -22,7 +22,7 @@ void enlarge(SurfacesT& surfaces, double factor) {
   }
   for (auto& joint : surfaces.joints)
     for (auto& place : joint->places) {
-      place->width_sigma *= root, place->width_random *= root, place->step_sigma *= root;
+      place->width_sigma *= root, place->width_random *= root, place->step_sigma *= root, place->shift_sigma *= root;
       scale(place->width_by_edge, root), scale(place->width_factor, root);
     }
 }

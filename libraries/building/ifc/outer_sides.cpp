@@ -63,10 +63,17 @@ class Sides {
       }
   }
 
-  double sag(int end) const {
+  std::vector<double> seen_from(int end) const {
     std::vector<double> seen;
     for (const double height : heights_[end])
       if (std::isfinite(height)) seen.push_back(height);
+    return seen;
+  }
+  double filled(int end) const {
+    return static_cast<double>(seen_from(end).size()) / static_cast<double>(heights_[end].size());
+  }
+  double sag(int end) const {
+    std::vector<double> seen = seen_from(end);
     if (2 * seen.size() < heights_[end].size()) return std::numeric_limits<double>::quiet_NaN();
     std::sort(seen.begin(), seen.end());
     const auto at_end = static_cast<std::size_t>(kAtEnds * static_cast<double>(seen.size()));
@@ -88,7 +95,9 @@ class Sides {
 
 }  // namespace
 
-std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double metres) {
+namespace {
+
+std::vector<Sides> sides_of(const std::vector<ItemExtent>& items, double metres) {
   Eigen::AlignedBox3d box;
   for (const ItemExtent& item : items) {
     if (item.faces.empty()) return {};
@@ -96,26 +105,42 @@ std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double me
       for (const Eigen::Vector3d& point : face) box.extend(point);
   }
   if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return {};
-  std::vector<double> sag;
+  std::vector<Sides> all;
   for (int axis = 0; axis < 3; ++axis) {
-    Sides sides(box, axis, kBorder / metres);
+    all.emplace_back(box, axis, kBorder / metres);
     for (const ItemExtent& item : items)
-      for (const PointCloud& face : item.faces) sides.add(face);
-    sag.push_back(sides.sag(0)), sag.push_back(sides.sag(1));
+      for (const PointCloud& face : item.faces) all.back().add(face);
   }
+  return all;
+}
+
+}  // namespace
+
+std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double metres) {
+  std::vector<double> sag;
+  for (const Sides& sides : sides_of(items, metres)) sag.push_back(sides.sag(0)), sag.push_back(sides.sag(1));
   return sag;
 }
 
-std::vector<double> OuterSides::of(const Entity& element) {
-  std::vector<double> sag;
+std::vector<double> filled_sides(const std::vector<ItemExtent>& items, double metres) {
+  std::vector<double> filled;
+  for (const Sides& sides : sides_of(items, metres))
+    filled.push_back(sides.filled(0)), filled.push_back(sides.filled(1));
+  return filled;
+}
+
+SidesOfShape OuterSides::of(const Entity& element) {
+  SidesOfShape sides;
   try {
-    if (const auto shape = element.optional_reference("Representation"))
-      sag = sag_of_sides(extents_.of_shape(*shape, element.id()), metres_);
+    const auto shape = element.optional_reference("Representation");
+    if (!shape) return {};
+    const std::vector<ItemExtent> items = extents_.of_shape(*shape, element.id());
+    sides = {sag_of_sides(items, metres_), filled_sides(items, metres_)};
   } catch (const step::Error&) {  // told where its box is read
     return {};
   }
-  for (double& side : sag) side *= metres_;
-  return sag;
+  for (double& side : sides.sag) side *= metres_;
+  return sides;
 }
 
 }  // namespace plumbline::ifc

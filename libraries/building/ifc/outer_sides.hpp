@@ -1,4 +1,5 @@
-// Whether the sides of a shape are planes: a panel that is meant to be curved is not flat, and is not to be.
+// Whether the sides of a shape are planes and rectangles: a panel that is meant to be curved is not flat, and is not to
+// be, and of a rectangle about a triangle a part is its neighbours'.
 #pragma once
 
 #include <vector>
@@ -13,12 +14,21 @@ namespace plumbline::ifc {
 /// nan where the shape shows itself on less than half of a side. Empty where an item does not tell its faces.
 std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double metres);
 
+/// In the same order: the share of each side's rectangle, without that border, that the shape shows itself on. Holes
+/// are not told.
+std::vector<double> filled_sides(const std::vector<ItemExtent>& items, double metres);
+
+/// What both say of an element's sides.
+struct SidesOfShape {
+  std::vector<double> sag, filled;
+};
+
 /// The same of elements of a file, in metres; empty also where a shape cannot be read.
 class OuterSides {
  public:
   OuterSides(const Model& model, double metres, double plane_angle)
       : metres_(metres), extents_(model, plane_angle, true) {}
-  std::vector<double> of(const Entity& element);
+  SidesOfShape of(const Entity& element);
 
  private:
   double metres_;

@@ -126,8 +126,10 @@ struct JointErrors {
   std::vector<PlaceError> width, beside, step;
 };
 
-void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, bool beside, JointErrors& joints,
-              std::vector<SurfaceError>& errors) {
+/// `across`: from the joint's first panel to its second; nan: nobody knows.
+void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, const Eigen::Vector3d& across, bool beside,
+              JointErrors& joints, std::vector<SurfaceError>& errors) {
+  const double shift = across.dot(truth.origin - measured.origin);
   for (const auto& place : measured.places) {
     // Both may count along the joint from different middles, and in opposite directions.
     const double along = truth.along.dot(measured.origin + place->along * measured.along - truth.origin);
@@ -138,6 +140,8 @@ void of_joint(const JointFiguresT& measured, const JointFiguresT& truth, bool be
       (beside ? joints.beside : joints.width).push_back({&measured, place.get(), place->width - width});
       errors.push_back({where, beside ? "width_beside_unmeasured" : "width", place->width, width, place->width_sigma});
     }
+    if (!beside && std::isfinite(width + shift + place->shift))
+      errors.push_back({where, "shift", place->shift, shift, place->shift_sigma});
     if (beside || !std::isfinite(step) || !std::isfinite(place->step)) continue;
     joints.step.push_back({&measured, place.get(), place->step - step});
     errors.push_back({where, "step", place->step, step, place->step_sigma});
@@ -197,7 +201,7 @@ void count_steps(const std::vector<PlaceError>& all, const std::vector<MeasuredP
   });
   const Eigen::MatrixXd covariance = covariance_of(panels, rank);
   Eigen::MatrixXd by = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(errors.size()), covariance.rows());
-  Eigen::VectorXd off(by.rows());
+  Eigen::VectorXd off(by.rows()), own(by.rows());
   for (Eigen::Index i = 0; i < by.rows(); ++i) {
     const PlaceError& one = errors[i];
     const Eigen::Vector3d at = one.joint->origin + one.place->along * one.joint->along;
@@ -206,10 +210,14 @@ void count_steps(const std::vector<PlaceError>& all, const std::vector<MeasuredP
       by.row(i).segment<6>(6 * p) += sign * base_at(*panels[p].figures->face, at).transpose();
     }
     off(i) = one.error;
+    // What a step states beyond that is what its panels' edges are off their fitted surfaces: each place's own.
+    own(i) = std::max(0.0, std::pow(one.place->step_sigma, 2) - by.row(i).dot(covariance * by.row(i).transpose()));
   }
   if (off.size() == 0) return void(of.nees = of.freedom = 0);
   // Steps around a corner of four panels add up to nothing: such directions have no error, and none is tested.
-  const linear_algebra::SymmetricEigen spectrum(by * covariance * by.transpose());
+  Eigen::MatrixXd of_steps = by * covariance * by.transpose();
+  of_steps.diagonal() += own;
+  const linear_algebra::SymmetricEigen spectrum(of_steps);
   constexpr double kLeast = 2e-6;  // [m]
   of.nees = of.freedom = 0;
   for (Eigen::Index i = 0; i < off.size(); ++i) {
@@ -232,6 +240,11 @@ void of_joints(const JointErrors& errors, const std::vector<MeasuredPanel>& pane
     else
       of.nees = nees;
     result.of.push_back(of);
+  }
+  const auto is_shift = [](const SurfaceError& one) { return one.quantity == "shift"; };
+  if (std::any_of(result.all.begin(), result.all.end(), is_shift)) {
+    result.of.push_back(summary_of("shift", result.all));
+    result.of.back().freedom = 1;  // what the whole measurement's place is off by is most of it, and all share that
   }
   if (errors.step.empty()) return;
   result.of.push_back(summary_of("step", result.all));
@@ -297,7 +310,11 @@ SurfaceErrors surface_errors(const SurfacesT& measured, const SurfacesT& truth) 
       result.joints_beside += has;
     else
       ++result.joints_wanted, result.joints_measured += has;
-    if (has) of_joint(*found->second, *joint, beside, errors, result.all);
+    const auto first = panels.find(joint->first);
+    if (!has) continue;
+    Eigen::Vector3d across = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (first != panels.end()) across = joint->upright ? first->second->face->right : first->second->face->up;
+    of_joint(*found->second, *joint, across, beside, errors, result.all);
   }
   of_joints(errors, compared, measured, result);
   for (const SurfaceError& one : result.all) result.beyond_3_sigma += std::abs(one.found - one.truth) > 3 * one.sigma;

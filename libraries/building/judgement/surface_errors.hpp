@@ -12,7 +12,8 @@ namespace plumbline::judgement {
 /// One quantity of one panel, or one place of a joint; a tilt is the height that it makes over one metre.
 struct SurfaceError {
   std::string where;  ///< "P01-02", "P01-01 | P01-02 at +0.30 m"
-  /// offset, tilt, bow, twist, width, step; width_beside_unmeasured where the truth has a panel that nobody can measure
+  /// offset, tilt, bow, twist, width, step, shift; width_beside_unmeasured where the truth has a panel that nobody can
+  /// measure
   std::string quantity;
   double found = 0, truth = 0, sigma = 0;  ///< [m]
 };
@@ -23,7 +24,8 @@ struct SurfaceErrorsOf {
   double rms = 0, bias = 0, largest = 0;  ///< of the errors [m]
   double predicted = 0;                   ///< root of the mean of the stated variances [m]
   /// eᵀ Σ⁻¹ e with the whole covariance of all panels or joints, and how many of its directions have an error of more
-  /// than 2 µm: of steps along a joint three at most, as both surfaces are of second degree.
+  /// than 2 µm: of steps along a joint three at most, as both surfaces are of second degree. Of shifts the mean over
+  /// all places, as one.
   double nees = 0, freedom = 0;
   /// Nobody said what the widths have in common: `nees` is the mean square over what is stated times the number of
   /// joints, and a factor in common to all of them would make it look untrue.

@@ -10,9 +10,9 @@ namespace plumbline::judgement {
 namespace {
 
 constexpr const char* kSurfaceExample = "class=IfcPlate: flatness(1m)=3mm, bow=4mm, step=2mm, joint=+4/-3mm";
-constexpr SurfaceQuantity kQuantities[] = {SurfaceQuantity::flatness,  SurfaceQuantity::bow,   SurfaceQuantity::twist,
-                                           SurfaceQuantity::offset,    SurfaceQuantity::step,  SurfaceQuantity::joint,
-                                           SurfaceQuantity::narrowest, SurfaceQuantity::widest};
+constexpr SurfaceQuantity kQuantities[] = {SurfaceQuantity::flatness,  SurfaceQuantity::bow,    SurfaceQuantity::twist,
+                                           SurfaceQuantity::offset,    SurfaceQuantity::step,   SurfaceQuantity::joint,
+                                           SurfaceQuantity::narrowest, SurfaceQuantity::widest, SurfaceQuantity::shift};
 
 [[noreturn]] void refuse(const std::string& rule, const std::string& part, const std::string& why) {
   throw std::runtime_error("surface rule '" + rule + "': found '" + part + "', " + why + "; expected such as '" +
@@ -22,7 +22,7 @@ constexpr SurfaceQuantity kQuantities[] = {SurfaceQuantity::flatness,  SurfaceQu
 SurfaceQuantity quantity_of(std::string_view name, const std::string& rule, const std::string& part) {
   for (const SurfaceQuantity quantity : kQuantities)
     if (name == name_of(quantity)) return quantity;
-  refuse(rule, part, "which is none of flatness(length), bow, twist, offset, step, joint, narrowest, widest");
+  refuse(rule, part, "which is none of flatness(length), bow, twist, offset, step, joint, narrowest, widest, shift");
 }
 
 /// "+4/-3mm": above and below, in one unit.
@@ -73,6 +73,8 @@ const char* name_of(SurfaceQuantity quantity) {
       return "narrowest";
     case SurfaceQuantity::widest:
       return "widest";
+    case SurfaceQuantity::shift:
+      return "shift";
   }
   return "";
 }

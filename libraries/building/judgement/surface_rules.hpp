@@ -12,15 +12,15 @@ namespace plumbline::judgement {
 /// What of a surface is held against a limit. Flatness: the largest gap under a straightedge of a length; bow: the
 /// middle over the edges, across and up; twist: a corner over the plane; offset: the panel's corners out of the
 /// design's face or behind it; step: one panel over its neighbour at a joint; joint: its width against the design's;
-/// narrowest, widest: its width itself.
-enum class SurfaceQuantity { flatness, bow, twist, offset, step, joint, narrowest, widest };
+/// narrowest, widest: its width itself; shift: the joint beside where the design has it.
+enum class SurfaceQuantity { flatness, bow, twist, offset, step, joint, narrowest, widest, shift };
 const char* name_of(SurfaceQuantity quantity);
 bool is_of_joints(SurfaceQuantity quantity);
 
 struct SurfaceLimit {
   SurfaceQuantity quantity = SurfaceQuantity::flatness;
   double length = std::numeric_limits<double>::quiet_NaN();  ///< of the straightedge [m]
-  /// Of the value [m]; bow, twist, offset, step: about 0; joint: about the design's width.
+  /// Of the value [m]; bow, twist, offset, step, shift: about 0; joint: about the design's width.
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
 };
 

@@ -274,7 +274,17 @@ class Judge {
       decide(verdict, verdict.probability, beyond ? 0 : 1, risk_);
       if (verdict.verdict == ToleranceVerdict::pass && std::isfinite((*gap)->with_outlying))
         doubt(**gap, limit, verdict);
+      if (verdict.verdict == ToleranceVerdict::pass && verdict.value + panel.hidden > limit.upper)
+        verdict.verdict = ToleranceVerdict::not_measured, verdict.not_judged = hidden_in(panel);
     }
+  }
+
+  static std::string hidden_in(const PanelSurfaceFiguresT& panel) {
+    return fmt::format(
+        "its limit is kept by the means of cells of {:.0f} mm, and within one its points scatter beyond their stated "
+        "noise as on waves of {:.1f} mm from valley to crest: grooves, a dent or a corrugation smaller than the cells, "
+        "or 'noise' is larger than stated; with a smaller 'cell' of surface.panels it shows",
+        1e3 * panel.cell, 1e3 * panel.hidden);
   }
 
   /// A dent that is deep beside the noise looks like something in front of the panel: it does not pass by being left
@@ -360,6 +370,8 @@ class Judge {
       PlaceValue at{place->along, place->width, place->width_sigma, place->width_sigma, 0, place->width_sigma};
       if (quantity == SurfaceQuantity::step) {
         at.value = place->step, at.sigma = at.random = at.sigma_of_tail = place->step_sigma;
+      } else if (quantity == SurfaceQuantity::shift) {
+        at.value = place->shift, at.sigma = at.random = at.sigma_of_tail = place->shift_sigma;
       } else {
         if (quantity == SurfaceQuantity::joint) at.value -= joint.nominal_width;
         take_parts_of_width(*place, at);
@@ -405,29 +417,39 @@ class Judge {
     verdict->places = static_cast<int>(places.size());
     if (places.empty()) {
       verdict->not_judged = asked.limit.quantity == SurfaceQuantity::step ? "one of its panels was not measured"
-                                                                          : "no place along it was measured";
+                            : asked.limit.quantity == SurfaceQuantity::shift
+                                ? "nobody said how well the place of the points as a whole "
+                                  "is known"
+                                : "no place along it was measured";
       return verdict;
     }
     double least = kInf, at_worst = 1;
     for (const PlaceValue& place : places) {
       at_worst = std::min(at_worst, probability_of(place.value, place.sigma_of_tail, asked.limit));
-      const double probability = probability_of(place.value, place.sigma, asked.limit);
-      if (probability >= least) continue;
-      least = probability, verdict->value = place.value, verdict->sigma = place.sigma, verdict->along = place.along;
+      // The way to the nearer limit, as probabilities of many places are all 0, or 1.
+      const double way =
+          std::min(asked.limit.upper - place.value, place.value - asked.limit.lower) / std::max(place.sigma, 1e-9);
+      if (way >= least) continue;
+      least = way, verdict->value = place.value, verdict->sigma = place.sigma, verdict->along = place.along;
     }
     verdict->probability = kept_everywhere(places, asked.limit);
     decide(*verdict, verdict->probability, at_worst, risk_ / verdict->places);
-    if (verdict->verdict == ToleranceVerdict::pass) doubt(joint, *verdict);
+    if (verdict->verdict == ToleranceVerdict::pass) doubt(joint, asked.limit, *verdict);
     return verdict;
   }
 
   /// What passes where it was measured, and is not known where it was not.
-  static void doubt(const JointFiguresT& joint, SurfaceVerdictT& verdict) {
+  static void doubt(const JointFiguresT& joint, const SurfaceLimit& limit, SurfaceVerdictT& verdict) {
     constexpr double least_share = 0.3;
+    const bool of_width = limit.quantity != SurfaceQuantity::step && limit.quantity != SurfaceQuantity::shift;
     if (verdict.places < least_share * joint.looked_at)
       verdict.not_judged = "it was measured at " + std::to_string(verdict.places) + " of " +
                            std::to_string(joint.looked_at) +
                            " places along it, where it keeps the limit; to pass it needs 30 %";
+    else if (of_width && joint.closed > 0)
+      verdict.not_judged = "it keeps the limit where it was measured, and at " + std::to_string(joint.closed) + " of " +
+                           std::to_string(joint.looked_at) +
+                           " places along it no gap is to be seen between its panels: filled flush there, or closed";
     if (!verdict.not_judged.empty()) verdict.verdict = ToleranceVerdict::not_measured;
   }
 

@@ -116,8 +116,10 @@ void write_joint_row(Markup& html, const JointFiguresT& joint, bool with_reason)
     return index >= 0 && static_cast<size_t>(index) < joint.places.size() ? joint.places[index].get() : nullptr;
   };
   const auto where = [&](const JointPlaceT* at) { return at ? signed_fixed(at->along, 2) : std::string(unknown); };
-  const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step);
+  const JointPlaceT *narrow = place(joint.narrowest), *wide = place(joint.widest), *step = place(joint.largest_step),
+                    *shift = place(joint.largest_shift);
   if (step && !std::isfinite(step->step)) step = nullptr;  // one of the panels was not measured
+  if (shift && !std::isfinite(shift->shift)) shift = nullptr;
   Scope row(html, "tr");
   html.element("th", {{"scope", "row"}}, verbatim(joint.first + " | " + joint.second));
   html.element("td", {{"class", "text"}}, joint.upright ? "up" : "across");
@@ -128,6 +130,8 @@ void write_joint_row(Markup& html, const JointFiguresT& joint, bool with_reason)
   }
   html.element("td", step ? mm_with_u(step->step, step->step_sigma) : std::string(unknown));
   html.element("td", where(step));
+  html.element("td", shift ? mm_with_u(shift->shift, shift->shift_sigma) : std::string(unknown));
+  html.element("td", where(shift));
   html.element("td", std::to_string(joint.places.size()) + " of " + std::to_string(joint.looked_at));
   if (with_reason) html.element("td", {{"class", "words"}}, joint.not_measured);
 }
@@ -138,15 +142,17 @@ void write_joints(Markup& html, const SurfacesT& surfaces) {
   html.element(
       "p", {{"class", "note"}},
       "Widths and steps with their standard uncertainties in mm; 'at' is the way from the joint's middle in m, upwards "
-      "or to the right. A step is positive where the second panel stands further out.");
+      "or to the right. A step is positive where the second panel stands further out, a shift where the whole joint "
+      "lies "
+      "further to the right or up than in the design.");
   html.element("p", {{"class", "note"}}, kTemperature);
   if (!surfaces.joints_measured.empty()) html.element("p", {{"class", "note"}}, surfaces.joints_measured);
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table", {{"class", "sortable"}});
   const bool with_reason = std::any_of(surfaces.joints.begin(), surfaces.joints.end(),
                                        [](const auto& joint) { return !joint->not_measured.empty(); });
-  auto head = std::vector<Cell>{"Joint",  left("Runs"), "Design",       "Narrowest", "at",
-                                "Widest", "at",         "Largest step", "at",        "Places"};
+  auto head = std::vector<Cell>{"Joint", left("Runs"),   "Design", "Narrowest",     "at", "Widest",
+                                "at",    "Largest step", "at",     "Largest shift", "at", "Places"};
   if (with_reason) head.push_back(left("Why it is not measured"));
   table_head(html, head);
   Scope body(html, "tbody");

@@ -109,9 +109,10 @@ void write_surfaces(Markup& html, const SurfaceJudgementT& judgement) {
            [&] { write_surface_table(html, passed); });
   html.element(
       "p", {{"class", "note"}},
-      "Flatness is the largest gap under a straightedge of that length, bow the middle over the edges; step, "
-      "joint (the width against the design's), narrowest and widest are those of the place along the joint that "
-      "keeps its limit least well. The probability is that the limit is kept everywhere, given what was "
+      "Flatness is the largest gap under a straightedge of that length, bow the middle over the edges, offset what a "
+      "corner stands out of the design's face; step, joint (the width against the design's), narrowest, widest and "
+      "shift (of the joint beside its place in the design) are those of the place along the joint that keeps its "
+      "limit least well. The probability is that the limit is kept everywhere, given what was "
       "measured and how surely.");
   html.element("p", {{"class", "note"}}, kTemperature);
 }

@@ -70,6 +70,23 @@ double sag_of(const DesignElementT& element, int through, int side) {
   return element.sag[static_cast<size_t>(2 * through + (side > 0 ? 1 : 0))];
 }
 
+/// Share of a rectangle from which on a side is taken for one: notches of sheets, no slanting edge.
+constexpr double kRectangle = 0.97;
+
+/// How much of its rectangle the design's outer side fills; nan: not known.
+double filled_of(const DesignElementT& element, int through, int side) {
+  if (element.filled.size() != 6) return std::nan("");
+  return element.filled[static_cast<size_t>(2 * through + (side > 0 ? 1 : 0))];
+}
+
+std::string no_rectangle(double filled) {
+  return fmt::format(
+      "the design's outer side of it is no rectangle, it fills {:.0f} % of one: the rest is its neighbours' or "
+      "nothing, "
+      "and its edges and joints lie elsewhere",
+      100 * filled);
+}
+
 std::string no_plane(double sag) {
   return fmt::format(
       "the design's outer side of it is no plane: its parts lie {:.1f} mm apart across it, and flatness, bow and place "
@@ -135,6 +152,10 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     }
     if (const double sag = sag_of(*element, through, side); sag > kFlatDesign) {
       result.left_out.push_back(left_out(name, element->guid, no_plane(sag)));
+      continue;
+    }
+    if (const double filled = filled_of(*element, through, side); filled < kRectangle) {
+      result.left_out.push_back(left_out(name, element->guid, no_rectangle(filled)));
       continue;
     }
     if (guessed) result.guessed.push_back(name);

@@ -43,7 +43,7 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 /// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block
 /// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
 /// design's one facade; else it is left out, because nobody knows which side is outside. So is one whose outer side the
-/// design itself makes no plane (a curved or folded panel), with by how much, and of wholes of other
+/// design itself makes no plane (a curved or folded panel), with by how much, or no rectangle, and of wholes of other
 /// panels nothing is said.
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 

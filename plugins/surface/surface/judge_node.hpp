@@ -28,9 +28,9 @@ struct JudgeSurfaces : Node {
   Param<std::vector<std::string>> rules{
       "rules", std::vector<std::string>{},
       "limits: 'class=IfcPlate & storey=Level 2: flatness(1m)=3mm, bow=4mm, twist=2mm, step=2mm, joint=+4/-3mm, "
-      "narrowest=8mm, widest=20mm, offset=+5/-10mm'; joint is the width against the design's, offset what "
-      "a panel's corners stand out of its face; of a joint, rules that select either panel; later rules go before "
-      "earlier ones; a rule that selects nothing, or of which something is "
+      "narrowest=8mm, widest=20mm, offset=+5/-10mm, shift=6mm'; joint is the width against the design's, offset what "
+      "a panel's corners stand out of its face, shift how far a joint lies beside its place; of a joint, rules that "
+      "select either panel; later rules go before earlier ones; a rule that selects nothing, or of which something is "
       "not judged, is "
       "said and ends with exit code 3"};
   Param<double> risk{"risk", 0.05, "1", between(1e-3, 0.49),

@@ -113,6 +113,7 @@ struct Panels : Node {
             panel.id, panel.repeated));
       measured += panel.not_measured.empty();
       result.panels.push_back(describe(panel, where, given.faces[f]->guid, given.rank));
+      result.panels.back()->cell = *cell;
     }
     context.info(std::to_string(measured) + " of " + std::to_string(given.faces.size()) + " panels measured");
     context.metric("panels", measured, "1");

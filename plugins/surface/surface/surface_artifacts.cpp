@@ -107,6 +107,8 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
   Eigen::MatrixXd factor = Eigen::MatrixXd::Zero(6, rank);
   factor.leftCols(panel.form_factor.cols()) = panel.form_factor;
   result->coefficients_factor = row_by_row(factor);
+  result->edge_misfit.assign(panel.edge_misfit.data(), panel.edge_misfit.data() + 4);
+  result->hidden = panel.hidden;
   for (const Gap& gap : panel.flatness) {
     auto entry = std::make_unique<SurfaceGapT>();
     entry->length = gap.length, entry->positions = gap.positions, entry->place = gap.place;
@@ -127,6 +129,8 @@ PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank) {
   panel.form_factor =
       matrix_of(figures.coefficients_factor, 6, rank, "the systematic errors of panel '" + panel.id + "'");
   panel.half_width = 0.5 * figures.face->width, panel.half_height = 0.5 * figures.face->height;
+  if (!figures.edge_misfit.empty())
+    panel.edge_misfit = matrix_of(figures.edge_misfit, 4, 1, "the misfit at the edges of panel '" + panel.id + "'");
   return panel;
 }
 
@@ -137,17 +141,20 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
   result->origin = joint.plane.origin, result->along = joint.plane.axes.col(1);
   result->nominal_width = joint.width, result->length = joint.length;
   result->not_measured = measured.not_measured, result->looked_at = measured.stations_looked_at;
+  result->closed = measured.closed, result->nominal_step = joint.step;
   for (const JointStation& station : measured.stations) {
     auto place = std::make_unique<JointPlaceT>();
     place->along = station.along, place->width = station.width, place->width_sigma = station.width_sigma;
     place->step = station.step, place->step_sigma = station.step_sigma, place->views = station.views;
     place->width_random = station.width_random;
+    place->shift = station.shift, place->shift_sigma = station.shift_sigma;
     place->width_by_edge = {station.width_by_edge.x(), station.width_by_edge.y()};
     result->places.push_back(std::move(place));
   }
   if (measured.stations.empty()) return result;
   result->narrowest = static_cast<int>(measured.narrowest), result->widest = static_cast<int>(measured.widest);
   result->largest_step = static_cast<int>(measured.largest_step);
+  result->largest_shift = static_cast<int>(measured.largest_shift);
   return result;
 }
 
@@ -212,18 +219,21 @@ std::string joints_table(const SurfacesT& surfaces) {
   std::string text =
       "first,second,runs,not_measured,nominal_mm,places,looked_at,narrowest_mm,narrowest_sigma,narrowest_at_mm,widest_"
       "mm,"
-      "widest_sigma,widest_at_mm,step_mm,step_sigma,step_at_mm\n";
+      "widest_sigma,widest_at_mm,step_mm,step_sigma,step_at_mm,shift_mm,shift_sigma,shift_at_mm\n";
   for (const auto& joint : surfaces.joints) {
     text += csv_text(joint->first) + "," + csv_text(joint->second) + "," + (joint->upright ? "up" : "across") + "," +
             csv_text(joint->not_measured) + "," + number("{:.2f}", 1e3 * joint->nominal_width) + "," +
             std::to_string(joint->places.size()) + "," + std::to_string(joint->looked_at);
-    const auto place = [&](int index, bool step) {
+    const auto place = [&](int index, double JointPlaceT::*value, double JointPlaceT::*sigma) {
       if (index < 0) return std::string(",,,");
       const JointPlaceT& at = *joint->places[index];
-      return "," + number("{:.3f}", 1e3 * (step ? at.step : at.width)) + "," +
-             number("{:.3f}", 1e3 * (step ? at.step_sigma : at.width_sigma)) + "," + number("{:.0f}", 1e3 * at.along);
+      return "," + number("{:.3f}", 1e3 * at.*value) + "," + number("{:.3f}", 1e3 * at.*sigma) + "," +
+             number("{:.0f}", 1e3 * at.along);
     };
-    text += place(joint->narrowest, false) + place(joint->widest, false) + place(joint->largest_step, true) + "\n";
+    text += place(joint->narrowest, &JointPlaceT::width, &JointPlaceT::width_sigma) +
+            place(joint->widest, &JointPlaceT::width, &JointPlaceT::width_sigma) +
+            place(joint->largest_step, &JointPlaceT::step, &JointPlaceT::step_sigma) +
+            place(joint->largest_shift, &JointPlaceT::shift, &JointPlaceT::shift_sigma) + "\n";
   }
   return text;
 }

@@ -182,7 +182,7 @@ TEST(Panels, SmallPlatesEdgeToEdgeAreNoFixings) {
 }
 
 /// A plate of that body in the middle of nowhere; `lines` define #510.
-std::vector<double> sag_of_plate(const std::string& lines, const std::string& schema = "IFC4") {
+Element bent_plate(const std::string& lines, const std::string& schema = "IFC4") {
   const Design design = read(small_building(
       schema,
       "#500=IFCCARTESIANPOINT((3000.,-100.,9000.));#501=IFCAXIS2PLACEMENT3D(#500,$,$);#502=IFCLOCALPLACEMENT(#34,"
@@ -191,7 +191,11 @@ std::vector<double> sag_of_plate(const std::string& lines, const std::string& sc
           std::string(schema == "IFC2X3" ? "" : ",.CURTAIN_PANEL.") + ");" + lines));
   const Element& plate = named(design, "Bent");
   EXPECT_TRUE(plate.is_panel && plate.has_box);
-  return plate.sag;
+  return plate;
+}
+
+std::vector<double> sag_of_plate(const std::string& lines, const std::string& schema = "IFC4") {
+  return bent_plate(lines, schema).sag;
 }
 
 /// An outline in plan, 3 m high.
@@ -242,6 +246,30 @@ TEST(Panels, TheSagOfTheDesignsOwnSidesIsKnown) {
   expect(sag_of_plate(polyline(
              {"-1000.,20.", "-1000.,0.", "1000.,0.", "1000.,20.", "100.,20.", "100.,80.", "-100.,80.", "-100.,20."})),
          0, 0.06, "a rib behind it");
+}
+
+/// A sheet 20 mm thick, extruded towards smaller y: an outline in elevation, of which the box says nothing.
+TEST(Panels, WhatIsNoRectangleIsKnown) {
+  const auto filled = [](const std::vector<std::string>& corners) {
+    std::string list, lines;
+    int number = 520;
+    for (const std::string& corner : corners) {
+      list += (list.empty() ? "#" : ",#") + std::to_string(number);
+      lines += "#" + std::to_string(number++) + "=IFCCARTESIANPOINT((" + corner + "));";
+    }
+    const std::vector<double> sides =
+        bent_plate(
+            "#510=IFCEXTRUDEDAREASOLID(#511,#514,#517,20.);#511=IFCARBITRARYCLOSEDPROFILEDEF(.AREA.,$,#512);"
+            "#514=IFCAXIS2PLACEMENT3D(#513,#515,#516);#513=IFCCARTESIANPOINT((0.,0.,0.));#515=IFCDIRECTION((0.,-"
+            "1.,0.));#516=IFCDIRECTION((1.,0.,0.));#517=IFCDIRECTION((0.,0.,1.));#512=IFCPOLYLINE((" +
+            list + ",#520));" + lines)
+            .filled;
+    EXPECT_EQ(sides.size(), 6U);
+    return sides.size() == 6 ? sides[2] : std::nan("");
+  };
+  EXPECT_EQ(filled({"0.,0.", "1200.,0.", "1200.,1000.", "0.,1000."}), 1);
+  EXPECT_NEAR(filled({"0.,0.", "1000.,0.", "1200.,1000.", "0.,1000."}), 0.92, 0.02) << "one edge slants";
+  EXPECT_NEAR(filled({"0.,0.", "1200.,0.", "0.,1000."}), 0.5, 0.05);
 }
 
 TEST(Panels, TheSagOfFacesThatAreListed) {

@@ -117,6 +117,18 @@ TEST(Faces, APanelThatTheDesignMakesCurvedIsNotFlat) {
       << faces.left_out[0].reason;
 }
 
+/// Of a rectangle about a trapezoid a part is the neighbour's.
+TEST(Faces, APanelThatIsNoRectangleIsLeftOutByName) {
+  DesignT design = two_facades(true);
+  design.elements[0]->filled = {1, 1, 0.92, 0.92, 1, 1};
+  design.elements[1]->filled = {0.3, 0.3, 0.98, 0.98, 1, 1};  // a notch
+  const Faces faces = faces_of(design, kAround);
+  ASSERT_EQ(faces.faces.size(), 1U);
+  ASSERT_EQ(faces.left_out.size(), 1U);
+  EXPECT_EQ(faces.left_out[0].guid, "S-guid");
+  EXPECT_NE(faces.left_out[0].reason.find("is no rectangle, it fills 92 % of one"), std::string::npos);
+}
+
 TEST(Faces, ASideThatNobodyConfirmsIsSaid) {
   EXPECT_TRUE(faces_of(two_facades(true), {}).guessed.empty());
   EXPECT_EQ(faces_of(two_facades(false), {}).guessed.size(), 2U);

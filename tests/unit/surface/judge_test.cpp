@@ -143,9 +143,10 @@ TEST(JudgeSurfaces, PanelsThatMovedTogetherAreTold) {
     panel->offset = 0.008, panel->tilt = {0.001, 0}, panel->covariance = pack_symmetric(plane);
   what.panels[1]->offset = 0.0042;
   what.joints.push_back(joint({0.012, 0.012}, 1e-4));
-  for (auto& place : what.joints[0]->places) place->step = 0, place->step_sigma = 1e-4;
-  const auto result = judged(what, {"*: offset=+5/-10mm, joint=2mm, step=1mm"});
-  ASSERT_EQ(result.verdicts.size(), 5U);
+  for (auto& place : what.joints[0]->places) place->step = 0, place->step_sigma = 1e-4, place->shift = 0.007;
+  for (auto& place : what.joints[0]->places) place->shift_sigma = 2e-4;
+  const auto result = judged(what, {"*: offset=+5/-10mm, shift=6mm, joint=2mm, step=1mm"});
+  ASSERT_EQ(result.verdicts.size(), 6U);
   EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::fail);
   EXPECT_NEAR(result.verdicts[0]->value, 0.00875, 1e-12) << "the right corners: half a width of 1.5 m further out";
   EXPECT_NEAR(result.verdicts[0]->sigma, std::sqrt(4e-8 + 0.75 * 0.75 * 1e-8 + 0.6 * 0.6 * 1e-8), 1e-9);
@@ -153,6 +154,7 @@ TEST(JudgeSurfaces, PanelsThatMovedTogetherAreTold) {
   std::map<std::string, ToleranceVerdict> of_joint;
   for (const auto& verdict : result.verdicts)
     if (!verdict->second.empty()) of_joint[verdict->quantity] = verdict->verdict;
+  EXPECT_EQ(of_joint.at("shift"), ToleranceVerdict::fail);
   EXPECT_EQ(of_joint.at("joint"), ToleranceVerdict::pass);
   EXPECT_EQ(of_joint.at("step"), ToleranceVerdict::pass);
 }
@@ -162,9 +164,10 @@ TEST(JudgeSurfaces, WhereNobodySaysWhereTheMeasurementLiesItsPlaceIsNotJudged) {
   what.rank = 0;
   for (auto& panel : what.panels) panel->coefficients_factor.clear();
   what.joints.push_back(joint({0.012, 0.012}, 1e-4));
-  const auto result = judged(what, {"*: offset=5mm"});
+  const auto result = judged(what, {"*: offset=5mm, shift=6mm"});
   EXPECT_EQ(result.passed, 0);
   EXPECT_NE(result.verdicts[0]->not_judged.find("'place_sigma'"), std::string::npos) << result.verdicts[0]->not_judged;
+  EXPECT_NE(result.verdicts.back()->not_judged.find("nobody said"), std::string::npos);
 }
 
 /// A scanner's beam makes all places of a joint too wide, or too narrow, alike: it is one chance, and not one a place.
@@ -196,6 +199,32 @@ TEST(JudgeSurfaces, JointsOfAScanDoNotFailByTheTailsOfTheirEdges) {
     failed += judged(what, {"*: joint=3mm"}).verdicts[0]->verdict == ToleranceVerdict::fail;
   }
   EXPECT_LE(failed, 0.05 * trials + 3 * std::sqrt(0.05 * trials));
+}
+
+TEST(JudgeSurfaces, AJointThatIsClosedSomewhereDoesNotPass) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint(std::vector<double>(14, 0.012), 1e-4));
+  what.joints[0]->looked_at = 19, what.joints[0]->closed = 5;
+  const auto result = judged(what, {"*: joint=3mm, narrowest=8mm"});
+  for (const auto& verdict : result.verdicts) {
+    EXPECT_EQ(verdict->verdict, ToleranceVerdict::not_measured);
+    EXPECT_NE(verdict->not_judged.find("at 5 of 19 places along it no gap is to be seen"), std::string::npos);
+  }
+}
+
+TEST(JudgeSurfaces, TheWorstPlaceIsTheFurthestWhereAllFail) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint({0.030, 0.034, 0.031}, 1e-4));
+  EXPECT_NEAR(judged(what, {"*: joint=3mm"}).verdicts[0]->value, 0.022, 1e-12);
+}
+
+TEST(JudgeSurfaces, WhatIsSmallerThanItsCellsDoesNotPassAsFlat) {
+  SurfacesT what = surfaces();
+  what.panels[0]->hidden = 0.004, what.panels[1]->hidden = 0.0005;
+  const auto result = judged(what, {"*: flatness(1m)=3mm"});
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::not_measured);
+  EXPECT_NE(result.verdicts[0]->not_judged.find("waves of 4.0 mm"), std::string::npos);
+  EXPECT_EQ(result.verdicts[1]->verdict, ToleranceVerdict::pass);
 }
 
 /// Joints of forty places whose true width lies just within, or just beyond, the limit: wrong verdicts stay within the
