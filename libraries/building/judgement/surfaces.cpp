@@ -154,19 +154,28 @@ class Judge {
     return selecting(element);
   }
 
-  /// Panels of the design of which the measurement has no face: asked for, and nobody looked at them.
+  /// Panels of the design of which the measurement has no face: asked for, and nobody looked at them, nor at the joints
+  /// of those that were left out.
   void take_panels_without_a_face() {
     std::set<std::string> with_face;
     for (const auto& panel : surfaces_.panels) with_face.insert(panel->face->guid);
     for (const auto& [guid, element] : facts_) {
       if (with_face.contains(guid)) continue;
-      const std::string name = element.name.empty() ? guid : element.name;
-      for (const Asked& asked : asked_of(selecting(element), false)) {
-        auto verdict = started(asked);
-        verdict->panel = name, verdict->guid = guid, verdict->not_judged = "no face of it was looked at";
-        for (const auto& panel : surfaces_.left_out)
-          if (panel->guid == guid) verdict->not_judged = panel->reason;
-        take(std::move(verdict), asked, -1);
+      std::string why;
+      for (const auto& panel : surfaces_.left_out)
+        if (panel->guid == guid) why = panel->reason;
+      const std::vector<char> selects = selecting(element);
+      for (const bool of_joints : {false, true}) {
+        // Between which panels joints would be nobody knows then; where none at all was looked at the rule says so.
+        if (of_joints && (why.empty() || surfaces_.joints.empty())) continue;
+        for (const Asked& asked : asked_of(selects, of_joints)) {
+          auto verdict = started(asked);
+          verdict->panel = element.name.empty() ? guid : element.name, verdict->guid = guid;
+          verdict->not_judged = of_joints     ? "none of its joints was looked at: " + why
+                                : why.empty() ? "no face of it was looked at"
+                                              : why;
+          take(std::move(verdict), asked, -1);
+        }
       }
     }
   }

@@ -36,6 +36,7 @@ struct CloudSummary {
   /// the largest coordinate, the last decimal of text. Known after read_cloud.
   Eigen::Vector3d resolution = Eigen::Vector3d::Zero();
   int scans = 1;  ///< that it says it has: blocks of PTS, point source ids of LAS, scans of E57; each may err by itself
+  int without_pose = 0;  ///< of them, scans of E57 that say no pose where others do: perhaps in the scanner's own frame
   bool either_foot = false;  ///< it says feet and not which; `unit` is then that of the international foot
   double unit_of_heights = std::numeric_limits<double>::quiet_NaN();  ///< likewise, where it says one of its own
   std::string without_unit_of;  ///< a coordinate system that it names by a number without its unit: "EPSG:2263"

@@ -196,6 +196,8 @@ CloudSummary read_e57(CloudStream& stream, const PointSink& sink) {
   CloudSummary summary;
   summary.format = "E57, " + std::to_string(scans.size()) + (scans.size() == 1 ? " scan" : " scans");
   summary.unit = 1, summary.scans = static_cast<int>(scans.size());
+  for (const E57Scan& scan : scans) summary.without_pose += !scan.has_pose;
+  if (summary.without_pose == summary.scans) summary.without_pose = 0;  // registered and written as it lies
   if (!sink) return summary;
   PointBatch batch(summary, stream, sink);
   for (size_t s = 0; s < scans.size(); ++s) ScanPoints(pages, scans[s], s + 1, summary, batch).read();

@@ -116,6 +116,7 @@ class ScanReader {
 
   void take_pose() {
     const pugi::xml_node pose = node_.child("pose");
+    scan_.has_pose = !pose.empty();
     const auto part = [&](const char* of, const char* name, double without) {
       const std::string text = std::string(text::trim(pose.child(of).child(name).text().as_string()));
       return text.empty() ? without : number<double>(text, std::string("pose/") + of + "/" + name);

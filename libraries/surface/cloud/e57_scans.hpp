@@ -26,6 +26,7 @@ struct E57Scan {
   int coordinates[3] = {-1, -1, -1};  ///< numbers of fields: x, y, z, or range, azimuth, elevation
   int invalid = -1;                   ///< of the field that says which points have none
   bool spherical = false;
+  bool has_pose = false;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  ///< from the scan's frame to the file's
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();         ///< [m]
 };

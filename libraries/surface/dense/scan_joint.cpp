@@ -202,11 +202,11 @@ MeasuredJoint measure_scan_joint(const Joint& joint, const std::vector<PanelFace
     add_step(station, lines[0], lines[1], joint.plane, found.u[0], found.u[1]);
     measured.stations.push_back(station), edges.push_back(found);
   }
+  measured.closed = closed_together(seen);
   if (measured.stations.empty()) {
     measured.not_measured = reason_of(seen);
     return measured;
   }
-  measured.closed = closed_together(seen);
   double variance = 0;
   for (const EdgePair& pair : edges) variance = std::max({variance, pair.variance[0], pair.variance[1]});
   constexpr size_t run = 2;  // of places that are off together

@@ -315,6 +315,12 @@ void ImportCloud::run(Context& context) {
     context.warn(std::to_string(read.without_place) + " points have no coordinates (NaN) and are left out");
   if (read.withheld > 0)
     context.info(std::to_string(read.withheld) + " points are withheld or noise, as the file says, and are left out");
+  if (read.without_pose > 0)
+    context.warn(fmt::format(
+        "{} of the {} scans in the file have no pose, the others do: their points are taken as they are written, and "
+        "in "
+        "the scanner's own frame they would lie elsewhere, or on other panels; export them registered, or without them",
+        read.without_pose, read.scans));
   if (read.scans > 1 && !apart)
     context.warn(
         "there are " + std::to_string(read.scans) +

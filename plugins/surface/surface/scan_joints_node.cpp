@@ -10,6 +10,7 @@
 #include "panels_node.hpp"
 #include "plumbline/failure.hpp"
 #include "surface/dense/scan_joint.hpp"
+#include "surface/dense/scan_strips.hpp"
 #include "surface_artifacts.hpp"
 
 namespace plumbline::surface {
@@ -91,6 +92,19 @@ void ScanJoints::run(Context& context) {
             "surface.fuse does not): where panels end nobody knows";
         joint.stations.clear();
       }
+  if (closed_joints(joints, found)) {
+    std::vector<EmptyStrips> strips(faces.size());
+    in_parallel(context, faces.size(), [&](size_t f) {
+      const double own = std::hypot(0.5 * faces[f].width, 0.5 * faces[f].height);
+      std::vector<MeasuredTile> tiles;
+      for (size_t t = 0; t < given.tiles.size(); ++t)
+        if ((given.tiles[t]->centre - faces[f].plane.origin).norm() <= own + radius[t]) tiles.push_back(read(t));
+      strips[f] = empty_strips(faces[f], measured[f], tiles);
+    });
+    const std::string words = beside_its_place(strips, joints, found);
+    if (!words.empty()) context.warn("nothing will be judged: " + words);
+    if (result.place_doubt.empty()) result.place_doubt = words;
+  }
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {
     if (!found[j].not_measured.empty())

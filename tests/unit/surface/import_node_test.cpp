@@ -371,6 +371,20 @@ TEST(ImportNode, SeveralScansInAFileAreSaid) {
       << testing::PrintToString(import.node.warnings());
 }
 
+/// Its points lay beside the faces without a word.
+TEST(ImportNode, AScanWithoutAPoseBesideOthersIsSaid) {
+  const std::string pose = "<pose><translation><x>0</x><y>0</y><z>0</z></translation></pose>";
+  Places unregistered;
+  for (const Eigen::Vector3d& point : scan()) unregistered.push_back(point - Eigen::Vector3d(100, 60, 8));
+  Import import("scans.e57", cloud_bytes::e57_file({{scan(), {}, pose, "double"}, {unregistered, {}, "", "double"}}));
+  import.node.run();
+  EXPECT_NE(testing::PrintToString(import.node.warnings()).find("1 of the 2 scans in the file have no pose"),
+            std::string::npos);
+  Import registered("scans.e57", cloud_bytes::e57_file({{scan(), {}, "", "double"}, {scan(), {}, "", "double"}}));
+  registered.node.run();
+  EXPECT_EQ(testing::PrintToString(registered.node.warnings()).find("have no pose"), std::string::npos);
+}
+
 /// Two scans of the first panel, the second 3 mm behind the first, as E57 with what each is off by.
 TEST(ImportNode, ScansOfAFileErrEachByItself) {
   Places first, second;
@@ -467,6 +481,36 @@ TEST(ImportNode, ThePanelsOfAScanHaveTheJointThatIsThere) {
   } catch (const NodeFailed& error) {
     EXPECT_NE(std::string(error.what()).find("set 'search' to no more than 2 mm"), std::string::npos) << error.what();
   }
+}
+
+/// A third of each panel was its neighbour's, and what was flat passed; the joint was called filled flush.
+TEST(ImportNode, AScanThatLiesBesideItsPlaceByAPartOfAPanelIsNotJudged) {
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> right(119.0, 122.6), up(8.5, 11.5);
+  const auto doubt_of = [&](double shift) {
+    Places points;
+    while (points.size() < 400'000) {
+      const double x = right(random);
+      const double middle = x - 120.76 - shift;  // from a joint; the next are 1.52 m from it
+      if (std::abs(middle - 1.52 * std::round(middle / 1.52)) > 0.01) points.push_back({x, 80, up(random)});
+    }
+    Import import("scan.xyz", xyz(points, 1));
+    import.node.set("noise", "0.0005"), import.node.set("place_confirmed", "true");
+    import.node.run();
+    NodeHarness panels("surface.panels");
+    panels.input<SurfacePoints>("surface", import.node.output<SurfacePoints>("surface"));
+    panels.run();
+    NodeHarness joints("surface.scan_joints");
+    joints.input<SurfacePoints>("points", import.node.output<SurfacePoints>("surface"));
+    joints.input<Surfaces>("panels", panels.output<Surfaces>("surfaces"));
+    joints.set("beam", "0");
+    joints.run();
+    return joints.output<Surfaces>("surfaces").place_doubt;
+  };
+  const std::string doubt = doubt_of(0.5);
+  EXPECT_NE(doubt.find("run through 2 of 2 panels, 0.26 m to the left of their middles"), std::string::npos) << doubt;
+  EXPECT_EQ(doubt_of(0), "");
+  EXPECT_EQ(doubt_of(0.004), "") << "no more than edges are looked for";
 }
 
 TEST(FuseNode, ASourceWithoutPlaceAmongOthersIsRefused) {

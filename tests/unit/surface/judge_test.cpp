@@ -280,6 +280,22 @@ TEST(JudgeSurfaces, APanelThatNobodyLookedAtIsNotJudged) {
   EXPECT_EQ((*verdict)->not_judged, "nothing looks at it and the design does not say which side is outside");
 }
 
+/// A rule of joints alone passed by the joints of the others.
+TEST(JudgeSurfaces, NorAreTheJointsOfAPanelThatWasLeftOut) {
+  SurfacesT what = surfaces();
+  what.panels.erase(what.panels.begin() + 1);
+  what.left_out.push_back(std::make_unique<SurfaceLeftOutT>());
+  what.left_out[0]->id = "B", what.left_out[0]->guid = "B-guid", what.left_out[0]->reason = "it is no rectangle";
+  EXPECT_NE(judged(what, {"*: joint=3mm"}).requests[0]->not_judged.find("no joint was looked at"), std::string::npos);
+  what.joints.push_back(joint(std::vector<double>(14, 0.012), 1e-4));
+  what.joints[0]->second = "C";
+  const auto result = judged(what, {"*: joint=3mm"});
+  EXPECT_EQ(result.not_judged, 1);
+  EXPECT_NE(result.requests[0]->not_judged.find("B (none of its joints was looked at: it is no rectangle)"),
+            std::string::npos)
+      << result.requests[0]->not_judged;
+}
+
 TEST(JudgeSurfaces, WhatFitsLessWellIsLessCertain) {
   SurfacesT what = surfaces();
   what.panels[0]->flatness[0]->gap = 0.0026;
