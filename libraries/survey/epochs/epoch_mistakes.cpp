@@ -47,7 +47,7 @@ std::optional<EpochMistake> other_scale(const Epoch& first, const Epoch& second,
   if (options.free_motions != 4 && options.free_motions != 6) return std::nullopt;
   ComparisonOptions with_scale = options;
   ++with_scale.free_motions;
-  EpochMistake mistake{"", compare_epochs(first, second, with_scale), with_scale.free_motions};
+  EpochMistake mistake{"", "", compare_epochs(first, second, with_scale), with_scale.free_motions};
   const double explained = compared.statistic - mistake.comparison.statistic;
   const double variance = compared.critical / chi_squared_quantile(1 - options.alpha, std::max(1, compared.rank));
   if (!(explained > variance * chi_squared_quantile(1 - options.alpha0, 1))) return std::nullopt;
@@ -55,8 +55,8 @@ std::optional<EpochMistake> other_scale(const Epoch& first, const Epoch& second,
   mistake.words =
       scale_in_words(size_ratio(first, second)) +
       ", which explains the difference: a ppm setting, a prism constant, a map scale or the temperature was "
-      "another (10 K make concrete 100 ppm longer). It is taken off here, and how far points moved along "
-      "with it is not to be told";
+      "another (10 K make concrete 100 ppm longer)";
+  mistake.undone = "It is taken off here, and how far points moved along with it is not to be told";
   return mistake;
 }
 
@@ -88,11 +88,10 @@ std::optional<EpochMistake> exchanged_names(const Epoch& first, const Epoch& sec
       names += (names.empty() ? "" : "; ") + all[i]->id + " and " + all[j]->id;
     }
   if (names.empty()) return std::nullopt;
-  EpochMistake mistake{"", compare_epochs(first, mended, options), options.free_motions};
+  EpochMistake mistake{"", "", compare_epochs(first, mended, options), options.free_motions};
   if (moved_points(mistake.comparison).size() >= all.size()) return std::nullopt;
-  mistake.words = names +
-                  " have each other's name in one of the epochs: each lies where the other was. Compared as if "
-                  "the second had them exchanged; mend the names in its file";
+  mistake.words = names + " have each other's name in one of the epochs: each lies where the other was";
+  mistake.undone = "Compared as if the second had them exchanged; mend the names in its file";
   return mistake;
 }
 

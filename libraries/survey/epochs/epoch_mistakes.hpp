@@ -11,6 +11,7 @@ namespace plumbline::survey {
 
 struct EpochMistake {
   std::string words;      ///< without a full stop
+  std::string undone;     ///< what `comparison` makes of it, likewise
   Comparison comparison;  ///< with it undone
   int free_motions = 4;   ///< that it was made with
 };

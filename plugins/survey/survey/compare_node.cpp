@@ -189,8 +189,9 @@ void CompareEpochsNode::run(Context& context) {
   options.second_variance = variance_of(b, second_network ? second_network.unpack().scaled_with_sigma0 : false);
   Comparison c = compare_epochs(before, after, options);
   const auto mistake = find_epoch_mistake(before, after, options, c);
+  const std::string told_mistake = mistake ? mistake->words + ". " + mistake->undone : "";
   if (mistake) {
-    context.warn(mistake->words);
+    context.warn(told_mistake);
     c = mistake->comparison, options.free_motions = mistake->free_motions;
   }
   const std::string in_doubt = epochs_in_doubt(first_network ? first_network.unpack() : SurveyNetworkT(),
@@ -210,7 +211,7 @@ void CompareEpochsNode::run(Context& context) {
   out.notes = size_notes(told_scale, places, sigmas);
   if (told_scale) context.warn(out.notes.front());  // what 10 K do is no finding: the page has it
   out.notes.insert(out.notes.begin(), not_followed.begin(), not_followed.end());
-  if (mistake) out.notes.insert(out.notes.begin(), mistake->words);
+  if (mistake) out.notes.insert(out.notes.begin(), told_mistake);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
   std::vector<std::string> moved;
   for (const Movement& m : c.movements) {
@@ -219,7 +220,7 @@ void CompareEpochsNode::run(Context& context) {
     context.warn("point " + m.id + (in_doubt.empty() ? " has moved: " : " seems to have moved: ") +
                  movement_in_words(m) + alternatives_in_words(c, m.id));
   }
-  out.remark = (mistake ? mistake->words + "; " : "") + c.variances.text + (c.variances.text.empty() ? "" : "; ") +
+  out.remark = (mistake ? told_mistake + "; " : "") + c.variances.text + (c.variances.text.empty() ? "" : "; ") +
                (c.congruent ? "the epochs are congruent: " : "the epochs are not congruent: ") + tests_in_words(c) +
                (moved.empty() ? "; no point has moved significantly" : "; moved: " + text::join(moved, most_named)) +
                (c.only_first.empty() ? "" : "; not in the second epoch: " + text::join(c.only_first, most_named));

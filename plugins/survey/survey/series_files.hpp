@@ -14,6 +14,7 @@ struct SeriesText {
   std::vector<double> times;        ///< likewise
   SeriesOptions options;
   std::vector<std::string> notes;  ///< scale and temperature, as size_notes() has them
+  bool is_explained = false;       ///< a mistake in an epoch, in `notes`, would be such movements
 };
 
 /// A velocity as people read it: per year where time is in days.
@@ -29,7 +30,7 @@ std::vector<const SeriesPoint*> points_told(const EpochSeries& series, const Ser
                                             std::vector<const SeriesPoint*>& quiet);
 /// Sentences of page and verdict: which epochs in which order, how many points are told, and which carry the datum.
 std::string order_words(const SeriesText& text);
-std::string how_many_move(std::size_t told);
+std::string how_many_move(std::size_t told, const SeriesText& text);
 std::string datum_words(const EpochSeries& series, const SeriesText& text);
 
 std::string series_as_json(const EpochSeries& series, const SeriesText& text);

@@ -129,9 +129,11 @@ void note_mistakes(const std::vector<DatedEpoch>& dated, SeriesText& text) {
     if (common_scale(dated[0].epoch, dated[k].epoch)) continue;
     options.first_variance = dated[0].variance, options.second_variance = dated[k].variance;
     const Comparison compared = compare_epochs(dated[0].epoch, dated[k].epoch, options);
-    if (const auto mistake = find_epoch_mistake(dated[0].epoch, dated[k].epoch, options, compared))
-      text.notes.push_back(text.labels[k] + " (second) beside " + text.labels[0] + " (first): " + mistake->words +
-                           "; the movements and velocities of this series hold it");
+    const auto mistake = find_epoch_mistake(dated[0].epoch, dated[k].epoch, options, compared);
+    if (!mistake) continue;
+    text.is_explained = true;
+    text.notes.push_back(text.labels[k] + " (second) beside " + text.labels[0] + " (first): " + mistake->words +
+                         "; the movements and velocities of this series hold it");
   }
 }
 

@@ -152,8 +152,8 @@ std::string series_as_html(const EpochSeries& s, const SeriesText& text) {
       "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
       "content=\"width=device-width\"><title>Series of epochs</title><style>" +
       std::string(kStyle) + "</style></head><body><h1>Series of " + std::to_string(text.labels.size()) + " epochs</h1>";
-  out += "<div class=\"box" + std::string(told.empty() ? "" : " bad") + "\"><strong>" + how_many_move(told.size()) +
-         "</strong>";
+  out += "<div class=\"box" + std::string(told.empty() ? "" : " bad") + "\"><strong>" +
+         how_many_move(told.size(), text) + "</strong>";
   if (!told.empty()) {
     out += "<ul>";
     for (const SeriesPoint* p : told)

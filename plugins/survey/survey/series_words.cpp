@@ -77,7 +77,12 @@ std::vector<const SeriesPoint*> points_told(const EpochSeries& s, const SeriesTe
   return told;
 }
 
-std::string how_many_move(size_t told) {
+std::string how_many_move(size_t told, const SeriesText& text) {
+  if (told > 0 && text.is_explained)
+    return "A mistake in an epoch would explain movements (see the notes): mend it first. As it is " +
+           std::to_string(told) +
+           (told == 1 ? " point seems to move, to have moved or to reach a level."
+                      : " points seem to move, to have moved or to reach a level.");
   return told == 0 ? "No point moves, and none has moved, beyond chance."
                    : std::to_string(told) + (told == 1 ? " point moves, moved or reaches a level."
                                                        : " points move, moved or reach a level.");
@@ -105,7 +110,8 @@ std::string told_of(const SeriesPoint& p, const SeriesText& text) { return in_wo
 std::string series_verdict(const EpochSeries& s, const SeriesText& text) {
   std::vector<const SeriesPoint*> quiet;
   const std::vector<const SeriesPoint*> told = points_told(s, text, quiet);
-  std::string out = "Series of " + std::to_string(text.labels.size()) + " epochs\n" + how_many_move(told.size()) + "\n";
+  std::string out =
+      "Series of " + std::to_string(text.labels.size()) + " epochs\n" + how_many_move(told.size(), text) + "\n";
   for (const std::string& words : s.not_followed) out += "Note: " + words + "\n";
   for (const SeriesPoint* p : told) out += "  " + in_words(*p, text) + "\n";
   out += order_words(text) + "\nOf the epochs: " + s.variances + ".\n" + datum_words(s, text) + "\n";
