@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "geometry/statistics.hpp"
 #include "survey/doctor/network_doctor.hpp"
@@ -37,16 +39,30 @@ std::string mended(const NetworkResult& r) {
   return "; " + std::to_string(removed) + (removed == 1 ? " reading was" : " readings were") + " taken out";
 }
 
+/// One turn that was found in two steps leaves two parts of one orientation, which is not that from before it.
+bool are_turned_alike(const ResultSetUp& a, const ResultSetUp& b) {
+  constexpr double kSigmas = 5;
+  if (a.id.find(" (part ") == std::string::npos || b.id.find(" (part ") == std::string::npos) return false;
+  return a.station == b.station && std::abs(std::remainder(a.orientation - b.orientation, 2 * std::numbers::pi)) <
+                                       kSigmas * std::hypot(a.orientation_sigma, b.orientation_sigma);
+}
+
 /// A set-up that was split at two places or more, or lost a third of its readings, was not measured as the model says:
 /// what is left agrees because everything that did not was taken out. Empty if there is none.
 std::string broken_set_up(const NetworkResult& r) {
-  constexpr int kMostParts = 2, kFewRemoved = 6;
+  constexpr std::size_t kMostParts = 2;
+  constexpr int kFewRemoved = 6;
   struct Mended {
-    int parts = 0, readings = 0, removed = 0;
+    std::vector<const ResultSetUp*> parts;  // of different orientations
+    int readings = 0, removed = 0;
   };
   const auto base = [](const std::string& id) { return id.substr(0, id.find(" (part ")); };
   std::map<std::string, Mended> set_ups;
-  for (const ResultSetUp& s : r.set_ups) ++set_ups[base(s.id)].parts;
+  for (const ResultSetUp& s : r.set_ups) {
+    auto& parts = set_ups[base(s.id)].parts;
+    if (std::none_of(parts.begin(), parts.end(), [&](const ResultSetUp* p) { return are_turned_alike(*p, s); }))
+      parts.push_back(&s);
+  }
   for (const ResultRow& row : r.rows) {
     if (row.set_up.empty()) continue;
     Mended& m = set_ups[base(row.set_up)];
@@ -54,9 +70,9 @@ std::string broken_set_up(const NetworkResult& r) {
     m.removed += row.removed;
   }
   for (const auto& [id, m] : set_ups) {
-    if (m.parts > kMostParts)
+    if (m.parts.size() > kMostParts)
       return "the readings of set-up " + id + " contradict each other: its circle would have been turned " +
-             std::to_string(m.parts - 1) + " times";
+             std::to_string(m.parts.size() - 1) + " times";
     if (m.removed >= kFewRemoved && 3 * m.removed > m.readings)
       return "the readings of set-up " + id + " contradict the others: " + std::to_string(m.removed) + " of " +
              std::to_string(m.readings) + " were taken out";

@@ -298,6 +298,11 @@ TEST(Verdict, ASetUpThatWasSplitTwiceIsNoResult) {
   const NetworkResult split = judged(r);
   EXPECT_EQ(split.validity, Validity::invalid);
   expect_words(split.verdict, {"set-up S1", "its circle would have been turned 2 times"});
+  for (ResultSetUp& s : r.set_ups) s.orientation = 1, s.orientation_sigma = 1e-5;
+  for (const size_t k : {size_t{2}, size_t{3}}) r.set_ups[k].orientation = 1.002 + 4e-5 * static_cast<double>(k - 2);
+  EXPECT_EQ(judged(r).validity, Validity::sound) << "one turn of which the parts were found one after the other";
+  r.set_ups[3].orientation = 1.0022;
+  EXPECT_EQ(judged(r).validity, Validity::invalid);
 }
 
 TEST(Verdict, RemovedReadingsOfThePartsOfASetUpCountTogether) {
