@@ -14,6 +14,7 @@
 #include "building/judgement/panel_stack.hpp"
 #include "building/judgement/panels.hpp"
 #include "geometry/exchanged_places.hpp"
+#include "geometry/median.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::judgement {
@@ -213,8 +214,7 @@ void require_same_frame(const Work& work) {
   for (const auto& anchor : work.out.anchors)
     if (anchor->deviation.allFinite()) lengths.push_back(anchor->deviation.norm());
   if (lengths.empty()) return;
-  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
-  const double median = lengths[lengths.size() / 2];
+  const double median = upper_median(std::move(lengths));
   if (median < kFarthestAnchor) return;
   throw std::runtime_error("the measured anchors lie " + std::to_string(median) +
                            " m (median) from their design positions in " + work.inputs.design_file +
@@ -241,10 +241,10 @@ void set_floors_of_panels(Work& work, const std::map<std::string, int>& floor_of
 /// What is missed at most, as a probability that nothing is; nan stays nan.
 double at_least(double missed) { return missed > 1 ? 0 : 1 - missed; }
 
-/// Floors are numbers in the plate table and storeys in the design: each anchor that has both votes.
-void judge_floors(Work& work) {
+/// The storey of each floor by their numbers. Floors are numbers in the plate table and storeys in the design: each
+/// anchor that has both votes. `names`: of the storeys, by GlobalId.
+std::map<int, std::string> storeys_of_floors(Work& work, std::map<std::string, std::string>& names) {
   std::map<int, std::map<std::string, int>> votes;
-  std::map<std::string, std::string> names;
   for (std::size_t i = 0; i < work.inputs.anchors.size(); ++i) {
     const AnchorCase& anchor = work.inputs.anchors[i];
     names[anchor.storey_guid] = anchor.element.storey;
@@ -267,6 +267,34 @@ void judge_floors(Work& work) {
         "'): the statistics of these floors are in the report, not in the storeys of the as-built IFC.");
     for (const int floor : floors) storey_of.erase(floor);
   }
+  return storey_of;
+}
+
+void count(const AnchorDeviationT& anchor, FloorDeviationT& floor) {
+  ++(anchor.verdict == ToleranceVerdict::pass        ? floor.passed
+     : anchor.verdict == ToleranceVerdict::fail      ? floor.failed
+     : anchor.verdict == ToleranceVerdict::undecided ? floor.undecided
+                                                     : floor.not_measured);
+}
+
+void count(const PanelDeviationT& panel, FloorDeviationT& floor) {
+  ++(panel.verdict == ToleranceVerdict::pass   ? floor.panels_passed
+     : panel.verdict == ToleranceVerdict::fail ? floor.panels_failed
+                                               : floor.panels_undecided);
+}
+
+void set_verdict(FloorDeviationT& floor) {
+  if (floor.failed + floor.panels_failed > 0)
+    floor.verdict = ToleranceVerdict::fail;
+  else if (floor.undecided + floor.panels_undecided > 0 || (floor.not_measured > 0 && floor.passed > 0))
+    floor.verdict = ToleranceVerdict::undecided;
+  else if (floor.passed > 0)
+    floor.verdict = ToleranceVerdict::pass;
+}
+
+void judge_floors(Work& work) {
+  std::map<std::string, std::string> names;
+  const std::map<int, std::string> storey_of = storeys_of_floors(work, names);
   // Anchors that the plate table does not list stand on the floor of their storey.
   std::map<std::string, int> floor_of;
   for (const auto& [floor, storey] : storey_of) floor_of[storey] = floor;
@@ -287,26 +315,16 @@ void judge_floors(Work& work) {
       if (const auto floor = floor_of.find(anchor->storey_guid); floor != floor_of.end()) anchor->floor = floor->second;
     FloorDeviationT& floor = floor_at(anchor->floor);
     missed[anchor->floor] += 1 - anchor->pass_probability;
-    ++(anchor->verdict == ToleranceVerdict::pass        ? floor.passed
-       : anchor->verdict == ToleranceVerdict::fail      ? floor.failed
-       : anchor->verdict == ToleranceVerdict::undecided ? floor.undecided
-                                                        : floor.not_measured);
+    count(*anchor, floor);
   }
   set_floors_of_panels(work, floor_of);
   for (const auto& panel : work.out.panels) {
     FloorDeviationT& floor = floor_at(panel->floor);
     missed[panel->floor] += 1 - panel->pass_probability;
-    ++(panel->verdict == ToleranceVerdict::pass   ? floor.panels_passed
-       : panel->verdict == ToleranceVerdict::fail ? floor.panels_failed
-                                                  : floor.panels_undecided);
+    count(*panel, floor);
   }
   for (auto& [number, floor] : floors) {
-    if (floor->failed + floor->panels_failed > 0)
-      floor->verdict = ToleranceVerdict::fail;
-    else if (floor->undecided + floor->panels_undecided > 0 || (floor->not_measured > 0 && floor->passed > 0))
-      floor->verdict = ToleranceVerdict::undecided;
-    else if (floor->passed > 0)
-      floor->verdict = ToleranceVerdict::pass;
+    set_verdict(*floor);
     if (work.out.doubts.empty()) floor->pass_together = at_least(missed[number]);
     work.out.floors.push_back(std::move(floor));
   }

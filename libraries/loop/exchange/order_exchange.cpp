@@ -149,6 +149,34 @@ std::string OrderExchange::clock_doubt() const {
       std::ceil((newest_ - behind_seconds_) / 60));
 }
 
+void OrderExchange::take_progress(const std::map<std::string, std::string>& actions, bool is_at_its_end) {
+  status_ = ExchangeStatus::accepted;
+  std::map<std::string, int> counts;
+  std::set<std::string> known;
+  failed_.clear();
+  for (const auto& [id, status] : actions) ++counts[status], known.insert(id);
+  for (const JobItem& item : job_.items)
+    if (const auto action = actions.find(vda_action_id(job_, item));
+        action != actions.end() && action->second == "FAILED")
+      failed_.push_back(item.id);
+  progress_.clear();
+  for (const auto& [status, n] : counts)
+    progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
+  const bool all = std::all_of(job_.items.begin(), job_.items.end(),
+                               [&](const JobItem& item) { return known.count(vda_action_id(job_, item)) > 0; });
+  if (all && is_at_its_end) status_ = ExchangeStatus::finished;
+}
+
+void OrderExchange::lose_order() {
+  reason_ =
+      status_ == ExchangeStatus::accepted
+          ? "the robot had the order and has it no more, without having told its end: measure the items, nothing "
+            "is sent again"
+          : "the robot was started again, or took another order, since the order was sent to it: it may have done "
+            "it and forgotten; measure the items, nothing is sent again";
+  status_ = ExchangeStatus::unknown;
+}
+
 void OrderExchange::take(const std::string& payload, Heard heard, double now) {
   const bool is_new = heard != Heard::on_disk;
   const auto json = ordered_json::parse(payload, nullptr, false);
@@ -181,21 +209,7 @@ void OrderExchange::take(const std::string& payload, Heard heard, double now) {
   // What a broker has kept, or held back, was said before the question.
   if (is_newest) answered_ = heard == Heard::now && asked_;
   if (ours && (is_newest || is_at_its_end(state))) {
-    status_ = ExchangeStatus::accepted;
-    std::map<std::string, int> counts;
-    std::set<std::string> known;
-    failed_.clear();
-    for (const auto& [id, status] : state.actions) ++counts[status], known.insert(id);
-    for (const JobItem& item : job_.items)
-      if (const auto action = state.actions.find(vda_action_id(job_, item));
-          action != state.actions.end() && action->second == "FAILED")
-        failed_.push_back(item.id);
-    progress_.clear();
-    for (const auto& [status, n] : counts)
-      progress_ += (progress_.empty() ? "" : ", ") + std::to_string(n) + " " + status;
-    const bool all = std::all_of(job_.items.begin(), job_.items.end(),
-                                 [&](const JobItem& item) { return known.count(vda_action_id(job_, item)) > 0; });
-    if (all && is_at_its_end(state)) status_ = ExchangeStatus::finished;
+    take_progress(state.actions, is_at_its_end(state));
     return;
   }
   if (!is_newest) return;
@@ -206,13 +220,7 @@ void OrderExchange::take(const std::string& payload, Heard heard, double now) {
   const bool was_sent = sent_at_ >= 0;
   if (was_sent && (status_ == ExchangeStatus::accepted || was_started_again ||
                    (header_at_sending_ >= 0 && state.header < header_at_sending_))) {
-    reason_ =
-        status_ == ExchangeStatus::accepted
-            ? "the robot had the order and has it no more, without having told its end: measure the items, nothing "
-              "is sent again"
-            : "the robot was started again, or took another order, since the order was sent to it: it may have done "
-              "it and forgotten; measure the items, nothing is sent again";
-    status_ = ExchangeStatus::unknown;
+    lose_order();
     return;
   }
   status_ = is_at_its_end(state) || state.order.empty() ? ExchangeStatus::asking : ExchangeStatus::busy;

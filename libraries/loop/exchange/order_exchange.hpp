@@ -11,6 +11,7 @@
 // order was sent may have done it and forgotten: then nothing is sent, and a person is asked to measure.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -108,6 +109,10 @@ class OrderExchange {
   void take(const std::string& payload, Heard heard, double now);
   /// Whether a state with an older date than the newest is newer all the same: the robot's clock was put back.
   bool goes_on_by_number(double seconds, long long header, double now);
+  /// The robot has our order: how far it is with each action, and whether that was the end.
+  void take_progress(const std::map<std::string, std::string>& actions, bool is_at_its_end);
+  /// The robot does not have it any more, and nobody knows how far it came.
+  void lose_order();
   void restore_sent();
   void refuse_old_revision();
   void refuse_items_of_others(bool take);

@@ -315,13 +315,9 @@ void TagBlockBuilder::describe_lambda(const TagBlockResult& result, const TagBlo
       (corner / stated) * (corner / stated)));
 }
 
-BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {
-  BlockT artifact;
-  const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
-  artifact.datum = options.free_network ? "free" : "control";
-  artifact.weighting = by_lambda ? "lambda" : "covariance";
-  artifact.statistics = statistics(result);
-  artifact.image_variance_factor = result.image_variance_factor;
+namespace {
+
+void describe_groups(const TagBlockResult& result, BlockT& artifact) {
   for (const auto& group : result.groups) {
     auto entry = std::make_unique<BlockGroupT>();
     entry->name = group.name;
@@ -331,7 +327,27 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     if (group.redundancy > 1e-6) entry->variance_factor = group.factor;
     artifact.groups.push_back(std::move(entry));
   }
-  describe_interior(result, artifact);
+}
+
+void describe_tests(const TagBlockResult& result, BlockT& artifact) {
+  for (const auto* tests : {&result.tests, &result.models})
+    for (const auto& test : *tests) {
+      auto entry = std::make_unique<BlockTestT>();
+      entry->group = test.group;
+      entry->kind = test.kind == GroupTest::Kind::principal_points ? BlockTestKind::principal_points
+                    : test.kind == GroupTest::Kind::distances      ? BlockTestKind::distances
+                                                                   : BlockTestKind::observations;
+      entry->variance_factor = test.factor;
+      entry->limit = test.limit;
+      entry->passed = test.passed;
+      entry->words = test.words;
+      artifact.tests.push_back(std::move(entry));
+    }
+}
+
+}  // namespace
+
+void TagBlockBuilder::describe_batches(const TagBlockResult& result, BlockT& artifact) const {
   for (const auto& batch : result.batches) {
     auto entry = std::make_unique<BlockBatchT>();
     entry->name = batch.name;
@@ -343,6 +359,9 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     entry->corner_inset_sigma = batch.inset_sigma;
     artifact.batches.push_back(std::move(entry));
   }
+}
+
+void TagBlockBuilder::describe_control(const TagBlockResult& result, BlockT& artifact) const {
   for (const auto& control : result.control) {
     auto entry = std::make_unique<BlockControlT>();
     entry->anchor = block_.plates[control.plate].anchor;
@@ -371,7 +390,9 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     entry->left_out = true;
     artifact.control.push_back(std::move(entry));
   }
-  describe_images(result, artifact);
+}
+
+void TagBlockBuilder::describe_plates(const TagBlockResult& result, BlockT& artifact) const {
   for (size_t j = 0; j < result.plates.size(); ++j) {
     auto entry = std::make_unique<BlockAnchorT>();
     entry->anchor = block_.plates[result.plates[j]].anchor;
@@ -387,19 +408,22 @@ BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOpt
     entry->anchor = block_.plates[seen.plate].anchor;
     artifact.rejected.push_back(std::move(entry));
   }
-  for (const auto* tests : {&result.tests, &result.models})
-    for (const auto& test : *tests) {
-      auto entry = std::make_unique<BlockTestT>();
-      entry->group = test.group;
-      entry->kind = test.kind == GroupTest::Kind::principal_points ? BlockTestKind::principal_points
-                    : test.kind == GroupTest::Kind::distances      ? BlockTestKind::distances
-                                                                   : BlockTestKind::observations;
-      entry->variance_factor = test.factor;
-      entry->limit = test.limit;
-      entry->passed = test.passed;
-      entry->words = test.words;
-      artifact.tests.push_back(std::move(entry));
-    }
+}
+
+BlockT TagBlockBuilder::describe(const TagBlockResult& result, const TagBlockOptions& options) const {
+  BlockT artifact;
+  const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
+  artifact.datum = options.free_network ? "free" : "control";
+  artifact.weighting = by_lambda ? "lambda" : "covariance";
+  artifact.statistics = statistics(result);
+  artifact.image_variance_factor = result.image_variance_factor;
+  describe_groups(result, artifact);
+  describe_interior(result, artifact);
+  describe_batches(result, artifact);
+  describe_control(result, artifact);
+  describe_images(result, artifact);
+  describe_plates(result, artifact);
+  describe_tests(result, artifact);
   artifact.warnings = result.warnings;
   if (by_lambda) describe_lambda(result, options, artifact);
   artifact.left_out = result.left_out;

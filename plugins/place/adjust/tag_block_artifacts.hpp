@@ -51,7 +51,10 @@ class TagBlockBuilder {
 
  private:
   std::unique_ptr<StatisticsT> statistics(const TagBlockResult& result) const;
+  void describe_batches(const TagBlockResult& result, BlockT& artifact) const;
+  void describe_control(const TagBlockResult& result, BlockT& artifact) const;
   void describe_images(const TagBlockResult& result, BlockT& artifact) const;
+  void describe_plates(const TagBlockResult& result, BlockT& artifact) const;
   void describe_interior(const TagBlockResult& result, BlockT& artifact) const;
   void describe_lambda(const TagBlockResult& result, const TagBlockOptions& options, BlockT& artifact) const;
   CameraT adjusted_camera(const TagBlockResult& result, size_t index) const;

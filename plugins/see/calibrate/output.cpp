@@ -95,6 +95,25 @@ void add_lens(const LensComparison& lenses, LensModel used, std::vector<std::str
                    "lens=fisheye"));
 }
 
+/// Coverage in a 4 × 4 grid of the image.
+void add_coverage(const Selection& selection, const Calibration& c, std::vector<std::string>& warnings) {
+  std::array<int, 16> cells{};
+  for (const auto& view : c.views)
+    for (const int k : view.points) {
+      const Eigen::Vector2d& p = selection.views[view.view].points[k].pixel;
+      const int x = std::clamp(static_cast<int>(4 * p.x() / selection.width), 0, 3),
+                y = std::clamp(static_cast<int>(4 * p.y() / selection.height), 0, 3);
+      ++cells[4 * y + x];
+    }
+  const auto empty = std::count_if(cells.begin(), cells.end(), [](int n) { return n < 5; });
+  if (empty > 0) {
+    warnings.push_back(
+        fmt::format("{} of 16 parts of the image hold hardly any point: the distortion there is a guess. Bring the "
+                    "board into every corner",
+                    static_cast<int>(empty)));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const Calibrated& one) {
@@ -137,22 +156,7 @@ std::vector<std::string> warnings_of(const Calibrated& one) {
         std::string("The photographs do not determine the ") +
         (c.camera.lens == LensModel::fisheye ? "fourth radial coefficient: k4" : "third radial coefficient: k3") +
         " is held at 0. Bring the board into the corners of the image");
-  // Coverage in a 4 × 4 grid of the image.
-  std::array<int, 16> cells{};
-  for (const auto& view : c.views)
-    for (const int k : view.points) {
-      const Eigen::Vector2d& p = selection.views[view.view].points[k].pixel;
-      const int x = std::clamp(static_cast<int>(4 * p.x() / selection.width), 0, 3),
-                y = std::clamp(static_cast<int>(4 * p.y() / selection.height), 0, 3);
-      ++cells[4 * y + x];
-    }
-  const auto empty = std::count_if(cells.begin(), cells.end(), [](int n) { return n < 5; });
-  if (empty > 0) {
-    warnings.push_back(
-        fmt::format("{} of 16 parts of the image hold hardly any point: the distortion there is a guess. Bring the "
-                    "board into every corner",
-                    static_cast<int>(empty)));
-  }
+  add_coverage(selection, c, warnings);
   if (c.bend_x_sigma > 0 && std::max(std::abs(c.bend_x) / c.bend_x_sigma, std::abs(c.bend_y) / c.bend_y_sigma) > 4) {
     warnings.push_back(
         fmt::format("The board is bent: its middle stands {:.2f} mm (along x) and {:.2f} mm (along y) before its "
@@ -196,6 +200,16 @@ Json scatter_json(const Calibrated& one) {
           {"sigma_over_formal", ratio}};
 }
 
+/// A row of the correlation matrix; 0 with what is held.
+Json correlations_of(const Eigen::MatrixXd& covariance, Eigen::Index k, Eigen::Index count) {
+  Json row = Json::array();
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const double scale = std::sqrt(covariance(k, k) * covariance(j, j));
+    row.push_back(scale > 0 ? covariance(k, j) / scale : (k == j ? 1.0 : 0.0));
+  }
+  return row;
+}
+
 }  // namespace
 
 Json calibration_json(const Calibrated& one) {
@@ -209,12 +223,7 @@ Json calibration_json(const Calibrated& one) {
     const Eigen::Index k = static_cast<Eigen::Index>(i);
     parameters[names[i]] = values[i];
     sigmas[names[i]] = std::sqrt(c.covariance(k, k));
-    Json row = Json::array();
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const double scale = std::sqrt(c.covariance(k, k) * c.covariance(j, j));
-      row.push_back(scale > 0 ? c.covariance(k, j) / scale : (k == j ? 1.0 : 0.0));
-    }
-    correlations.push_back(row);
+    correlations.push_back(correlations_of(c.covariance, k, count));
   }
   Json rejected = Json::array(), warnings = Json::array(), covariance = Json::array();
   for (const auto& text : c.rejected) rejected.push_back(text);

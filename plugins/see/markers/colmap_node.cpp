@@ -94,15 +94,8 @@ Json images_json(const ControlResult& result) {
   return images;
 }
 
-std::string block_text(const ControlResult& result) {
-  Json groups = Json::array(), points = Json::array(), observations = Json::array(), warnings = Json::array(),
-       left_out = Json::array();
-  for (const auto& g : result.groups)
-    groups.push_back({{"name", g.name},
-                      {"observations", g.rows},
-                      {"weighted_sum_of_squares", g.sum_of_squares},
-                      {"redundancy", g.redundancy},
-                      {"variance_factor", g.factor}});
+Json points_json(const ControlResult& result) {
+  Json points = Json::array();
   for (const auto& p : result.points) {
     if (!p.used) continue;
     points.push_back({{"id", p.name},
@@ -119,6 +112,11 @@ std::string block_text(const ControlResult& result) {
                       {"largest_angle_deg", p.largest_angle * 180 / M_PI},
                       {"rms_px", p.rms}});
   }
+  return points;
+}
+
+Json observations_json(const ControlResult& result) {
+  Json observations = Json::array();
   for (const auto& o : result.observations)
     observations.push_back({{"image", o.image},
                             {"point", o.point},
@@ -127,6 +125,17 @@ std::string block_text(const ControlResult& result) {
                             {"residuals", {{o.residual.x(), o.residual.y()}}},
                             {"rms_px", o.residual.norm() / std::sqrt(2.0)},
                             {"largest_w", o.w}});
+  return observations;
+}
+
+std::string block_text(const ControlResult& result) {
+  Json groups = Json::array(), warnings = Json::array(), left_out = Json::array();
+  for (const auto& g : result.groups)
+    groups.push_back({{"name", g.name},
+                      {"observations", g.rows},
+                      {"weighted_sum_of_squares", g.sum_of_squares},
+                      {"redundancy", g.redundancy},
+                      {"variance_factor", g.factor}});
   for (const auto& w : result.warnings) warnings.push_back(w);
   for (const auto& l : result.left_out) left_out.push_back(l);
   Json checks;
@@ -156,8 +165,8 @@ std::string block_text(const ControlResult& result) {
       {"groups", groups},
       {"cameras", cameras_json(result)},
       {"images", images_json(result)},
-      {"points", points},
-      {"observations", observations},
+      {"points", points_json(result)},
+      {"observations", observations_json(result)},
       {"check_points", checks},
       {"scale_bars", Json::array()},
       {"rejected", Json::array()},

@@ -212,23 +212,10 @@ std::string tags_json(const MarkerBlock& block, const MarkerResult& result) {
                   {"tags", tags}});
 }
 
-std::string block_json(const BlockInput& input, const MarkerResult& result, const std::vector<MarkerHalves>& halves) {
-  const MarkerBlock& block = input.block;
-  Json groups = Json::array(), cameras = Json::array(), images = Json::array(), points = Json::array(),
-       observations = Json::array(), rejected = Json::array();
-  for (const auto& group : result.groups)
-    groups.push_back({{"name", group.name},
-                      {"observations", group.rows},
-                      {"weighted_sum_of_squares", group.sum_of_squares},
-                      {"redundancy", group.redundancy},
-                      {"variance_factor", group.factor}});
-  for (size_t c = 0; c < block.cameras.size(); ++c) cameras.push_back(camera_json(block.cameras[c], result.cameras[c]));
-  const std::vector<double> covered = coverages(block, result);
-  for (const auto& image : result.images) {
-    Json entry = image_json(block, image);
-    if (image.oriented) entry["coverage"] = covered[image.image];
-    images.push_back(entry);
-  }
+namespace {
+
+Json points_json(const MarkerBlock& block, const MarkerResult& result) {
+  Json points = Json::array();
   const auto angles = largest_angles(block, result);
   for (const AdjustedMarker* marker : ordered(block, result)) {
     const auto angle = angles.find(marker->marker);
@@ -244,6 +231,11 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
     entry["corners"] = corners;
     points.push_back(entry);
   }
+  return points;
+}
+
+Json observations_json(const MarkerBlock& block, const MarkerResult& result) {
+  Json observations = Json::array();
   for (const auto& seen : result.views) {
     const MarkerView& view = block.views[seen.view];
     Json corners = Json::array(), residuals = Json::array();
@@ -258,6 +250,11 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
                             {"smallest_redundancy_number", seen.smallest_redundancy},
                             {"refined", view.refined}});
   }
+  return observations;
+}
+
+Json rejected_json(const MarkerBlock& block, const MarkerResult& result) {
+  Json rejected = Json::array();
   for (const int v : result.rejected) {
     const MarkerView& view = block.views[v];
     Json corners = Json::array();
@@ -267,6 +264,27 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
                         {"corners", corners},
                         {"reason", "its residuals are more than 5 times those of the median tag"}});
   }
+  return rejected;
+}
+
+}  // namespace
+
+std::string block_json(const BlockInput& input, const MarkerResult& result, const std::vector<MarkerHalves>& halves) {
+  const MarkerBlock& block = input.block;
+  Json groups = Json::array(), cameras = Json::array(), images = Json::array();
+  for (const auto& group : result.groups)
+    groups.push_back({{"name", group.name},
+                      {"observations", group.rows},
+                      {"weighted_sum_of_squares", group.sum_of_squares},
+                      {"redundancy", group.redundancy},
+                      {"variance_factor", group.factor}});
+  for (size_t c = 0; c < block.cameras.size(); ++c) cameras.push_back(camera_json(block.cameras[c], result.cameras[c]));
+  const std::vector<double> covered = coverages(block, result);
+  for (const auto& image : result.images) {
+    Json entry = image_json(block, image);
+    if (image.oriented) entry["coverage"] = covered[image.image];
+    images.push_back(entry);
+  }
   return text_of({{"kind", "block of tags"},
                   {"unit", "m"},
                   {"datum", result.datum},
@@ -275,10 +293,10 @@ std::string block_json(const BlockInput& input, const MarkerResult& result, cons
                   {"groups", groups},
                   {"cameras", cameras},
                   {"images", images},
-                  {"points", points},
-                  {"observations", observations},
+                  {"points", points_json(block, result)},
+                  {"observations", observations_json(block, result)},
                   {"scale_bars", Json::array()},
-                  {"rejected", rejected},
+                  {"rejected", rejected_json(block, result)},
                   {"left_out", left_out_json(input, result)},
                   {"warnings", warnings_json(input, result)}});
 }

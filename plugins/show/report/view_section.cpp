@@ -123,24 +123,70 @@ std::string data_of(const ReportInput& input) {
   return text + ",\"checks\":[" + heights + "]}";
 }
 
+/// `tau` [mm].
+void write_tolerance_slider(Markup& html, double tau) {
+  Scope box(html, "div", {{"class", "slider"}, {"id", "tau-slider"}, {"hidden", "hidden"}});
+  html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
+  // The tolerance in force lies on the slider, whatever it is: a browser moves a value that does not.
+  html.empty("input", {{"id", "tau-input"},
+                       {"type", "range"},
+                       {"min", script_number(std::min(1.0, tau), 6)},
+                       {"max", script_number(std::max(20.0, tau), 6)},
+                       {"step", "any"},
+                       {"value", script_number(tau, 6)}});
+  html.element("output", {{"for", "tau-input"}}, "");
+}
+
+/// What is shown in space: floor, length of the arrows, and which of all that could be shown.
+void write_choices(Markup& html, const ReportInput& input) {
+  Scope bar(html, "div", {{"class", "slider"}});
+  html.element("label", {{"for", "floor-input"}}, "Floor");
+  html.open("select", {{"id", "floor-input"}});
+  html.element("option", {{"value", ""}}, "all");
+  html.close();
+  html.element("label", {{"for", "factor-input"}}, "Arrows ×");
+  html.empty(
+      "input",
+      {{"id", "factor-input"}, {"type", "range"}, {"min", "0"}, {"max", "500"}, {"step", "10"}, {"value", "100"}});
+  html.element("output", {{"id", "factor-output"}}, "");
+  for (const auto& [id, words] : {std::pair{"design-input", "design"}, std::pair{"built-input", "as built"}}) {
+    Scope label(html, "label", {{"class", "tick"}, {"hidden", "hidden"}});
+    html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
+    html.text(words);
+  }
+  if (!input.building.edges.empty() || !input.grid.empty()) {
+    Scope label(html, "label", {{"class", "tick"}});
+    html.empty("input", {{"id", "around-input"}, {"type", "checkbox"}, {"checked", "checked"}});
+    html.text(input.grid.empty() ? "building" : "building and grid");
+  }
+  if (input.surfaces) {
+    Scope label(html, "label", {{"class", "tick"}});
+    html.empty("input", {{"id", "heat-input"}, {"type", "checkbox"}, {"checked", "checked"}});
+    html.text("surfaces");
+  }
+}
+
+void write_canvas(Markup& html) {
+  Scope stack(html, "div", {{"class", "stack"}});
+  html.element("canvas",
+               {{"id", "canvas"},
+                {"width", "1040"},
+                {"height", "560"},
+                {"tabindex", "0"},
+                {"role", "application"},
+                {"aria-describedby", "picked"},
+                {"aria-label",
+                 "Anchors and panels in space: arrows turn, plus and minus zoom, n and p choose the next and the "
+                 "previous anchor; all numbers stand in the tables"}},
+               "");
+}
+
 }  // namespace
 
 void write_view(Markup& html, const ReportInput& input) {
   if (!input.deviation) return;
   Scope part(html, "section", {{"id", "view"}});
-  {
-    Scope box(html, "div", {{"class", "slider"}, {"id", "tau-slider"}, {"hidden", "hidden"}});
-    html.element("label", {{"for", "tau-input"}}, "Try another tolerance");
-    // The tolerance in force lies on the slider, whatever it is: a browser moves a value that does not.
-    const double tau = 1e3 * input.deviation->tau;
-    html.empty("input", {{"id", "tau-input"},
-                         {"type", "range"},
-                         {"min", script_number(std::min(1.0, tau), 6)},
-                         {"max", script_number(std::max(20.0, tau), 6)},
-                         {"step", "any"},
-                         {"value", script_number(tau, 6)}});
-    html.element("output", {{"for", "tau-input"}}, "");
-  }
+  write_tolerance_slider(html, 1e3 * input.deviation->tau);
   {
     Scope badges(html, "div", {{"hidden", "hidden"}, {"id", "badges"}});
     for (const auto verdict :
@@ -150,47 +196,8 @@ void write_view(Markup& html, const ReportInput& input) {
   {
     Scope figure(html, "figure", {{"id", "space"}, {"hidden", "hidden"}, {"class", "screen"}});
     html.element("h2", "In space");
-    {
-      Scope bar(html, "div", {{"class", "slider"}});
-      html.element("label", {{"for", "floor-input"}}, "Floor");
-      html.open("select", {{"id", "floor-input"}});
-      html.element("option", {{"value", ""}}, "all");
-      html.close();
-      html.element("label", {{"for", "factor-input"}}, "Arrows ×");
-      html.empty(
-          "input",
-          {{"id", "factor-input"}, {"type", "range"}, {"min", "0"}, {"max", "500"}, {"step", "10"}, {"value", "100"}});
-      html.element("output", {{"id", "factor-output"}}, "");
-      for (const auto& [id, words] : {std::pair{"design-input", "design"}, std::pair{"built-input", "as built"}}) {
-        Scope label(html, "label", {{"class", "tick"}, {"hidden", "hidden"}});
-        html.empty("input", {{"id", id}, {"type", "checkbox"}, {"checked", "checked"}});
-        html.text(words);
-      }
-      if (!input.building.edges.empty() || !input.grid.empty()) {
-        Scope label(html, "label", {{"class", "tick"}});
-        html.empty("input", {{"id", "around-input"}, {"type", "checkbox"}, {"checked", "checked"}});
-        html.text(input.grid.empty() ? "building" : "building and grid");
-      }
-      if (input.surfaces) {
-        Scope label(html, "label", {{"class", "tick"}});
-        html.empty("input", {{"id", "heat-input"}, {"type", "checkbox"}, {"checked", "checked"}});
-        html.text("surfaces");
-      }
-    }
-    {
-      Scope stack(html, "div", {{"class", "stack"}});
-      html.element("canvas",
-                   {{"id", "canvas"},
-                    {"width", "1040"},
-                    {"height", "560"},
-                    {"tabindex", "0"},
-                    {"role", "application"},
-                    {"aria-describedby", "picked"},
-                    {"aria-label",
-                     "Anchors and panels in space: arrows turn, plus and minus zoom, n and p choose the next and the "
-                     "previous anchor; all numbers stand in the tables"}},
-                   "");
-    }
+    write_choices(html, input);
+    write_canvas(html);
     html.element(
         "p", {{"id", "picked"}, {"class", "note"}, {"aria-live", "polite"}},
         "Drag to turn, wheel or pinch to zoom, tap an anchor for its values; with the keyboard arrows, + and −, n "
