@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::judgement {
@@ -26,8 +27,7 @@ Eigen::Vector3d median_of(const std::vector<MeasuredTwice>& pairs) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const MeasuredTwice& pair : pairs) values.push_back(pair.d[axis]);
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    median[axis] = values[values.size() / 2];
+    median[axis] = upper_median(std::move(values));
   }
   return median;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "geometry/median.hpp"
 #include "geometry/statistics.hpp"
 
 namespace plumbline::judgement {
@@ -30,9 +31,7 @@ Vector3d median_of(const std::vector<const MeasuredTwice*>& pairs) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
     for (const auto* pair : pairs) values.push_back(pair->d[axis]);
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    median[axis] = *middle;
+    median[axis] = upper_median(std::move(values));
   }
   return median;
 }

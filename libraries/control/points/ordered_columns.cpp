@@ -7,6 +7,7 @@
 #include "base/text/text.hpp"
 #include "control/points/point_columns.hpp"
 #include "control/points/table_source.hpp"
+#include "geometry/median.hpp"
 
 namespace plumbline::control {
 namespace {
@@ -132,11 +133,7 @@ ControlPoint OrderedColumns::point(const CsvRow& row, bool named) const {
 void OrderedColumns::exchange_if_northing_stands_first() {
   std::vector<double> first, second;
   for (const ControlPoint& p : result_.points) first.push_back(p.position.x()), second.push_back(p.position.y());
-  const auto middle = [](std::vector<double>& values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-  };
-  const double a = middle(first), b = middle(second);
+  const double a = upper_median(std::move(first)), b = upper_median(std::move(second));
   const bool exchanged =
       options_.axes == Axes::x_north || (options_.axes == Axes::as_named && is_northing_beside(a, b));
   if (options_.axes == Axes::as_named)

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::control {
 namespace {
 
@@ -181,10 +183,7 @@ double typical_value(const text::CsvTable& table, std::size_t column, double uni
   for (const text::CsvRow& row : table.rows)
     if (column < row.cells.size())
       if (const auto value = table.number(row.cells[column])) values.push_back(*value * unit);
-  if (values.empty()) return kNotGiven;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? kNotGiven : upper_median(std::move(values));
 }
 
 }  // namespace plumbline::control

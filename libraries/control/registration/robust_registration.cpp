@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "geometry/median.hpp"
 #include "geometry/random.hpp"
 #include "geometry/similarity.hpp"
 
@@ -146,8 +147,7 @@ struct Problem {
         double& s = squares[i] = residual(candidate, i).squaredNorm();
         if (sigma_is_known) sum += std::min(s * 3 / covariance(candidate, i).trace(), threshold * threshold);
       }
-      std::nth_element(squares.begin(), squares.begin() + static_cast<long>(squares.size() / 2), squares.end());
-      const double middle = squares[squares.size() / 2], score = sigma_is_known ? sum : middle;
+      const double middle = upper_median(squares), score = sigma_is_known ? sum : middle;
       if (score < least) {
         least = score;
         best = candidate;

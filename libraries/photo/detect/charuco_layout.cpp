@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "geometry/median.hpp"
 #include "photo/detect/board_geometry.hpp"
 
 namespace plumbline::detect {
@@ -39,8 +40,7 @@ CharucoLayout fitted(const Centres& centres, bool legacy, const DivisionLens& le
     misfits.push_back(std::isfinite(misfit) ? misfit : 1e9);
     layout.score += std::min(misfits.back(), bound) / static_cast<double>(centres.seen.size());
   }
-  std::nth_element(misfits.begin(), misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2), misfits.end());
-  layout.misfit = misfits[misfits.size() / 2];
+  layout.misfit = upper_median(std::move(misfits));
   return layout;
 }
 

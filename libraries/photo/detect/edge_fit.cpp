@@ -6,6 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::detect {
 namespace {
 
@@ -169,9 +171,8 @@ double EdgeFitter::drop_disturbed_bins(double margin) {
   std::vector<double> means;
   for (std::size_t i = 0; i < kBins; ++i)
     if (count[i] > 0) means.push_back(square[i] /= count[i]);
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2), means.end());
   // Short edges have a handful of pixels a bin: below a grey value or two a ratio means nothing.
-  const double limit = std::max(9 * means[means.size() / 2], 4.0);
+  const double limit = std::max(9 * upper_median(means), 4.0);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < kBins; ++i) kept += count[i] > 0 && square[i] <= limit;
   if (kept < means.size()) samples_.keep([&](std::size_t i) { return square[bin_of(i)] <= limit; });

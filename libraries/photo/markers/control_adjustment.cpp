@@ -325,8 +325,7 @@ class Adjustment {
       if (term.group == group_ties) of_ties.push_back(misfits.back());
     }
     if (of_ties.empty()) return;
-    std::nth_element(of_ties.begin(), of_ties.begin() + static_cast<std::ptrdiff_t>(of_ties.size() / 2), of_ties.end());
-    const double limit = options_.reject_above * std::max(0.05, of_ties[of_ties.size() / 2]);
+    const double limit = options_.reject_above * std::max(0.05, upper_median(std::move(of_ties)));
     size_t k = 0;  // observations stand in the order of the targets and their rays
     for (Target& t : targets_) {
       const size_t before = t.rays.size();

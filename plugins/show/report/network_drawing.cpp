@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "geometry/median.hpp"
 #include "show/report/format.hpp"
 #include "show/report/plot.hpp"
 
@@ -69,9 +70,7 @@ double usual_spacing(const std::vector<Spot>& spots) {
       if ((a.at - b.at).norm() > 0.05) least = std::min(least, (a.at - b.at).norm());
     if (least < 1e300) nearest.push_back(least);
   }
-  if (nearest.empty()) return 1;
-  std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(nearest.size() / 2), nearest.end());
-  return nearest[nearest.size() / 2];
+  return nearest.empty() ? 1 : upper_median(std::move(nearest));
 }
 
 /// Makes the usual ellipse as large as the distance to the next point allows, and the largest no larger than 90 px.

@@ -28,7 +28,7 @@ const std::vector<Library> libraries = {
     {"geometry", {"geometry/linear_algebra"}},
     {"base/statistics", {"geometry/linear_algebra", "geometry", "base/text"}},
     {"geometry/geodesy", {}},
-    {"control/points", {"base/text", "geometry/geodesy"}},
+    {"control/points", {"geometry", "base/text", "geometry/geodesy"}},
     {"control/registration", {"geometry/linear_algebra", "geometry"}},
     {"least_squares/sparse", {"geometry"}},
     {"least_squares/problem", {"geometry/linear_algebra", "geometry", "least_squares/sparse"}},

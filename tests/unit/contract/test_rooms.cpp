@@ -143,6 +143,25 @@ TEST(Rooms, SplitMixStandsOnce) {
   EXPECT_EQ(found, std::set<std::string>{}) << "use mix_bits() or Random of geometry/random.hpp";
 }
 
+// One of each: medians are those of geometry/median.hpp. Partly sorted besides is for other shares than a half, and for
+// what is no number.
+TEST(Rooms, MediansStandOnce) {
+  static const std::regex sorted(R"(\bnth_element\()");
+  std::set<std::string> found;
+  for (const char* folder : {"libraries", "plugins"})
+    for (const auto& [file, text] : sources_of(fs::path(plumbline::test::source_dir()) / folder))
+      if (std::regex_search(text, sorted)) found.insert(file);
+  EXPECT_TRUE(found.erase("geometry/median.hpp"));
+  for (const char* file :
+       {"building/judgement/conformance.cpp", "photo/images/motion_blur.cpp", "photo/markers/marker_words.cpp",
+        "photo/markers/robust_similarity.cpp", "show/report/image_block_drawing.cpp"})
+    EXPECT_TRUE(found.erase(file)) << file;
+  // Rooms that have medians of their own still.
+  std::erase_if(found,
+                [](const std::string& file) { return file.starts_with("survey/") || file.starts_with("surface/"); });
+  EXPECT_EQ(found, std::set<std::string>{}) << "use upper_median() or median() of geometry/median.hpp";
+}
+
 // One of each: files are read whole by base/text/whole_file.hpp, which says why it cannot.
 TEST(Rooms, FilesAreReadWholeInOnePlace) {
   const fs::path root = plumbline::test::source_dir();
@@ -198,6 +217,49 @@ TEST(Rooms, NobodyIncludesAllOfEigen) {
   EXPECT_EQ(found, std::set<std::string>{}) << "dense decompositions: geometry/linear_algebra/decompositions.hpp";
 }
 
+/// Files that compare texts of others, with whose they are: nobody else says it another way.
+const std::map<std::string, std::string> texts_of_others = {
+    {"framework/runtime/graph/pipeline_file.cpp", "errors of yaml-cpp"},
+    {"framework/runtime/plugins/library.cpp", "errors of the loader"},
+    {"framework/runtime/sweep/sweep_dispatch.cpp", "GNU parallel"},
+    {"framework/runtime/sweep/sweep_table.cpp", "/proc/cpuinfo"},
+    {"libraries/survey/files/idx_reader.cpp", "keywords of IDX"},
+    {"libraries/survey/files/landxml_reader.cpp", "values of LandXML"},
+    {"libraries/survey/files/survey_format.cpp", "heads of instruments' files"},
+};
+
+/// Comparisons of our own sentences that still stand, by file. Take out what is mended; put in nothing.
+const std::map<std::string, int> known_sentences = {
+    {"framework/cli/explain.cpp", 1},
+    {"framework/cli/result_screen.cpp", 1},
+    {"libraries/loop/state/machine.cpp", 1},
+    {"libraries/photo/block/point_block.cpp", 1},
+    {"libraries/photo/block/point_block_words.cpp", 3},
+    {"libraries/photo/block/tag_block_rejected.cpp", 1},
+    {"libraries/photo/block/tag_block_tests.cpp", 1},
+    {"libraries/survey/adjust/adjust_network.cpp", 1},
+    {"libraries/survey/adjust/network_report.cpp", 2},
+    {"libraries/survey/network/network_problem.cpp", 3},
+    {"plugins/place/adjust/global_tests.hpp", 1},
+};
+
+// What decides is a code, a kind or a name, and no sentence: words are for people, and may be said better.
+TEST(Rooms, NothingDecidesFromASentence) {
+  const fs::path root = plumbline::test::source_dir();
+  static const std::regex decides(
+      R"re((\b(r?find|starts_with|ends_with|contains)\(|[=!]= )"[^"\n]*[A-Za-z,;:] [A-Za-z][^"\n]*")re");
+  EXPECT_TRUE(std::regex_search(std::string("why.find(\"look whether\") != npos"), decides));
+  EXPECT_FALSE(std::regex_search(std::string("name == \"control\" ? \"a b\" : \"\""), decides));
+  std::map<std::string, int> found;
+  for (const char* folder : {"libraries", "plugins", "programs", "framework"})
+    for (const auto& [file, text] : sources_of(root / folder)) {
+      const std::string name = (fs::path(folder) / file).string();
+      const auto count = std::distance(std::sregex_iterator(text.begin(), text.end(), decides), std::sregex_iterator());
+      if (count > 0 && !texts_of_others.contains(name)) found[name] = static_cast<int>(count);
+    }
+  EXPECT_EQ(found, known_sentences) << "give it a code (ItemReason, BlockTestKind) and compare that";
+}
+
 // The files of a test program are compiled together: what each has of its own stands in a namespace of the file's name.
 TEST(Rooms, TestFilesHaveNamespacesOfTheirNames) {
   const fs::path root = plumbline::test::source_dir();
@@ -214,6 +276,16 @@ TEST(Rooms, TestFilesHaveNamespacesOfTheirNames) {
     ++files;
   }
   EXPECT_GT(files, 250);
+}
+
+// A library has no node: what has ports and parameters is a plugin. What the pose initialisers of three plugins have in
+// common is the one exception, since a plugin includes no other.
+TEST(Rooms, NoNodeStandsInALibrary) {
+  static const std::regex node(R"(#include "plumbline/node\.hpp"|\bPLUMBLINE_PLUGIN\b|\bParam<|\bOut<)");
+  std::set<std::string> found;
+  for (const auto& [file, text] : sources_of(libraries_folder()))
+    if (std::regex_search(text, node)) found.insert(file.parent_path());
+  EXPECT_EQ(found, std::set<std::string>{"photo/pose"}) << "ports and parameters belong into plugins";
 }
 
 // docs/architecture.md has a row for each library.
