@@ -14,6 +14,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -83,12 +84,27 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
+/// Of the loaded files those that are the libraries of `ids` ("soname:build-id"), by the names behind their links.
+std::vector<std::string> files_behind(const std::vector<std::string>& ids, const std::string& loaded) {
+  std::set<std::string> names, files;
+  for (const std::string& id : ids) names.insert(id.substr(0, id.find(':')));
+  std::istringstream lines(loaded);
+  for (std::string line; std::getline(lines, line);) {
+    const fs::path path = line.substr(0, line.find('\t'));
+    std::error_code ignored;
+    if (names.count(path.filename()) > 0) files.insert(fs::weakly_canonical(path, ignored).filename());
+  }
+  files.erase("");
+  return {files.begin(), files.end()};
+}
+
 PluginScan read_description(const std::string& description) {
   PluginScan scan;
   const auto parts = split(description);
   if (parts.size() != 3) throw std::runtime_error("is no description of a plugin");
   std::istringstream ids(parts[0]);
   for (std::string line; std::getline(ids, line);) scan.linked_build_ids.push_back(line);
+  scan.linked_files = files_behind(scan.linked_build_ids, parts[1]);
   scan.table = std::make_unique<PluginTable>(parts[2]);
   return scan;
 }

@@ -20,6 +20,7 @@ struct PluginScan {
   std::string problem;  ///< empty: `table` is sound
   std::unique_ptr<PluginTable> table;
   std::vector<std::string> linked_build_ids;
+  std::vector<std::string> linked_files;  ///< names of the files behind those libraries: "libceres.so.2.1.0"
 };
 
 /// `sha256`: of the library's file. Never throws for what the library does. A library has $PLUMBLINE_SCAN_SECONDS

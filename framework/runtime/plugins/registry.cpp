@@ -11,6 +11,7 @@
 #include "runtime/plugins/elf.hpp"
 #include "runtime/plugins/executable_node.hpp"
 #include "runtime/plugins/library.hpp"
+#include "runtime/plugins/linked_files.hpp"
 #include "runtime/plugins/plugin_check.hpp"
 #include "runtime/plugins/plugin_scan.hpp"
 
@@ -33,6 +34,7 @@ struct Plugin::Library {
   fs::path path;
   std::string identity, sha256;     // of the file when it was scanned
   std::vector<std::string> linked;  // build ids of its libraries then, each in a process of its own
+  std::vector<std::string> linked_files;
   std::unique_ptr<PluginTable> description;
   struct Node {
     Library* library;
@@ -237,6 +239,7 @@ bool Registry::load(const fs::path& library, bool look_again) {
       problem = scan.problem;
       behind->description = std::move(scan.table);
       plugin->linked_build_ids = behind->linked = std::move(scan.linked_build_ids);
+      behind->linked_files = std::move(scan.linked_files);
       plugin->library = std::move(behind);
     }
     if (problem.empty()) describe(*plugin);
@@ -244,6 +247,13 @@ bool Registry::load(const fs::path& library, bool look_again) {
     problem = error.what();
   }
   return add(std::move(plugin));
+}
+
+std::vector<std::string> linked_files(const Plugin& plugin) {
+  if (plugin.library) return plugin.library->linked_files;
+  if (!plugin.executable) return {};
+  std::error_code ignored;
+  return {fs::weakly_canonical(plugin.executable->command[0], ignored).filename().string()};
 }
 
 void Registry::describe_manifest(Plugin& plugin) {

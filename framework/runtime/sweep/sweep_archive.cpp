@@ -72,15 +72,21 @@ Json inputs_of_plan(const SweepPlan& plan, FileHashes& hashes) {
   return inputs;
 }
 
-Json machine_json(const Registry& registry, const BuildFacts& build) {
+Json machine_json(const SweepPlan& plan, const Registry& registry, const BuildFacts& build) {
+  std::set<const Plugin*> used;
+  for (const Graph* graph : graphs_of(plan))
+    for (const GraphNode& node : graph->nodes) used.insert(node.kind.plugin);
   Json plugins = Json::array();
-  for (const auto& plugin : registry.plugins())
+  for (const auto& plugin : registry.plugins()) {
     plugins.push_back(
         {{"name", plugin->identity.name}, {"version", plugin->identity.version}, {"sha256", plugin->sha256}});
+    // Of every build of what cells compute with; of the others their own hash is enough.
+    if (used.count(plugin.get()) > 0) plugins.back()["linked"] = plugin->linked_build_ids;
+  }
   return {{"version", build.version},
           {"commit", build.commit},
           {"compiler", build.compiler},
-          {"libraries", build.libraries},
+          {"libraries", libraries_of(plan, build)},
           {"plugins", plugins}};
 }
 
@@ -138,7 +144,7 @@ void write_archive(const fs::path& folder, const SweepPlan& plan, const Override
                   {"seeds", plan.file.seeds},
                   {"scenarios", scenarios},
                   {"cells", {{"of_the_bench", plan.cells.size()}, {"archived", archived}}},
-                  {"machine", machine_json(registry, build)},
+                  {"machine", machine_json(plan, registry, build)},
                   {"files", files},
                   {"inputs", inputs_of_plan(plan, hashes)},
                   {"cells_sha256", sha256_of(cells.data(), cells.size())}};

@@ -2,8 +2,9 @@
 //
 //   archive.json   {"plumbline_archive": 1, "bench", "overrides", "seeds", "scenarios", "cells", "machine", "files",
 //                  "inputs"}: the bench file, how many cells it has and how many of them are archived, what was given
-//                  on the command line, version, commit, compiler and libraries of the program, plugins with their
-//                  hashes; hashes of the files beside, and of files that parameters of nodes name
+//                  on the command line, version, commit, compiler and libraries of the program and of the plugins that
+//                  cells run, plugins with their hashes and build ids of what they are linked with; hashes of the files
+//                  beside, and of files that parameters of nodes name
 //   files/...      the bench file, its pipelines and all that they include, as they lie to each other
 //   cells.jsonl    a line a cell: {"cell", "result"}; "result" as in the store, without host and times
 //

@@ -9,6 +9,7 @@
 
 #include "runtime/base/json_text.hpp"
 #include "runtime/base/near_names.hpp"
+#include "runtime/plugins/linked_files.hpp"
 #include "runtime/sweep/sweep_job.hpp"
 
 namespace plumbline::runtime {
@@ -125,6 +126,17 @@ Json cell_json(const SweepCell& cell, const std::optional<CellRecord>& record, c
 
 }  // namespace
 
+std::vector<std::string> libraries_of(const SweepPlan& plan, const BuildFacts& build) {
+  std::set<std::string> files(build.libraries.begin(), build.libraries.end());
+  for (const Graph* graph : graphs_of(plan))
+    for (const GraphNode& node : graph->nodes) {
+      const std::vector<std::string> linked = linked_files(*node.kind.plugin);
+      files.insert(linked.begin(), linked.end());
+    }
+  files.erase("");
+  return {files.begin(), files.end()};
+}
+
 std::string failure_of(const SweepCell& cell, const CellRecord& record, const SweepFile& file) {
   if (record.failed) return record.error;
   if (const std::string refusal = refusal_of(cell, record); !refusal.empty()) return refusal;
@@ -184,7 +196,7 @@ std::string sweep_table(const SweepPlan& plan, const CellRecords& records, const
   machine["version"] = build.version;
   machine["commit"] = build.commit;
   machine["compiler"] = build.compiler;
-  machine["libraries"] = build.libraries;
+  machine["libraries"] = libraries_of(plan, build);
   machine["host"] = this_host();
   machine["processor"] = processor();
   machine["processors"] = std::thread::hardware_concurrency();

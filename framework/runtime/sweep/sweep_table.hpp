@@ -10,8 +10,12 @@ namespace plumbline::runtime {
 
 struct BuildFacts {
   std::string version, commit, compiler;
-  std::vector<std::string> libraries;  ///< files of shared libraries, with their versions
+  std::vector<std::string> libraries;  ///< files of shared libraries that it has loaded, with their versions
 };
+
+/// Files of shared libraries that cells compute with, sorted: those of the program, of the plugins whose nodes cells
+/// run in workers of their own, and of nodes in other languages the program that runs them ("python3.11").
+std::vector<std::string> libraries_of(const SweepPlan& plan, const BuildFacts& build);
 
 /// Why a cell counts as failed: its record's error, that it has no finite value of the error that the file measures, or
 /// that `plumbline run` would end with exit code 3, not to be used: a node that leads to the error says `invalid`, or

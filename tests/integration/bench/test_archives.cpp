@@ -33,6 +33,24 @@ TEST(Bench, TheRecordHasThePipelinesTheCommitAndTheLibraries) {
   EXPECT_THAT(machine, HasSubstr("libtbb.so."));
 }
 
+/// Cells run in workers: what these load the program that submits them has not. Once a bench that ran Ceres named no
+/// library of it.
+TEST(Bench, TheLibrariesThatCellsComputeWithAreInTheRecordAndTheArchive) {
+  BenchProgram plumbline(
+      {PLUMBLINE_STORY_PLUGIN, PLUMBLINE_TRIAL_PLUGIN, PLUMBLINE_BENCH_PLUGIN, PLUMBLINE_OUTSIDE_PLUGIN});
+  plumbline.bench_file("seeds: 1-2\nalternatives: {solver: [trial.plain, outside.solver]}\n");
+  plumbline.run({"--archive", "both"});
+  const auto machine_of = [&](const std::string& archive) {
+    return Json::parse(read_file(plumbline.work() / archive / "archive.json"))["machine"];
+  };
+  EXPECT_THAT(machine_of("both")["libraries"].dump(), HasSubstr("\"libtrial_behind.so.1.2.3\""));
+  EXPECT_THAT(machine_of("both")["plugins"].dump(), HasSubstr("\"libtrial_behind.so.1:"));
+  EXPECT_THAT(plumbline.summary()["machine"].dump(), HasSubstr("libtrial_behind.so.1.2.3"));
+  plumbline.bench_file("seeds: 1-2\nalternatives: {solver: [trial.plain]}\n");
+  plumbline.run({"--archive", "one"});
+  EXPECT_THAT(machine_of("one").dump(), Not(HasSubstr("libtrial_behind"))) << "nothing computed with it";
+}
+
 /// Of an archive alone nobody sees what it lacks, nor why a cell failed now that failed before.
 TEST(Bench, AnArchiveSaysWhatItLacksAndVerifyWhatIsNotTheSame) {
   BenchProgram plumbline(
