@@ -198,6 +198,9 @@ std::string check_verdict(const Json& block) {
   if (const double freedom = number(*checks, "degrees_of_freedom"); freedom > 0)
     said += ", NEES " + fixed(number(*checks, "nees"), 1) + " of " + fixed(freedom, 0) +
             " degrees of freedom (at most " + fixed(number(*checks, "limit"), 1) + ")";
+  else if (const double own = number(*checks, "degrees_of_freedom_of_a_point"); own > 0)
+    said += ", largest NEES of a point " + fixed(number(*checks, "largest_nees"), 1) + " of " + fixed(own, 0) +
+            " degrees of freedom (at most " + fixed(number(*checks, "limit_of_a_point"), 1) + ")";
   said += ".";
   for (const Json& sentence : list(*checks, "words")) said += " " + sentence.get<std::string>() + ".";
   return said;

@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "photo/block/check_points.hpp"
 #include "photo/bundle/lens.hpp"
 #include "show/report/block_json_parts.hpp"
 #include "show/report/tag_block_json.hpp"
@@ -35,6 +36,7 @@ class Converter {
     for (const auto& point : targets_.points) points_[point->id] = point.get();
     for (const auto& finding : targets_.findings) findings_[{finding->image, finding->point}] = finding.get();
     for (const SensorMeasurement& m : measured.measurements) observe(m);
+    judge_checks();
   }
 
   Json json() const {
@@ -44,12 +46,57 @@ class Converter {
     result["cameras"] = cameras();
     result["images"] = images();
     result["points"] = points();
+    if (!checks_.points.empty()) result["check_points"] = check_points();
     result["observations"] = observations_;
     result["rejected"] = Json::array();
     return result;
   }
 
  private:
+  /// As the adjuster judges them: each by its own covariance and that of its survey. What check points have in common
+  /// is not in the artifact, so all of them together are not tested.
+  void judge_checks() {
+    std::vector<std::string> names;
+    std::vector<Eigen::Matrix3d> covariances;
+    std::vector<Eigen::Vector3d> differences;
+    for (const auto& known : targets_.control) {
+      const auto point = points_.find(known->id);
+      if (known->use != "check" || point == points_.end() || point->second->covariance.size() != 6) continue;
+      const auto& c = point->second->covariance;
+      covariances.push_back(Eigen::Matrix3d{{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}});
+      if (known->given_sigma.allFinite()) covariances.back().diagonal() += known->given_sigma.cwiseAbs2();
+      names.push_back(known->id), differences.push_back(known->residual);
+    }
+    const auto n = 3 * static_cast<Eigen::Index>(names.size());
+    Eigen::VectorXd difference(n);
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(n, n);
+    for (std::size_t k = 0; k < names.size(); ++k) {
+      const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
+      difference.segment<3>(at) = differences[k], covariance.block<3, 3>(at, at) = covariances[k];
+    }
+    if (!names.empty()) checks_ = block::judge_check_points(names, difference, covariance, false);
+    for (const auto& check : checks_.points) check_of_[check.name] = &check;
+  }
+
+  Json check_points() const {
+    Json points = Json::array();
+    double largest = 0;
+    for (const auto& check : checks_.points) {
+      largest = std::max(largest, check.nees);
+      points.push_back({{"id", check.name},
+                        {"difference", triple(check.difference)},
+                        {"w", triple(check.w)},
+                        {"nees", check.nees},
+                        {"contradicts", check.contradicts}});
+    }
+    return {{"holds", checks_.holds},
+            {"largest_nees", largest},
+            {"degrees_of_freedom_of_a_point", 3},
+            {"limit_of_a_point", checks_.limit},
+            {"points", points},
+            {"words", checks_.words}};
+  }
+
   double pitch_of(int camera) const {  // [mm]
     const auto given = given_.find(camera);
     return given == given_.end() ? std::nan("") : given->second->sensor_width / given->second->width;
@@ -180,6 +227,8 @@ class Converter {
         entry["role"] = c.use == "check" ? "check" : "control, " + c.use;
         entry["surveyed"] = triple(c.given), entry["surveyed_sigma"] = triple(c.given_sigma);
         entry["difference"] = triple(c.residual), entry["w"] = triple(c.w);
+        if (const auto check = check_of_.find(point->id); check != check_of_.end())
+          entry["nees"] = check->second->nees, entry["contradicts"] = check->second->contradicts;
       }
       list.push_back(entry);
     }
@@ -196,6 +245,8 @@ class Converter {
   std::map<std::pair<int, std::string>, const SensorFindingT*> findings_;
   std::map<std::string, std::vector<Eigen::Vector3d>> centres_;  ///< of the images that show a point
   std::map<int, Eigen::AlignedBox2d> boxes_;                     ///< of the measurements in an image [px]
+  block::CheckJudgement checks_;                                 ///< no points where none was withheld
+  std::map<std::string, const block::JudgedCheckPoint*> check_of_;
   Json observations_ = Json::array();
 };
 

@@ -119,6 +119,48 @@ TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
   EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
 }
 
+/// Two surveyed points that were withheld; `off`: of the second one's height [m].
+BlockT with_checks(double off) {
+  BlockT block;
+  block.statistics = std::make_unique<StatisticsT>();
+  block.targets = std::make_unique<TargetBlockT>();
+  block.targets->image_sigma_px = block.targets->image_sigma = 1;
+  for (const std::string id : {"1003", "1004"}) {
+    auto point = std::make_unique<AdjustedPointT>();
+    point->id = id, point->covariance = {1e-6, 0, 0, 1e-6, 0, 4e-6};
+    block.targets->points.push_back(std::move(point));
+    auto known = std::make_unique<AdjustedControlT>();
+    known->id = id, known->use = "check";
+    known->given_sigma = Eigen::Vector3d::Constant(1e-3);
+    known->residual = Eigen::Vector3d(1e-3, 0, id == "1004" ? off : 0);
+    known->w = Eigen::Vector3d(0.7, 0, id == "1004" ? off / 2.24e-3 : 0);
+    block.targets->control.push_back(std::move(known));
+  }
+  return block;
+}
+
+/// Once the page had the root mean square alone, and a check point 50 mm off was a row like the others.
+TEST(BlockPages, CheckPointsOfATargetBlockAreJudged) {
+  const Json sound = target_block_json(with_checks(2e-3), {}), wrong = target_block_json(with_checks(-0.05), {});
+  EXPECT_TRUE(sound["check_points"]["holds"]);
+  EXPECT_FALSE(wrong["check_points"]["holds"]);
+  EXPECT_NEAR(sound["check_points"]["points"][1]["nees"].get<double>(), 0.5 + 0.8, 1e-9) << "1 of 2, and 4 of 5";
+  EXPECT_NEAR(wrong["check_points"]["largest_nees"].get<double>(), 500.5, 1e-9);
+  EXPECT_NEAR(wrong["check_points"]["limit_of_a_point"].get<double>(), 17.7, 0.1) << "0.05 % of chi squared of 3";
+  ASSERT_EQ(wrong["check_points"]["words"].size(), 1u);
+  EXPECT_THAT(wrong["check_points"]["words"][0].get<std::string>(),
+              testing::StartsWith("check point 1004 contradicts"));
+  EXPECT_FALSE(wrong["points"][0]["contradicts"]);
+  EXPECT_TRUE(wrong["points"][1]["contradicts"]);
+  Markup good, bad;
+  write_image_block(good, sound, "Block", "", {});
+  write_image_block(bad, wrong, "Block", "", {});
+  EXPECT_THAT(good.str(),
+              testing::HasSubstr("allow, largest NEES of a point 1.3 of 3 degrees of freedom (at most 17.7)"));
+  EXPECT_THAT(bad.str(), testing::HasSubstr("They do not hold, largest NEES of a point 500.5 of 3 degrees of freedom"));
+  EXPECT_THAT(bad.str(), testing::HasSubstr("22.3 !"));
+}
+
 /// Once each point was drawn twice and the first 3000 alone in space, without a word: 70 MB of 500 000 measurements.
 TEST(BlockPages, OfManyPointsSomeAreDrawnAndThePageSaysWhich) {
   Json json = tag_block_json(adjusted());
