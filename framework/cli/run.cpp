@@ -16,6 +16,7 @@
 #include "runtime/base/memory_budget.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/record/deliver.hpp"
+#include "runtime/record/journal_guard.hpp"
 #include "runtime/run/executor.hpp"
 #include "stopping.hpp"
 #include "terminal.hpp"
@@ -305,6 +306,13 @@ int run(const Options& options) {
     result = execute(graph, registry, store, run_options, progress);
   }
   std::vector<runtime::Delivery> deliveries;
+  const std::string lost_there = result.cancelled ? std::string() : runtime::lost_reports(graph, store, result, out);
+  if (!lost_there.empty()) {
+    record.end(result, {});
+    if (options.json) print_json_end(out);
+    std::fprintf(stderr, "plumbline: %s\n", lost_there.c_str());
+    return 1;
+  }
   if (!result.cancelled && !stop_is_asked_for())
     deliveries = deliver(graph, store, result, folder, &stop_is_asked_for());
   // Who stopped the run at its very end gets the same answer as who did it earlier.

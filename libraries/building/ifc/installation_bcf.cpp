@@ -11,7 +11,8 @@
 namespace plumbline::ifc {
 namespace {
 
-using Words = std::vector<std::pair<std::string, BcfComment>>;  ///< state that it went to, and why
+/// State that it went to, or NO_GO, and why.
+using Words = std::vector<std::pair<std::string, BcfComment>>;
 
 /// Whether XML Schema takes it as xs:dateTime: 2026-05-02T08:00:00, with a fraction, with Z or +02:00.
 bool is_xml_date(const std::string& text) {
@@ -30,15 +31,22 @@ std::map<std::pair<std::string, std::string>, Words> history_of(const LoopStateT
                        word("by").empty() ? options.author : word("by"),
                        "round " + std::to_string(line.value("round", 0)) + ": " + word("from") + " to " + word("to") +
                            ": " + word("why")};
-    history[{word("kind"), word("item")}].emplace_back(word("to"), std::move(comment));
+    const bool no_go = word("why").rfind(kMayNotHang, 0) == 0;
+    history[{word("kind"), word("item")}].emplace_back(no_go ? "NO_GO" : word("to"), std::move(comment));
   }
   return history;
 }
 
-bool was_wrong(const Words& words) {
-  for (const auto& [to, comment] : words)
-    if (to == "REJECTED" || to == "REWORK") return true;
-  return false;
+bool went_to(const Words& words, const std::string& state) {
+  return std::any_of(words.begin(), words.end(), [&](const auto& word) { return word.first == state; });
+}
+
+bool was_wrong(const Words& words) { return went_to(words, "REJECTED") || went_to(words, "REWORK"); }
+
+/// Words without their lengths, which are others in each campaign.
+std::string without_figures(const std::string& words) {
+  static const std::regex figure(R"(\d+\.\d+)");
+  return std::regex_replace(words, figure, "#");
 }
 
 /// To be looked at, or to be taken down.
@@ -93,7 +101,10 @@ DeviationT surroundings_of(const InstallationPlanT& plan, const LoopStateT& stat
 class Topics {
  public:
   Topics(const InstallationPlanT& plan, const LoopStateT& state, const BcfOptions& options)
-      : state_(state), drawn_(surroundings_of(plan, state)), history_(history_of(state, options)) {
+      : state_(state),
+        by_hand_(plan.relaxations),
+        drawn_(surroundings_of(plan, state)),
+        history_(history_of(state, options)) {
     for (const auto& panel : plan.panels) panels_[panel->id] = panel.get();
     for (const auto& anchor : drawn_.anchors) anchors_[anchor->id] = anchor.get();
     for (const auto& panel : drawn_.panels) drawn_panels_[panel->name] = panel.get();
@@ -104,9 +115,11 @@ class Topics {
     for (const std::string& control : state_.moved_control)
       issues.push_back(of_the_whole(control + " moved", "control " + control));
     for (const std::string& words : plan.relaxations)
-      issues.push_back(of_the_whole("By hand: " + words, "by hand " + words));
+      if (std::none_of(state_.items.begin(), state_.items.end(),
+                       [&](const auto& item) { return is_by_hand(*item, words); }))
+        issues.push_back(of_the_whole("By hand: " + words, "by hand " + without_figures(words)));
     for (const std::string& doubt : plan.doubts)
-      issues.push_back(of_the_whole("The measurement is in doubt: " + doubt, "doubt " + doubt));
+      issues.push_back(of_the_whole("The measurement is in doubt: " + doubt, "doubt " + without_figures(doubt)));
     std::vector<std::string> nowhere;
     for (const bool closed : {false, true})
       for (const auto& item : state_.items)
@@ -147,17 +160,33 @@ class Topics {
 
   static bool is_mended(const LoopItemT& item) { return item.status == ItemStatus::verified && !item.gone; }
 
+  /// The plan of a panel that waits; null: it does not wait, or is in none.
+  const PlannedPanelT* waiting(const LoopItemT& item) const {
+    const auto panel = panels_.find(item.id);
+    const bool waits = item.kind == "panel" && item.status == ItemStatus::planned && !item.gone;
+    return waits && panel != panels_.end() ? panel->second : nullptr;
+  }
+
+  /// Whether its plan says of a panel that waits that this is to be done first.
+  bool is_by_hand(const LoopItemT& item, const std::string& words) const {
+    const PlannedPanelT* panel = waiting(item);
+    return panel && panel->gate != GateDecision::go && panel->reason.find(words) != std::string::npos;
+  }
+
   std::string what_is_wrong(const LoopItemT& item) const {
     if (item.gone) return item.hangs ? "look whether it is to be taken down: the design does not have it any more" : "";
     if (item.status == ItemStatus::rejected) return "look at it: " + item.why;
     if (item.status == ItemStatus::relocalised && item.hangs && !item.seen) return "nobody has seen it hang";
     if (item.status == ItemStatus::rework && item.hangs) return "take it down: " + item.why;
+    if (const PlannedPanelT* panel = waiting(item)) {
+      if (panel->gate == GateDecision::no_go) return kMayNotHang + panel->reason;
+      if (std::any_of(by_hand_.begin(), by_hand_.end(), [&](const auto& words) { return is_by_hand(item, words); }))
+        return "by hand first: " + panel->reason;
+    }
     if (was_wrong(words_of(item)))
       return item.status == ItemStatus::verified ? "mended: " + item.why : "is done again: " + item.why;
-    const auto panel = panels_.find(item.id);
-    if (item.kind == "panel" && item.status == ItemStatus::planned && panel != panels_.end() &&
-        panel->second->gate == GateDecision::no_go)
-      return "may not be hung so: " + panel->second->reason;
+    if (went_to(words_of(item), "NO_GO"))
+      return item.status == ItemStatus::verified ? "mended: " + item.why : "may be hung when its turn is: " + item.why;
     return {};
   }
 
@@ -195,6 +224,7 @@ class Topics {
   }
 
   const LoopStateT& state_;
+  const std::vector<std::string>& by_hand_;
   DeviationT drawn_;
   std::map<std::pair<std::string, std::string>, Words> history_;
   std::map<std::string, const PlannedPanelT*> panels_;

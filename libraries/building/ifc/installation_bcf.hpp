@@ -7,11 +7,15 @@
 
 namespace plumbline::ifc {
 
+/// With this the journal says of a panel that it turned NO_GO, or that something is to be done by hand before it hangs.
+inline constexpr const char* kMayNotHang = "may not be hung so: ";
+
 /// A .bcf (ZIP, BCF 2.1): an open topic for each bracket or panel that is rejected, waits to be done again, may not be
 /// hung as it is measured (NO_GO) or hangs and was not seen, and for control that moved; a closed one for each that was
-/// rejected or done again and is verified now. A topic keeps its id from round to round, its comments are what the
-/// journal says of the item. Doubts of the measurement have a topic each; items without GlobalId are named in one of
-/// all. The same input gives the same bytes.
+/// rejected, done again or not to be hung and is verified now. What is to be done by hand is in the topic of its panel;
+/// it has one of its own where no panel that waits says it. A topic keeps its id from round to round, its comments are
+/// what the journal says of the item. Doubts of the measurement have a topic each; items without GlobalId are named in
+/// one of all. The same input gives the same bytes.
 std::string write_installation_bcf(const InstallationPlanT& plan, const LoopStateT& state, const BcfOptions& options);
 
 }  // namespace plumbline::ifc

@@ -146,15 +146,35 @@ std::string value_words(const Facade& facade, const Fit& fit, std::size_t value,
          fmt::format("{:.2f} mm", 1e3 * u);
 }
 
+/// Whether a panel with this probability would be GO or NO_GO.
+bool decides(double p_in, const GateOptions& options) { return p_in >= options.go || 1 - p_in >= options.no_go; }
+
+/// What nobody who measures once, measures again or sets better decides: how precise the length that decides would have
+/// to be known and set at least; empty: it is outside, or something decides.
+std::string precision_words(const JudgedValue& judged, double value, const PanelGate& gate,
+                            const GateOptions& options) {
+  const double room = std::min(value - judged.low, judged.high - value);
+  if (!(room > 0) || decides(gate.measure.p_in, options) || gate.p_repeated >= options.go || gate.robot_sigma > 0)
+    return {};
+  // The quantile of `go`: with less room than that for its u a length is outside too often, whatever the others do.
+  double low = 0, high = 10;
+  for (int i = 0; i < 40; ++i)
+    (0.5 * std::erfc(-0.5 * (low + high) / std::sqrt(2.0)) < options.go ? low : high) = 0.5 * (low + high);
+  return "; of that length u would have to be " + fmt::format("{:.2f} mm or less", 1e3 * room / low);
+}
+
 std::string hold_words(const Facade& facade, const PanelGate& gate, const GateOptions& options) {
   std::string words;
-  if (gate.measure.bracket >= 0)
-    words += "; measuring " + facade.brackets[gate.measure.bracket].id + " once more to " +
-             fmt::format("{:.1f} mm", 1e3 * options.measurement_sigma) + " takes u to " +
-             fmt::format("{:.2f} mm", 1e3 * gate.measure.u) + " and p to " + fmt::format("{:.2f}", gate.measure.p_in) +
-             " if the estimate stays";
+  const bool helps = gate.measure.bracket >= 0;
+  const std::string what = helps ? facade.brackets[gate.measure.bracket].id + " once more to " +
+                                       fmt::format("{:.1f} mm", 1e3 * options.measurement_sigma)
+                                 : std::string();
+  if (helps && decides(gate.measure.p_in, options))
+    words += "; measuring " + what + " takes u to " + fmt::format("{:.2f} mm", 1e3 * gate.measure.u) + " and p to " +
+             fmt::format("{:.2f}", gate.measure.p_in) + " if the estimate stays";
   else
-    words += "; no single measurement decides it";
+    words += "; no single measurement decides it" +
+             (helps ? " (the best, " + what + ", takes p to " + fmt::format("{:.2f}", gate.measure.p_in) + ")" : "");
   if (gate.p_repeated >= options.go) words += "; more campaigns take p to " + fmt::format("{:.2f}", gate.p_repeated);
   if (gate.robot_sigma > 0)
     words += "; a robot that sets to " + fmt::format("{:.2f} mm", 1e3 * gate.robot_sigma) + " would do";
@@ -228,6 +248,8 @@ PanelGate judge_region(const Facade& facade, const Fit& fit, const Region& regio
     if (facade.own.size() > 0) gate.p_repeated = after_many_campaigns(region, gate.slips);
     gate.robot_sigma = robot_that_would_do(region, facade.errors.setting, gate.slips, options);
     gate.reason += hold_words(facade, gate, options);
+    const std::size_t value = region.values[worst];
+    gate.reason += precision_words(fit.judged[value], fit.values[value].value, gate, options);
   }
   return gate;
 }

@@ -2,7 +2,6 @@
 // inserts or takes out a line breaks the chain from there on; reading it finds the place.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -32,10 +31,5 @@ struct JournalFault {
   std::string words;
 };
 JournalFault check_journal(const std::vector<std::string>& lines);
-
-/// Appends to a file that others append to as well: waits for its lock, chains to the line that is then the last,
-/// writes all lines at once and syncs them to disk. A last line without its end, of a writer that was killed, is set
-/// aside into PATH.torn before. Throws std::runtime_error with path and reason.
-void append_to_journal(const std::filesystem::path& path, const std::vector<JournalEntry>& entries);
 
 }  // namespace plumbline::loop

@@ -14,13 +14,15 @@ namespace {
 /// Lists of ids and, where each has a reason of its own, lines.
 struct Floor {
   std::vector<std::string> set, hang, measure, idle, left_out, sills;
-  std::set<std::string> held;  ///< by sills
+  std::map<std::string, std::vector<std::string>> unplanned;  ///< panels, by why
+  std::set<std::string> held;                                 ///< by sills
   std::vector<std::string> lines;
 };
 
 struct Counts {
   int panels = 0, hang = 0, released = 0, measured = 0, waiting = 0, rejected = 0, unseen = 0, left = 0;
-  std::string down;  ///< the first that is to be taken down; empty: none
+  int unplanned = 0, behind = 0;  ///< of those that wait: not planned; for another one that is to hang before it
+  std::string down;               ///< the first that is to be taken down; empty: none
 };
 
 /// A panel that hangs by a report alone, and is right if it hangs.
@@ -73,9 +75,11 @@ void add(const LoopStateT& state, const LoopItemT& item, Floor& floor, Counts& c
       if (counts.down.empty()) counts.down = item.id;
       break;
     case ItemStatus::planned:
-      if (is_panel)
+      if (is_panel && item.reason == ItemReason::not_planned)
+        floor.unplanned[item.why].push_back(item.id), ++counts.waiting, ++counts.unplanned;
+      else if (is_panel)
         floor.lines.push_back(item.id + (item.why.rfind("waits", 0) == 0 ? " " : " waits: ") + item.why),
-            ++counts.waiting;
+            ++counts.waiting, counts.behind += item.reason == ItemReason::waits_for_panel;
       else if (!item.holds.empty())
         floor.sills.push_back(item.id), floor.held.insert(item.holds.begin(), item.holds.end());
       else if (item.reason == ItemReason::holds_nothing)
@@ -106,6 +110,8 @@ std::string step_words(const LoopStateT& state, const Counts& counts) {
     return "somebody looks at what is named below; then run with reported.with.accept=['" + look_word(state, "NAME") +
            "'] for each that is in order";
   if (counts.left > 0) return "somebody looks whether what the design does not have any more is to be taken down";
+  if (counts.unplanned > 0 && counts.waiting == counts.unplanned + counts.behind)
+    return "measure the anchors of the panels below that are not planned, then run again";
   if (counts.waiting > 0)
     return "nothing may be hung as it stands: do what the lines below ask for, then measure and run again";
   return counts.panels > 0 && counts.hang == counts.panels ? "nothing: every panel hangs within its limits"
@@ -161,7 +167,9 @@ std::string next_words(const LoopStateT& state) {
     if (!floor.hang.empty()) text += begin + "hang " + text::join(floor.hang) + "\n";
     if (!floor.measure.empty()) text += begin + "measure " + text::join(floor.measure) + "\n";
     for (const std::string& line : floor.lines) text += begin + line + "\n";
-    if (!floor.left_out.empty())
+    for (const auto& [why, panels] : floor.unplanned)
+      text += begin + text::join(panels, 8) + (panels.size() > 1 ? " are" : " is") + " not planned: " + why + "\n";
+    if (!floor.left_out.empty() && floor.unplanned.empty())
       text += begin + "the panels on " + text::join(floor.left_out) + " are not planned: installation.txt says why\n";
     if (!floor.sills.empty())
       text += begin + text::join(floor.sills) + " hold the bottom edges of " +

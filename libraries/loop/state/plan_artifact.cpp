@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -143,6 +144,18 @@ InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std:
   out.guard_factor = facade.errors.guard_factor;
   out.basis = basis_of(facade);
   return out;
+}
+
+void add_unplanned(InstallationPlanT& plan, const std::string& id, const std::string& guid, int floor,
+                   const Eigen::Vector3d& place, const std::string& why) {
+  auto panel = std::make_unique<PlannedPanelT>();
+  panel->id = id, panel->guid = guid, panel->floor = floor, panel->reason = why;
+  panel->gate = GateDecision::hold, panel->obstacle = PanelObstacle::no_bracket;
+  panel->centre = place, panel->shift.setZero(), panel->rotation.setZero();
+  const auto above =
+      std::find_if(plan.panels.begin(), plan.panels.end(), [&](const auto& other) { return other->floor > floor; });
+  plan.panels.insert(above, std::move(panel));
+  ++plan.hold;
 }
 
 void apply_state(Facade& facade, const LoopStateT& state) {

@@ -15,6 +15,11 @@ struct PlanNames {
 InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std::vector<PanelGate>& gates,
                                 const PlanNames& names = {});
 
+/// A panel of the design of which nothing was measured: HOLD, without brackets, before the first one of a higher floor.
+/// `why` says what to do; `place`: its reference point by design [m].
+void add_unplanned(InstallationPlanT& plan, const std::string& id, const std::string& guid, int floor,
+                   const Eigen::Vector3d& place, const std::string& why);
+
 /// Marks what hangs, and the brackets that are planned as they stand: those that carry it, and those that were set,
 /// verified or not yet (no plan may count on a second setting that nobody makes). Takes what was set
 /// before off the ranges. Items are found by id.

@@ -1,8 +1,10 @@
 // What comes next: what was released and no longer holds is recalled, what is GO and whose turn it is is released.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "base/text/words.hpp"
+#include "building/ifc/installation_bcf.hpp"
 #include "loop/state/round.hpp"
 
 namespace plumbline::loop {
@@ -151,6 +153,8 @@ std::string Round::neighbour_to_take_down(const PlannedPanelT& panel) const {
 Waiting Round::why_not_yet(const PlannedPanelT& panel) const {
   if (const LoopItemT* sill = sill_for_a_person(state_, panel.id))
     return {"waits for its sill: " + sill->id + " is for a person"};
+  if (panel.brackets.empty() && panel.obstacle == PanelObstacle::no_bracket)
+    return {panel.reason, ItemReason::not_planned};
   if (measured_again_.count(panel.id) > 0) return {"waits for another campaign: " + panel.reason};
   if (panel.gate != GateDecision::go) return {panel.reason.empty() ? "is not GO" : panel.reason};
   if (touches_moved_floor(panel)) return {"waits for control: that of its floor or of one beside it moved"};
@@ -160,12 +164,29 @@ Waiting Round::why_not_yet(const PlannedPanelT& panel) const {
   return before_its_turn(panel);
 }
 
+void Round::note_may_not_hang(const PlannedPanelT& panel, LoopItemT& item) {
+  const bool by_hand = std::any_of(plan_.relaxations.begin(), plan_.relaxations.end(), [&](const std::string& words) {
+    return panel.reason.find(words) != std::string::npos;
+  });
+  if (panel.gate == GateDecision::go || (panel.gate == GateDecision::hold && !by_hand)) return;
+  if (last_words_.empty())
+    for (const std::string& text : state_.journal)
+      if (const auto line = nlohmann::json::parse(text, nullptr, false); line.is_object() && line["kind"] == "panel")
+        last_words_[line["item"].get<std::string>()] = line["why"].get<std::string>();
+  if (last_words_[panel.id].rfind(ifc::kMayNotHang, 0) == 0) return;
+  const std::string why = item.why;
+  const ItemReason reason = item.reason;
+  note(state_, item, {ifc::kMayNotHang + panel.reason, {}, options_.at, rests_on_});
+  stay(item, why, reason);
+}
+
 void Round::release() {
   for (const auto& panel : plan_.panels) {
     LoopItemT& item = *this->item("panel", panel->id);
     if (item.status != ItemStatus::planned) continue;
     if (const Waiting waiting = why_not_yet(*panel); !waiting.why.empty()) {
       stay(item, waiting.why, waiting.reason);
+      note_may_not_hang(*panel, item);
       continue;
     }
     bool ready = true;

@@ -104,6 +104,9 @@ class Round {
   /// may need elsewhere. Empty: none.
   std::string neighbour_that_waits(const PlannedPanelT& panel) const;
   void release();
+  /// In the journal, once, of a panel that turned NO_GO or before which something is to be done by hand: who was told
+  /// of it reads there that it is over, too.
+  void note_may_not_hang(const PlannedPanelT& panel, LoopItemT& item);
   bool bracket_is_ready(const std::string& id);
   /// Whether a panel that is HOLD is likely to be GO as it is planned, once more campaigns leave no error of their own.
   /// Brackets that were set for it are left where they are only if it is more likely inside than not.
@@ -118,7 +121,8 @@ class Round {
   std::map<std::string, const BracketSettingT*> bracket_of_;
   std::vector<std::string> rests_on_;
   std::set<int> moved_floors_;
-  std::set<std::string> measured_again_;  ///< panels that wait for another campaign
+  std::set<std::string> measured_again_;           ///< panels that wait for another campaign
+  std::map<std::string, std::string> last_words_;  ///< of panels in the journal; filled when it is asked for
   bool raised_ = false;
 };
 

@@ -38,6 +38,7 @@ class Builder {
  public:
   Builder(const DeviationT& deviation, const DesignT& design, const LoopStateT* state, const FacadeRules& rules)
       : deviation_(deviation),
+        design_(design),
         state_(state),
         rules_(rules),
         elements_(design),
@@ -126,8 +127,9 @@ class Builder {
       in_.panel_guids.push_back(judged->guid);
       in_.facade.panels.push_back(std::move(panel));
     }
+    find_panels_without_plan();
     for (const auto& [guid, element] : elements_.by_guid)
-      if (elements_.is_panel(*element) && !id_of_.count(guid))
+      if (elements_.is_panel(*element) && !id_of_.count(guid) && !is_to_hang(guid))
         in_.notes.push_back("panel " + (element->name.empty() ? guid : element->name) +
                             " of the design hangs on no measured anchor: it is not planned");
     for (const auto& request : deviation_.requests)
@@ -218,6 +220,42 @@ class Builder {
     return facts;
   }
 
+  /// Work that this plan does not have: told, counted and waited for, until it hangs.
+  void find_panels_without_plan() {
+    const UnmeasuredDesign unmeasured(design_, in_.facade.brackets, in_.guids);
+    for (const auto& [guid, element] : elements_.by_guid) {
+      if (!elements_.is_panel(*element) || panel_at_.count(guid)) continue;
+      const std::string& name = element->name;
+      const bool is_said_to_stand = std::any_of(rules_.standing.begin(), rules_.standing.end(),
+                                                [&](const std::string& one) { return one == "*" || one == name; });
+      if (is_said_to_stand || is_known_otherwise(guid)) continue;
+      const auto judged = id_of_.find(guid);
+      const bool is_judged = judged != id_of_.end();
+      in_.unplanned.push_back(
+          {is_judged ? judged->second : name_of_unplanned(*element, elements_, state_, in_.facade.panels), guid,
+           unmeasured.floor_of(*element), element->position,
+           is_judged ? "which way it faces is not confirmed: say it with plan.with.facade_normal, or in the rules of "
+                       "facades"
+                     : unmeasured.why_not_planned(*element)});
+    }
+    std::sort(in_.unplanned.begin(), in_.unplanned.end(),
+              [](const UnplannedPanel& a, const UnplannedPanel& b) { return a.id < b.id; });
+  }
+
+  bool is_to_hang(const std::string& guid) const {
+    return std::any_of(in_.unplanned.begin(), in_.unplanned.end(),
+                       [&](const UnplannedPanel& panel) { return panel.guid == guid; });
+  }
+
+  /// A campaign that did not measure it says nothing of a panel that hangs or waits by a round before.
+  bool is_known_otherwise(const std::string& guid) const {
+    if (state_)
+      for (const auto& item : state_->items)
+        if (item->kind == "panel" && item->guid == guid)
+          return item->hangs || item->status != ItemStatus::planned || item->reason != ItemReason::not_planned;
+    return false;
+  }
+
   /// Brackets at a panel of the design that is not planned, because nobody measured an anchor of it or two are at one
   /// place: they are needed, though not by this plan.
   void find_unplanned() {
@@ -272,6 +310,7 @@ class Builder {
   }
 
   const DeviationT& deviation_;
+  const DesignT& design_;
   const LoopStateT* state_;
   const FacadeRules& rules_;
   DesignElements elements_;

@@ -7,6 +7,7 @@
 #include "artifacts/deviation.hpp"
 #include "artifacts/loop_state.hpp"
 #include "artifacts/points.hpp"
+#include "build/loop/unplanned_panels.hpp"
 #include "loop/fit/bracket_rules.hpp"
 
 namespace plumbline::loop {
@@ -30,7 +31,9 @@ struct FacadeInput {
   std::vector<std::string> guids;        ///< of the brackets
   std::vector<std::string> panel_guids;  ///< of the panels
   std::vector<std::string> notes;        ///< panels of the design that are not planned
-  std::vector<std::string> control;      ///< points of `control` that are in the model
+  std::vector<UnplannedPanel>
+      unplanned;  ///< by name; those that a round before knows otherwise, or that are said to stand, are none
+  std::vector<std::string> control;  ///< points of `control` that are in the model
 };
 
 /// Brackets: all anchors with a place in the design, whether they were measured or not; covariance of the model, plus

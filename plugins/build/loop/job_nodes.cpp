@@ -1,5 +1,7 @@
 #include "build/loop/job_nodes.hpp"
 
+#include <algorithm>
+
 #include "base/text/whole_file.hpp"
 #include "build/loop/file_content.hpp"
 #include "loop/job/job.hpp"
@@ -31,6 +33,13 @@ void WriteJob::run(Context& context) {
   const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
   Job made = make_job(planned, state.unpack(), static_cast<int>(*floor), *created_at, *valid_until);
   if (survey) made = in_survey(made, *survey);
+  const bool sets =
+      std::any_of(made.items.begin(), made.items.end(), [](const JobItem& item) { return item.kind == "bracket"; });
+  if (sets && !(made.station_sigma > 0))
+    context.warn(
+        "the job takes whoever sets brackets to stand where he thinks (stationSigma is 0), and p with it: give the "
+        "plan "
+        "station_sigma, 0.5 mm for a set-up on control by total station");
   const std::string text = job_json(made);
   job.commit(text_file("job.json", "application/json", text));
   std::string signed_bytes;

@@ -191,6 +191,8 @@ void PlannerNode::run(Context& context) {
     context.warn(assumed);
   }
   InstallationPlanT result = plan_artifact(input.facade, fit, gates, {input.guids, input.panel_guids, input.notes});
+  for (const UnplannedPanel& panel : input.unplanned)
+    add_unplanned(result, panel.id, panel.guid, panel.floor, panel.place, panel.why);
   result.estimate = std::move(rounds.estimate), result.consistency = std::move(rounds.words);
   result.control = std::move(told.control), result.readings = std::move(told.readings);
   GoneItems gone = gone_items(designed, result, before);

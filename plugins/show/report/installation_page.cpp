@@ -206,12 +206,26 @@ void write_reworks(Markup& html, const std::vector<LoopChange>& changes) {
                      left(change->to), sentence(change->why)});
 }
 
-/// What the anchors' heights would be without what was set, and are: by floor, so that drift shows.
-void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT& state) {
-  struct Heights {
-    int n = 0;
-    double without = 0, now = 0, worst_without = 0, worst_now = 0;
-  };
+struct Heights {
+  int n = 0;
+  double without = 0, now = 0, worst_without = 0, worst_now = 0;
+};
+
+/// What the loop has taken off the drift: of the highest floor against the lowest.
+void write_drift(Markup& html, const std::map<int, Heights>& floors) {
+  if (floors.size() < 2) return;
+  const auto& [low, lowest] = *floors.begin();
+  const auto& [high, highest] = *floors.rbegin();
+  const double now = highest.now / highest.n - lowest.now / lowest.n;
+  const double without = highest.without / highest.n - lowest.without / lowest.n;
+  html.element("p", "From floor " + floor_word(low) + " to floor " + floor_word(high) + " the mean height drifts by " +
+                        signed_mm(now, 1) + " mm; without what was set it would by " + signed_mm(without, 1) + " mm.");
+}
+
+/// What the heights of anchors that panels hang on would be without what was set, and are: by floor, so that drift
+/// shows. `idle`: brackets on which none hangs.
+void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT& state,
+                   const std::set<std::string>& idle) {
   std::map<std::string, const LoopItemT*> items;
   for (const auto& item : state.items)
     if (item->kind == "bracket") items[item->id] = item.get();
@@ -219,6 +233,7 @@ void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT
   for (const auto& bracket : plan.brackets) {
     const auto item = items.find(bracket->id);
     if (item == items.end() || !bracket->measured.allFinite() || bracket->axes.size() != 3) continue;
+    if (idle.count(bracket->id) > 0) continue;
     const double now = bracket->axes[1].dot(bracket->measured - bracket->design);
     const double without = now - item->second->setting.y();
     Heights& h = floors[bracket->floor];
@@ -227,6 +242,7 @@ void write_heights(Markup& html, const InstallationPlanT& plan, const LoopStateT
   }
   if (floors.empty()) return;
   html.element("h3", "Heights of the brackets, as they are and without what was set");
+  write_drift(html, floors);
   Scope wide(html, "div", {{"class", "wide"}});
   Scope table(html, "table");
   table_head(html, {"Floor", "Brackets measured", "Mean without setting [mm]", "Mean as it is [mm]",
@@ -257,7 +273,7 @@ void write_rounds(Markup& html, const InstallationPlanT& plan, const LoopStateT&
                        ".");
   }
   write_reworks(html, changes);
-  write_heights(html, plan, state);
+  write_heights(html, plan, state, idle);
   for (const std::string& words : {ifc::edge_words(plan), ifc::temperature_words(plan)})
     if (!words.empty()) html.element("p", {{"class", "note"}}, words);
 }

@@ -185,6 +185,41 @@ TEST(InstallationBcf, ControlThatMovedAndWorkByHandHaveTopics) {
   EXPECT_NE(markup_about(files, "By hand: bracket anchor 1 would have to move"), "none");
 }
 
+/// What a viewer was told to be wrong it is told to be over, under the same id.
+TEST(InstallationBcf, APanelThatMightNotBeHungIsClosedWhenItHangs) {
+  Site site("IFC4");
+  LoopItemT& item = *site.state.items.back();
+  PlannedPanelT& panel = *site.plan.panels.back();
+  ASSERT_EQ(item.id, panel.id);
+  const std::string by_hand = "bracket anchor 1 would have to move 31.0 mm up, it has 25.0: re-drill";
+  site.plan.relaxations = {by_hand};
+  item.status = ItemStatus::planned, panel.gate = GateDecision::hold, panel.reason = "p 0.100; " + by_hand;
+  const auto files = topics_of(site);
+  EXPECT_EQ(markup_about(files, "By hand: "), "none") << "its panel has it";
+  const std::string open = markup_about(files, "Panel " + item.id + ": by hand first: p 0.100; " + by_hand);
+  EXPECT_NE(open.find("TopicStatus=\"Open\""), std::string::npos) << open;
+  site.state.journal.push_back(test::journal_words(item, "PLANNED", "PLANNED", kMayNotHang + panel.reason));
+  site.plan.relaxations.clear(), panel.gate = GateDecision::go, item.status = ItemStatus::released;
+  EXPECT_NE(markup_about(topics_of(site), "Panel " + item.id + ": may be hung").find("TopicStatus=\"Open\""),
+            std::string::npos);
+  item.status = ItemStatus::verified, item.why = "p 0.990", item.hangs = item.seen = true;
+  const std::string closed = markup_about(topics_of(site), "Panel " + item.id + ": mended: p 0.990");
+  EXPECT_NE(closed.find("TopicStatus=\"Closed\""), std::string::npos) << closed;
+  EXPECT_EQ(closed.substr(0, 36), open.substr(0, 36)) << "the topic keeps its id";
+}
+
+/// The same thing in another campaign, by other millimetres.
+TEST(InstallationBcf, WorkByHandKeepsItsIdFromCampaignToCampaign) {
+  Site site("IFC4");
+  std::set<std::string> ids;
+  for (const char* needed : {"31.0", "30.2"}) {
+    site.plan.relaxations = {std::string("bracket anchor 1 would have to move ") + needed +
+                             " mm up, it has 25.0: re-drill"};
+    ids.insert(markup_about(topics_of(site), "By hand: bracket anchor 1").substr(0, 36));
+  }
+  EXPECT_EQ(ids.size(), 1u);
+}
+
 TEST(InstallationBcf, WhatHoldsEverythingAndWhatHasNoPlaceHaveTopics) {
   Site site("IFC4");
   site.plan.doubts = {"the image block: group tags contradicts the rest"};

@@ -327,6 +327,44 @@ TEST(FacadeInput, ATolerancesTwoSidesAndTheStricterOfTwoPanelsCount) {
   EXPECT_NEAR(made.facade.joints[0].least, 0.016, 1e-12);
 }
 
+/// Of a tower that is measured floor by floor the rest is work, too.
+TEST(FacadeInput, PanelsThatNobodyMeasuredAreToldWithWhatToDo) {
+  Input input = two_facades();
+  const auto add_element = [&](const std::string& name, const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    auto element = std::make_unique<DesignElementT>();
+    element->guid = "guid-" + name, element->name = name, element->is_panel = true, element->storey_guid = "storey-2";
+    element->position.setZero(), element->box_low = low, element->box_high = high;
+    input.design.elements.push_back(std::move(element));
+  };
+  for (int i = 1; i < 3; ++i) {
+    auto storey = std::make_unique<DesignStoreyT>();
+    storey->guid = "storey-" + std::to_string(i), storey->floor = i;
+    input.design.storeys.push_back(std::move(storey));
+  }
+  add_element("High", {0.1, -0.1, 30.0}, {1.9, 0.1, 32.0}), add_element("Bare", {50, 50, 30}, {52, 50.1, 32});
+  auto anchor = std::make_unique<DesignElementT>();
+  anchor->guid = anchor->name = "HighAnchor", anchor->is_anchor = true, anchor->position = {0.1, 0, 30.1};
+  input.design.elements.push_back(std::move(anchor));
+  FacadeRules rules;
+  FacadeInput made = facade_of(input.deviation, input.model, input.design, nullptr, rules);
+  ASSERT_EQ(made.unplanned.size(), 2u);
+  EXPECT_EQ(made.unplanned[0].id, "Bare");
+  EXPECT_EQ(made.unplanned[0].why.find("no anchor is there"), 0u) << made.unplanned[0].why;
+  EXPECT_EQ(made.unplanned[1].why, "not one anchor there was measured: measure them, then run again");
+  EXPECT_EQ(made.unplanned[1].floor, 2);
+  // Another campaign says nothing of what hangs by a round before.
+  LoopStateT state;
+  auto item = std::make_unique<LoopItemT>();
+  item->id = "High", item->kind = "panel", item->guid = "guid-High", item->status = ItemStatus::verified;
+  item->setting.setZero(), item->pending.setZero(), item->expected.setZero();
+  state.items.push_back(std::move(item));
+  made = facade_of(input.deviation, input.model, input.design, &state, rules);
+  ASSERT_EQ(made.unplanned.size(), 1u);
+  EXPECT_EQ(made.unplanned[0].id, "Bare");
+  rules.standing = {"*"};
+  EXPECT_TRUE(facade_of(input.deviation, input.model, input.design, nullptr, rules).unplanned.empty());
+}
+
 /// Needed and not planned is something else than not needed.
 /// Once a panel whose anchors failed 3 mm in space was GO with 3.3 mm, and a length that is not asked along an axis was
 /// a tolerance of nan mm, which nobody had given.

@@ -52,6 +52,59 @@ TEST(Rounds, ABracketThatNoPanelHangsOnIsToldSo) {
   EXPECT_EQ(item(state, "k1").why, "") << "its panel is planned now";
 }
 
+/// Once, however often it is measured: who was told of it finds in the journal that it was so.
+TEST(Rounds, APanelThatTurnsNoGoIsInTheJournal) {
+  LoopStateT state;
+  const auto lines = [&] {
+    return std::count_if(state.journal.begin(), state.journal.end(), [](const std::string& line) {
+      return line.find("may not be hung so: ") != std::string::npos;
+    });
+  };
+  for (const char* basis : {"first", "second"}) {
+    InstallationPlanT plan = make_plan(basis);
+    plan.panels[0]->gate = GateDecision::no_go, plan.panels[0]->reason = std::string("p 0.010 of ") + basis;
+    next_plan(state, std::move(plan));
+    EXPECT_EQ(lines(), 1) << basis;
+    EXPECT_EQ(item(state, "p0").why, std::string("p 0.010 of ") + basis);
+  }
+  InstallationPlanT by_hand = make_plan("third");
+  by_hand.relaxations = {"re-drill b2"};
+  by_hand.panels[1]->gate = GateDecision::hold, by_hand.panels[1]->reason = "p 0.500; re-drill b2";
+  next_plan(state, std::move(by_hand));
+  EXPECT_EQ(lines(), 2);
+}
+
+/// A tower of which the lower half was measured is not at its end.
+TEST(Rounds, WhatNobodyMeasuredIsWorkThatIsLeft) {
+  const auto plan = [](const std::string& basis, double off) {
+    InstallationPlanT made = basis == "first" ? make_plan(basis) : plan_after_setting(off, basis);
+    made.panels.pop_back();
+    add_unplanned(made, "p1", "guid-p1", 2, Eigen::Vector3d::Zero(), "not one anchor there was measured: measure them");
+    return made;
+  };
+  LoopStateT state;
+  next_plan(state, plan("first", 0));
+  EXPECT_EQ(item(state, "p1").reason, ItemReason::not_planned);
+  apply_actuals(state, done({"b0", "b1"}, 1));
+  next_plan(state, plan("second", 0));
+  EXPECT_EQ(next_step(state), "give the job to the robots, then measure and run again");
+  apply_actuals(state, done({"p0"}, item(state, "p0").revision));
+  next_plan(state, plan("third", 0));
+  close_round(state);
+  ASSERT_EQ(item(state, "p0").status, ItemStatus::verified) << item(state, "p0").why;
+  EXPECT_TRUE(state.done) << "nothing is left without a person";
+  EXPECT_EQ(state.next, "measure the anchors of the panels below that are not planned, then run again");
+  const std::string words = next_words(state);
+  EXPECT_EQ(words.rfind("1 of 2 panels hang", 0), 0u) << words;
+  EXPECT_NE(words.find("floor 2: p1 is not planned: not one anchor there was measured: measure them\n"),
+            std::string::npos)
+      << words;
+  // Measured, it is a panel as any other.
+  next_plan(state, plan_after_setting(0, "fourth"));
+  EXPECT_NE(item(state, "p1").reason, ItemReason::not_planned);
+  EXPECT_EQ(item(state, "b2").status, ItemStatus::released);
+}
+
 TEST(Rounds, ABracketThatIsToBeSetAgainIsPlannedFirstAndTheLoopIsNotDone) {
   LoopStateT state;
   next_plan(state, make_plan("first"));

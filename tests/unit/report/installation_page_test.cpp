@@ -95,6 +95,28 @@ TEST(InstallationPage, ABracketThatNoPanelHangsOnIsNotPlanned) {
   EXPECT_EQ(occurrences(rest_of(plan, state), "NOT NEEDED"), 0u) << "its panel is to be planned still";
 }
 
+/// Without brackets on which nothing hangs, which nobody sets.
+TEST(InstallationPage, TheDriftThatTheLoopPreventedIsANumber) {
+  InstallationPlanT plan;
+  LoopStateT state;
+  const auto add = [&](const std::string& id, int floor, double up, double set, BracketUse use) {
+    plan.brackets.push_back(std::make_unique<BracketSettingT>());
+    BracketSettingT& bracket = *plan.brackets.back();
+    bracket.id = id, bracket.floor = floor, bracket.use = use, bracket.design.setZero(), bracket.sigma.setZero();
+    bracket.measured = {0, 0, up};
+    bracket.axes = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(), -Eigen::Vector3d::UnitY()};
+    state.items.push_back(std::make_unique<LoopItemT>());
+    state.items.back()->id = id, state.items.back()->kind = "bracket", state.items.back()->setting = {0, set, 0};
+  };
+  add("b0", 1, 0.0002, 0.001, BracketUse::panel), add("k0", 1, 0.5, 0, BracketUse::nothing);
+  add("b1", 12, 0.0005, 0.0034, BracketUse::panel);
+  const std::string page = rest_of(plan, state);
+  EXPECT_NE(page.find("From floor 1 to floor 12 the mean height drifts by +0.3 mm; without what was set it would by "),
+            std::string::npos)
+      << page;
+  EXPECT_EQ(page.substr(0, page.find("id=\"items\"")).find("500.0"), std::string::npos) << "k0 is no part of it";
+}
+
 /// Who reads the page does not read the terminal.
 TEST(InstallationPage, ReportsThatWereNotTakenStandOnIt) {
   LoopStateT state = with_verified_panel();
