@@ -93,7 +93,8 @@ void declare_runs(Declared& all) {
   watch.add_flag("--overwrite", options.overwrite, "replace files in the way of an output whoever wrote them");
   watch
       .add_option("--quiet-for", options.quiet_seconds,
-                  "seconds in which no file may change before a run begins: half-copied files are waited for")
+                  "seconds in which no file may change before a run begins; a new JPEG or PNG without its end is "
+                  "waited for up to 60 s longer")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
   watch.add_option("--runs", options.most_runs, "ends after so many runs, with the last one's exit code")

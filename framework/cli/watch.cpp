@@ -4,16 +4,19 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <map>
 #include <set>
 #include <thread>
 #include <utility>
 
 #include "commands.hpp"
+#include "photo/images/image_walk.hpp"
 #include "plumbline/folder_files.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/plugins/executable_node.hpp"
@@ -131,6 +134,51 @@ bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& n
   return true;
 }
 
+/// Whether a JPEG or PNG lacks the mark of its end; of other files nothing is known.
+bool is_copied_in_part(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending != ".jpg" && ending != ".jpeg" && ending != ".png") return false;
+  try {
+    image_decoders::walk_image(path, true);
+    return false;
+  } catch (const std::runtime_error&) {
+    return fs::exists(path);
+  }
+}
+
+constexpr int kPatience = 60;  // [s]: a photograph without an end is waited for so long, because it may have none
+
+/// Photographs that have come or changed since `last` (without a last run: within the last minute) and have no end.
+std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& now) {
+  std::vector<std::string> names;
+  const long long recent = std::time(nullptr) - kPatience;
+  for (const auto& [path, stamp] : now) {
+    const auto known = last.find(path);
+    const bool is_new = last.empty() ? stamp.seconds >= recent : known == last.end() || !(known->second == stamp);
+    if (is_new && is_copied_in_part(path)) names.push_back(path);
+  }
+  return names;
+}
+
+/// Until nothing changes and photographs that came since `last` have their ends: a copy may pause for longer than the
+/// time in which nothing may change. One that gets no end is left to the run, which says what is wrong with it.
+bool wait_until_copied(const std::set<fs::path>& paths, double quiet, const Snapshot& last, Snapshot& now) {
+  for (auto told = Clock::time_point::max();;) {
+    if (!wait_until_quiet(paths, quiet, now)) return false;
+    const std::vector<std::string> names = copied_in_part(last, now);
+    if (names.empty() || (told != Clock::time_point::max() && Clock::now() - told > std::chrono::seconds(kPatience)))
+      return true;
+    if (told != Clock::time_point::max()) continue;
+    told = Clock::now();
+    std::printf("waiting: %s%s no end yet, as while a copy is under way; a run begins when %s whole, or in %d s\n",
+                runtime::printable(names.front()).c_str(),
+                names.size() > 1 ? (" and " + std::to_string(names.size() - 1) + " more have").c_str() : " has",
+                names.size() > 1 ? "they are" : "it is", kPatience);
+    std::fflush(stdout);
+  }
+}
+
 std::vector<std::string> words_of_run(const Options& options) {
   std::vector<std::string> words{"plumbline", "run", options.pipeline};
   words.insert(words.end(), options.overrides.begin(), options.overrides.end());
@@ -185,15 +233,17 @@ std::set<fs::path> paths_of(const Options& options, std::set<fs::path> before) {
 int watch(const Options& options) {
   std::set<fs::path> paths = paths_of(options, {});
   stop_is_asked_for();  // from here on Ctrl-C ends the watch
+  Snapshot last;
   for (int runs = 0;;) {
     Snapshot before;
-    if (!wait_until_quiet(paths, options.quiet_seconds, before)) return 130;
+    if (!wait_until_copied(paths, options.quiet_seconds, last, before)) return 130;
     const int code = run_once(options);
     if (stop_is_asked_for()) return 130;
     if (++runs == options.most_runs) return code;
     paths = paths_of(options, std::move(paths));
     std::printf("watching %zu files (the run ended with %d); Ctrl-C ends it\n", before.size(), code);
     std::fflush(stdout);
+    last = before;
     Snapshot now = look_at(paths);  // what came while the run was at work counts
     for (; now == before; now = look_at(paths))
       if (!wait(1)) return 130;

@@ -1,4 +1,5 @@
-// The segments and chunks of a photograph's file without its pixels. Private to libraries/photo/images.
+// The segments and chunks of a photograph's file without its pixels. Private to libraries/photo/images
+// and to `plumbline watch`; depends on nothing.
 #pragma once
 
 #include <cstdint>

@@ -67,6 +67,24 @@ TEST(Watch, NamesWhatNeverComesToRest) {
   EXPECT_TRUE(contains(answer.out, "camera_sync.log changes still")) << answer.out;
 }
 
+/// A copy that paused for longer than the quiet time began a run, which failed of the half photograph.
+TEST(Watch, WaitsForAPhotographThatHasNoEndYet) {
+  const std::string photograph(
+      "\x89\x50\x4e\x47\x0d\x0a\x1a\x0a\x00\x00\x00\x0d\x49\x48\x44\x52\x00\x00\x00\x3c\x00\x00\x00\x28\x08\x00\x00\x00"
+      "\x00\x87\xd0\xc6\x23\x00\x00\x00\x00IEND\xae\x42\x60\x82",
+      45);
+  const Program plumbline;
+  plumbline.write("p.yaml", site);
+  plumbline.write("half.PNG", photograph.substr(0, 40));
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "1", "--quiet-for", "0.2"});
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/p/run.jsonl")) << "no run of half a photograph";
+  plumbline.write("half.PNG", photograph);
+  const Answer answer = plumbline.finish(child);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "half.PNG has no end yet")) << answer.out;
+}
+
 TEST(Watch, RunsAgainWhenANodeOfOnesOwnHasChanged) {
   Program plumbline;
   const std::string script = "#!/bin/sh\nprintf '{\"x\": [1, \"1\"]}' > \"$1/metrics.json\"\n";
