@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # usage: site_engineer_german.sh PREFIX WORK     A German folder: Excel's tables, two cameras of one model, umlauts, a protocol, what
 #                                                Macs and Windows leave, a plate that is gone, no campaign.yaml
-source "$(dirname "$0")/steps.sh"
+here=$(cd "$(dirname "$0")" && pwd)
+source "$here/steps.sh"
 make_site ", lost_plates: 0.1"
 site="$work/Turm Süd"
 mkdir -p "$site/Fotos/Kran" "$site/Fotos/Boden" "$site/Vermessung"
@@ -16,7 +17,10 @@ sed 's/^id: .*/id: boden/' camera.yaml > "$site/Kamera Boden.yaml"
 sed -e 's/,/;/g' -e 's/^anchor;role;floor;column;row;tag_family;tag_id;tag_size_mm/Anker;Rolle;Geschoss;Spalte;Zeile;Tag-Familie;Tag-Nr;Tag-Größe [mm]/' \
   -e 's/;control;/;Passpunkt;/; s/;check;/;Kontrollpunkt;/' -e '1s/$/;Bemerkung;;/; 1!s/$/;neu gedübelt;;/' -e 's/$/\r/' plates.csv > "$site/Schilder.csv"
 printf ';;;;;;;;;;;;;;\r\n' >> "$site/Schilder.csv"
-sed -e 's/,/;/g' -e 's/\./,/g' control.csv > "$site/Festpunkte.csv"
+sed -e 's/,/;/g' -e 's/\./,/g' control.csv > "$work/Festpunkte.csv"
+# One table as Excel's CSV, one in its own format, with a title above.
+{ printf 'Projekt Turm Süd;;\n\n'; cat "$work/Festpunkte.csv"; } > "$work/Blatt.csv"
+python3 "$here/workbook.py" "$work/Blatt.csv" "$site/Festpunkte.xlsx"
 printf 'PK' > "$site/Protokoll.docx"
 printf '\0\5' > "$site/Fotos/Kran/._F01-01.jpg"
 printf 'x' > "$site/Fotos/Thumbs.db"
@@ -25,6 +29,7 @@ cd "$work"
 
 step plumbline campaign init "$site"
 says 'Kamera Kran.yaml'
+says 'control: Festpunkte.xlsx'
 step plumbline campaign check "$site"
 says "The folder is whole."
 says "Took part: 6 photographs"

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kSampledLines = 200;
 constexpr std::size_t kLongestSampledLine = 4096;
+constexpr std::size_t kMostTitles = 10;   // rows above a header
 constexpr std::size_t kMostCells = 1000;  // of one row; a longer row is no survey table
 
 bool is_comment(std::string_view line) {
@@ -123,6 +124,43 @@ CsvHeaderCell header_cell(std::string_view text, const std::map<std::string, std
   return cell;
 }
 
+// Empty unless two cells are known names and none but the first is a number.
+std::vector<CsvHeaderCell> header_of(const std::vector<CsvCell>& cells, char decimal,
+                                     const std::map<std::string, std::string>& known_names) {
+  std::vector<CsvHeaderCell> header;
+  int known = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i > 0 && parse_number(cells[i].text, decimal)) return {};
+    header.push_back(header_cell(cells[i].text, known_names));
+    for (const auto& [ignored, name] : known_names)
+      if (header.back().name == name) {
+        ++known;
+        break;
+      }
+  }
+  if (known < 2) header.clear();
+  return header;
+}
+
+// The index among `lines` of a header that nothing but titles stands above; 0 if there is none.
+std::size_t header_under_titles(const std::vector<Line>& lines, const Dialect& dialect,
+                                const std::map<std::string, std::string>& known_names) {
+  std::size_t rows = 0, most_filled = 0;
+  for (std::size_t at = 0; at < lines.size() && rows <= kMostTitles; ++at) {
+    if (trim(lines[at].text).empty() || is_comment(lines[at].text)) continue;
+    const std::vector<CsvCell> cells = cells_of(lines[at].text.substr(0, kLongestSampledLine), dialect.delimiter);
+    std::size_t filled = 0, numbers = 0;
+    for (const CsvCell& cell : cells)
+      filled += !cell.text.empty(), numbers += parse_number(cell.text, dialect.decimal) ? 1 : 0;
+    if (filled == 0) continue;
+    if (!header_of(cells, dialect.decimal, known_names).empty()) return filled > most_filled ? at : 0;
+    if (numbers > 1) return 0;
+    most_filled = std::max(most_filled, filled);
+    ++rows;
+  }
+  return 0;
+}
+
 // How many cells of the first row are names we know, if at least two are.
 std::size_t names_in(const std::vector<Line>& lines, char delimiter,
                      const std::map<std::string, std::string>& known_names) {
@@ -136,9 +174,17 @@ std::size_t names_in(const std::vector<Line>& lines, char delimiter,
   return 0;
 }
 
+// The same of the header under titles.
+std::size_t names_under_titles(const std::vector<Line>& lines, const Dialect& dialect,
+                               const std::map<std::string, std::string>& known_names) {
+  const std::size_t at = header_under_titles(lines, dialect, known_names);
+  return at == 0 ? 0 : names_in({lines[at]}, dialect.delimiter, known_names);
+}
+
 // The pair that makes most cells of the first row known names, then most cells numbers; in a tie the earlier one of the
 // list.
-Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::string>& known_names) {
+Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::string>& known_names,
+               TitleRows titles) {
   constexpr std::array<Dialect, 9> candidates = {Dialect{';', '.'},  Dialect{'\t', '.'}, Dialect{',', '.'},
                                                  Dialect{'|', '.'},  Dialect{' ', '.'},  Dialect{';', ','},
                                                  Dialect{'\t', ','}, Dialect{'|', ','},  Dialect{' ', ','}};
@@ -148,10 +194,15 @@ Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::
   const bool tabs = std::all_of(lines.begin(), lines.end(), [](const Line& line) {
     return trim(line.text).empty() || is_comment(line.text) || std::count(line.text.begin(), line.text.end(), '\t') > 1;
   });
+  const bool under_titles = titles == TitleRows::passed_over &&
+                            std::none_of(candidates.begin(), candidates.end(), [&](const Dialect& candidate) {
+                              return names_in(lines, candidate.delimiter, known_names) > 0;
+                            });
   for (const Dialect& candidate : candidates) {
     if (tabs && candidate.delimiter == ' ') continue;
     std::size_t numbers = 0, sampled = 0;
-    const std::size_t names = names_in(lines, candidate.delimiter, known_names);
+    const std::size_t names = under_titles ? names_under_titles(lines, candidate, known_names)
+                                           : names_in(lines, candidate.delimiter, known_names);
     for (const Line& line : lines) {
       if (trim(line.text).empty() || is_comment(line.text)) continue;
       if (++sampled > kSampledLines) break;
@@ -162,28 +213,16 @@ Dialect detect(const std::vector<Line>& lines, const std::map<std::string, std::
   return best;
 }
 
-std::vector<CsvHeaderCell> header_of(const std::vector<CsvCell>& cells, const CsvTable& table,
-                                     const std::map<std::string, std::string>& known_names) {
-  std::vector<CsvHeaderCell> header;
-  int known = 0;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (i > 0 && table.number(cells[i])) return {};
-    header.push_back(header_cell(cells[i].text, known_names));
-    for (const auto& [ignored, name] : known_names)
-      if (header.back().name == name) {
-        ++known;
-        break;
-      }
-  }
-  if (known < 2) header.clear();
-  return header;
-}
-
 }  // namespace
 
 std::string CsvTable::dialect() const {
   const std::string shown = delimiter == '\t' ? "tab" : delimiter == ' ' ? "blank" : std::string("'") + delimiter + "'";
   return "delimiter " + shown + ", decimal separator '" + decimal + "'";
+}
+
+std::string titles_left_out(int titles) {
+  return titles == 1 ? "the row above the header is a title, and is left out"
+                     : std::to_string(titles) + " rows above the header are titles, and are left out";
 }
 
 Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& columns) {
@@ -210,17 +249,20 @@ Thousands thousands_of(const CsvTable& table, const std::vector<std::size_t>& co
   return result;
 }
 
-CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names) {
+CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names, TitleRows titles) {
   CsvTable table;
   table.decoded = decode_text(bytes);
   auto lines = split_lines(table.decoded.text);
   // Spreadsheets may write "sep=;" in front: the delimiter is found without it.
   if (!lines.empty() && to_lower(trim(lines.front().text)).starts_with("sep=")) lines.erase(lines.begin());
-  const Dialect dialect = detect(lines, known_names);
+  const Dialect dialect = detect(lines, known_names, titles);
   table.delimiter = dialect.delimiter;
   table.decimal = dialect.decimal;
+  const std::size_t under_titles =
+      titles == TitleRows::passed_over ? header_under_titles(lines, dialect, known_names) : 0;
   bool first = true;
-  for (const Line& line : lines) {
+  for (std::size_t at = 0; at < lines.size(); ++at) {
+    const Line& line = lines[at];
     std::string_view text = line.text;
     if (trim(text).empty()) continue;
     const bool comment = is_comment(text);
@@ -229,8 +271,12 @@ CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::strin
     // A spreadsheet writes rows of delimiters where nothing stands.
     if (std::all_of(row.cells.begin(), row.cells.end(), [](const CsvCell& cell) { return cell.text.empty(); }))
       continue;
+    if (at < under_titles && !comment) {
+      ++table.titles;
+      continue;
+    }
     if (first && table.header.empty()) {
-      table.header = header_of(row.cells, table, known_names);
+      table.header = header_of(row.cells, table.decimal, known_names);
       if (!table.header.empty()) {
         table.header_line = line.number;
         first = false;

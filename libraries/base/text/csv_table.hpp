@@ -34,6 +34,7 @@ struct CsvTable {
   char decimal = '.';
   std::vector<CsvHeaderCell> header;  ///< empty if the first row holds data
   int header_line = 0;
+  int titles = 0;            ///< rows above the header that were passed over as titles
   std::vector<CsvRow> rows;  ///< without header, comments, empty lines and rows of empty cells
   /// Lines that begin with a comment mark and a name at once and hold numbers as a row does ("#7,12.5,3.1,0.2"): a
   /// point called #7, or a row taken out. The reader of the table refuses them with kDoubtfulRow.
@@ -49,11 +50,20 @@ struct CsvTable {
 inline constexpr const char* kDoubtfulRow =
     "if that is a name, put it in quotes (\"#7\"); if the row is a comment, put a blank after the mark";
 
+/// What rows above the header are: of the table, so that there is no header, or titles as people write them above a
+/// table in a spreadsheet ("Project Tower East", "as of 5 May"). A title has fewer cells filled than the header and at
+/// most one number, and stands among the first rows, so no row of values is taken for one.
+enum class TitleRows { refused, passed_over };
+
 /// Reads `bytes` as a table. Lines that begin with '#', '%' or "//" are comments. The first row (a comment too, if it
 /// is one) is the header when at least two of its cells are in `known_names` and none but the first is a number.
 /// `known_names` maps what a normalised header cell may be called to the name used for it in CsvTable::header; names
 /// that are not in it are kept as they are. Never throws; a text of no table has no rows or rows of one cell.
-CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names);
+CsvTable read_csv(std::string_view bytes, const std::map<std::string, std::string>& known_names,
+                  TitleRows titles = TitleRows::refused);
+
+/// "2 rows above the header are titles, and are left out", for messages.
+std::string titles_left_out(int titles);
 
 /// Numbers of `columns` that are thousands as well as decimals, as "1,000": each number of the table that has the
 /// decimal separator has three digits behind it and one to three before it.

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint64_t kLargest = 2ull << 30;
 constexpr std::uint64_t kDensest = 1000;
 
-[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error("this ZIP archive (ifcZIP) " + what); }
+[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error("this ZIP archive " + what); }
 
 /// An unsigned number, the low byte first.
 std::uint64_t number(std::string_view bytes, std::size_t at, std::size_t size) {
@@ -89,8 +89,32 @@ std::string inflated(std::string_view packed, std::uint64_t size) {
   const int end = inflate(&stream, Z_FINISH);
   const bool whole = end == Z_STREAM_END && stream.total_out == size;
   inflateEnd(&stream);
-  if (!whole) refuse("is damaged: its model does not unpack to the size that it states");
+  if (!whole) refuse("is damaged: a file in it does not unpack to the size that it states");
   return out;
+}
+
+std::string content_of(std::string_view archive, const Entry& entry) {
+  if (entry.flags & 1) refuse("is encrypted: unpack " + entry.name + " first");
+  if (entry.packed == 0xffffffff || entry.size == 0xffffffff) refuse("is a ZIP64 archive; unpack it first");
+  if (entry.size > kLargest || entry.size > kDensest * (entry.packed + 1))
+    refuse("holds " + entry.name + " with " + std::to_string(entry.size) + " bytes in " + std::to_string(entry.packed) +
+           " packed ones, which nobody writes; unpack it to see what it is");
+  const std::size_t begin =
+      entry.offset + 30 + number(archive, entry.offset + 26, 2) + number(archive, entry.offset + 28, 2);
+  if (number(archive, entry.offset, 4) != 0x04034b50)
+    refuse("is damaged: " + entry.name + " is not where it should be");
+  if (begin > archive.size() || entry.packed > archive.size() - begin) refuse("is cut off within " + entry.name);
+  const std::string_view packed = archive.substr(begin, entry.packed);
+  std::string content;
+  if (entry.method == 8)
+    content = inflated(packed, entry.size);
+  else if (entry.method == 0 && entry.packed == entry.size)
+    content = packed;
+  else
+    refuse("packs " + entry.name + " by method " + std::to_string(entry.method) + "; stored and deflated are read");
+  if (crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size())) != entry.crc)
+    refuse("is damaged: the checksum of " + entry.name + " is wrong");
+  return content;
 }
 
 }  // namespace
@@ -100,27 +124,13 @@ bool is_zip(std::string_view bytes) { return bytes.starts_with("PK\x03\x04"); }
 ZippedIfc unzip_ifc(std::string_view archive) {
   const std::vector<Entry> entries = entries_of(archive);
   const Entry& model = model_of(entries);
-  if (model.flags & 1) refuse("is encrypted: unpack " + model.name + " first");
-  if (model.packed == 0xffffffff || model.size == 0xffffffff) refuse("is a ZIP64 archive; unpack it first");
-  if (model.size > kLargest || model.size > kDensest * (model.packed + 1))
-    refuse("holds " + model.name + " with " + std::to_string(model.size) + " bytes in " + std::to_string(model.packed) +
-           " packed ones, which is no model; unpack it to see what it is");
-  const std::size_t begin =
-      model.offset + 30 + number(archive, model.offset + 26, 2) + number(archive, model.offset + 28, 2);
-  if (number(archive, model.offset, 4) != 0x04034b50)
-    refuse("is damaged: " + model.name + " is not where it should be");
-  if (begin > archive.size() || model.packed > archive.size() - begin) refuse("is cut off within " + model.name);
-  const std::string_view packed = archive.substr(begin, model.packed);
-  ZippedIfc out{model.name, {}};
-  if (model.method == 8)
-    out.content = inflated(packed, model.size);
-  else if (model.method == 0 && model.packed == model.size)
-    out.content = packed;
-  else
-    refuse("packs " + model.name + " by method " + std::to_string(model.method) + "; stored and deflated are read");
-  if (crc32(0, reinterpret_cast<const Bytef*>(out.content.data()), static_cast<uInt>(out.content.size())) != model.crc)
-    refuse("is damaged: the checksum of " + model.name + " is wrong");
-  return out;
+  return {model.name, content_of(archive, model)};
+}
+
+std::optional<std::string> unzip_file(std::string_view archive, std::string_view name) {
+  for (const Entry& entry : entries_of(archive))
+    if (entry.name == name) return content_of(archive, entry);
+  return std::nullopt;
 }
 
 }  // namespace plumbline::step

@@ -1,7 +1,8 @@
-// A ZIP archive as BIM offices send designs in: ifcZIP, one model in one archive (PKWARE APPNOTE 6.3, parts 4.3.7 to
-// 4.3.16; stored or deflated, neither encrypted nor larger than 4 GiB).
+// A ZIP archive as BIM offices send designs in: ifcZIP, one model in one archive; and the files of any other (PKWARE
+// APPNOTE 6.3, parts 4.3.7 to 4.3.16; stored or deflated, neither encrypted nor larger than 4 GiB).
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,5 +18,9 @@ struct ZippedIfc {
   std::string name, content;
 };
 ZippedIfc unzip_ifc(std::string_view archive);
+
+/// The file `name` of any archive, with '/' between folders; empty if there is none of that name. Throws
+/// std::runtime_error as unzip_ifc() does.
+std::optional<std::string> unzip_file(std::string_view archive, std::string_view name);
 
 }  // namespace plumbline::step

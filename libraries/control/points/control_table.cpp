@@ -1,5 +1,6 @@
 #include "control/points/control_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <stdexcept>
@@ -47,13 +48,16 @@ void tidy_rows(text::CsvTable& table) {
 
 void require_names_once(const TableSource& source, const std::vector<ControlPoint>& points) {
   std::set<std::string> seen;
-  for (std::size_t i = 0; i < points.size(); ++i) {  // a row each
+  const auto hold = [&](std::size_t i) {  // a row each
     const ControlPoint& p = points[i];
     for (int k = 0; k < 3; ++k)
       if (std::abs(p.position(k)) > kFarthest)
         source.fail(source.table.rows[i], "point '" + p.name + "' is farther than 1 000 000 km");
     if (!seen.insert(p.name).second) source.fail(source.table.rows[i], "point '" + p.name + "' stands in it twice");
-  }
+  };
+  RowProblems problems;
+  for (std::size_t i = 0; i < points.size(); ++i) problems.attempt([&] { hold(i); });
+  problems.raise();
 }
 
 /// Millimetres without a unit look like metres: 2 for 2 mm is no accuracy of control.
@@ -79,12 +83,22 @@ void TableSource::fail(const CsvRow& row, const std::string& what) const {
   throw std::runtime_error(file + ":" + std::to_string(row.line) + ": " + what);
 }
 
+void RowProblems::raise() const {
+  constexpr std::size_t most = 10;
+  if (lines_.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(lines_.size(), most); ++i) text += (i ? "\n" : "") + lines_[i];
+  if (lines_.size() > most) text += "\nand " + std::to_string(lines_.size() - most) + " more rows of the table";
+  throw std::runtime_error(text);
+}
+
 void TableSource::fail_header(const std::string& what) const {
   throw std::runtime_error(file + ":" + std::to_string(table.header_line) + ": " + what);
 }
 
 ControlTable parse_control_table(const std::string& text, const std::string& file, const ControlOptions& options) {
-  TableSource source{file, options, text::read_csv(without_remarks(text), point_column_names())};
+  TableSource source{file, options,
+                     text::read_csv(without_remarks(text), point_column_names(), text::TitleRows::passed_over)};
   if (!source.table.doubtful.empty())
     source.fail(
         source.table.doubtful.front(),
@@ -93,6 +107,7 @@ ControlTable parse_control_table(const std::string& text, const std::string& fil
   if (source.table.rows.empty() && source.table.header.empty())
     throw std::runtime_error(file + ": found no table; expected a CSV table with the columns " + kExpectedColumns);
   ControlTable result = source.table.header.empty() ? read_ordered_columns(source) : read_named_columns(source);
+  if (source.table.titles > 0) result.notes.push_back(text::titles_left_out(source.table.titles));
   require_names_once(source, result.points);
   warn_of_coarse_sigmas(result);
   return result;

@@ -295,17 +295,20 @@ ControlTable NamedColumns::read() {
   require_units();
   if (table_.rows.empty()) fail_header("found a header and no row under it");
   refuse_thousands();
-  tell_feet();
   for (const auto& [name, column] : columns_)
     if (name.starts_with("sigma") || name.starts_with("cov_"))
       result_.sigmas_say_unit = result_.sigmas_say_unit || column.says_unit;
-  for (const CsvRow& row : table_.rows) {
+  const auto read_row = [&](const CsvRow& row) {
     for (std::size_t i = table_.header.size(); i < row.cells.size(); ++i)
       if (!row.cells[i].text.empty())
         fail(row, "found " + std::to_string(row.cells.size()) + " cells under a header of " +
                       std::to_string(table_.header.size()) + " (" + table_.dialect() + ")");
     result_.points.push_back(point(row));
-  }
+  };
+  RowProblems problems;
+  for (const CsvRow& row : table_.rows) problems.attempt([&] { read_row(row); });
+  problems.raise();
+  tell_feet();
   return std::move(result_);
 }
 

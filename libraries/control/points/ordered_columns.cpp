@@ -147,7 +147,7 @@ void OrderedColumns::exchange_if_northing_stands_first() {
 ControlTable OrderedColumns::read() {
   const bool named = second_word_is_a_name();
   bool text_behind = false;
-  for (const CsvRow& row : table_.rows) {
+  const auto read_row = [&](const CsvRow& row) {
     ControlPoint p = point(row, named);
     text_behind = text_behind || !parsed(words(row).back());
     if (p.name.empty()) fail(row, "found no name, expected that of a point");
@@ -155,7 +155,10 @@ ControlTable OrderedColumns::read() {
       fail(row, "found two names, '" + p.name + "' and '" + p.second_name +
                     "', in a table without a header; expected one, or a header that says which is the point's");
     result_.points.push_back(std::move(p));
-  }
+  };
+  RowProblems problems;
+  for (const CsvRow& row : table_.rows) problems.attempt([&] { read_row(row); });
+  problems.raise();
   if (text_behind) result_.notes.push_back("text behind the numbers is not used");
   exchange_if_northing_stands_first();
   return std::move(result_);

@@ -2,7 +2,9 @@
 // libraries/control/points.
 #pragma once
 
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "base/text/csv_table.hpp"
 #include "control/points/control_table.hpp"
@@ -22,6 +24,25 @@ struct TableSource {
 
   [[noreturn]] void fail(const text::CsvRow& row, const std::string& what) const;
   [[noreturn]] void fail_header(const std::string& what) const;
+};
+
+/// What is wrong with the rows of a table, so that all of it is told at once.
+class RowProblems {
+ public:
+  /// Runs `read` of a row; what it throws is kept.
+  template <typename Read>
+  void attempt(const Read& read) {
+    try {
+      read();
+    } catch (const std::runtime_error& error) {
+      lines_.emplace_back(error.what());
+    }
+  }
+  /// Throws std::runtime_error with a line for each row, if there are any: the first ten, and how many more.
+  void raise() const;
+
+ private:
+  std::vector<std::string> lines_;
 };
 
 /// Points of a table with a header, and of one without. Neither looks for names that occur twice.

@@ -74,7 +74,7 @@ class ByteFile {
 
 [[noreturn]] void refuse_truncated(const ByteFile& file, const char* kind) {
   throw std::runtime_error(std::string("the ") + kind + " is truncated: it stops after " + std::to_string(file.size()) +
-                           " bytes without its end mark; copy it again from the camera");
+                           " bytes without its end mark");
 }
 
 /// The end of entropy-coded data: the next marker that is neither a stuffed zero nor a restart.

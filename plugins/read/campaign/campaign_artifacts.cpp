@@ -6,8 +6,10 @@
 #include "artifacts/camera_artifact.hpp"
 #include "base/text/whole_file.hpp"
 #include "geometry/packed_symmetric.hpp"
+#include "recognise_tables.hpp"
 #include "survey/files/survey_format.hpp"
 #include "survey/start/merge_surveys.hpp"
+#include "workbook_tables.hpp"
 
 namespace plumbline::campaign {
 
@@ -85,14 +87,35 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries) {
 KnownControl read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
   if (description.control.empty()) return {};
   KnownControl known;
-  known.points =
-      parse_control(text::read_whole(root / description.control), root / description.control, &known.warnings);
+  known.points = parse_control(table_text(root / description.control, has_columns_of_points, "a table of known points"),
+                               root / description.control, &known.warnings);
   for (std::string& warning : known.warnings) {
     warning = description.control + ": " + warning;
     context.warn(warning);
   }
   return known;
 }
+
+namespace {
+
+std::string place_of(const survey::SkippedLine& skipped) {
+  return skipped.source.file + ":" + std::to_string(skipped.source.line);
+}
+
+/// All of a file at once: who mends one line and runs again learns of the next one only then.
+void refuse_skipped(const std::vector<survey::SkippedLine>& skipped) {
+  constexpr std::size_t most = 10;
+  if (skipped.empty()) return;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(skipped.size(), most); ++i)
+    text +=
+        (i ? "\n" : "") + place_of(skipped[i]) + ": found " + skipped[i].found + ", expected " + skipped[i].expected;
+  if (skipped.size() > most)
+    text += "\n" + skipped.front().source.file + ": and " + std::to_string(skipped.size() - most) + " more of the kind";
+  throw std::runtime_error(text + ". Mend the file, or go on without these readings with strict=false");
+}
+
+}  // namespace
 
 std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescription& description, const fs::path& root,
                                                           const AddedReadings& added, bool strict, Context& context) {
@@ -108,13 +131,9 @@ std::vector<survey::SurveyObservations> read_survey_files(const CampaignDescript
       parts.push_back(read != added.end() ? survey::from_artifact(*read->second)
                                           : survey::read_survey(text::read_whole(root / path),
                                                                 path));  // by its own name, wherever it lies
-      for (const auto& skipped : parts.back().skipped) {
-        const std::string place = skipped.source.file + ":" + std::to_string(skipped.source.line);
-        if (strict)
-          throw std::runtime_error(place + ": found " + skipped.found + ", expected " + skipped.expected +
-                                   ". Mend the file, or go on without these readings with strict=false");
-        context.warn(place + ": passed over " + skipped.found + ", expected " + skipped.expected);
-      }
+      if (strict) refuse_skipped(parts.back().skipped);
+      for (const auto& skipped : parts.back().skipped)
+        context.warn(place_of(skipped) + ": passed over " + skipped.found + ", expected " + skipped.expected);
       for (const std::string& warning : parts.back().warnings) context.warn(path + ": " + warning);
     });
   problems.raise();

@@ -55,7 +55,10 @@ class Table {
       return std::none_of(rules_.begin(), rules_.end(), [&](const auto& rule) { return entry.second == rule.name; });
     });
     for (const ColumnRule& rule : rules_) known[rule.name] = rule.name;
-    table_ = text::read_csv(csv, known);
+    // What is left out has to be said.
+    table_ = text::read_csv(csv, known, warnings ? text::TitleRows::passed_over : text::TitleRows::refused);
+    if (table_.titles > 0)
+      warnings->push_back(shown_.filename().string() + ": " + text::titles_left_out(table_.titles));
     if (table_.header.empty()) {
       throw CampaignError(shown, 1, "found no header line, expected the columns " + names());
     }
@@ -273,7 +276,8 @@ std::vector<ControlPoint> parse_control(const std::string& csv, const std::files
   if (!table.has_sigmas)
     table.warnings.push_back(
         "no standard deviations: 1 mm in E, N and H is assumed; say better with sigma_e_mm, sigma_n_mm, sigma_h_mm");
-  for (ControlPoint& p : table.points) {
+  Problems problems;
+  const auto hold = [&](ControlPoint& p) {
     // Which points are withheld is said of anchors, not here: a 'check' that nobody heeds would be taken for evidence.
     if (p.check)
       throw CampaignError(shown, 0,
@@ -284,7 +288,9 @@ std::vector<ControlPoint> parse_control(const std::string& csv, const std::files
     for (int k = 0; k < 3; ++k)
       if (!std::isnan(p.position(k)) && !(p.sigma(k) > 0))
         throw CampaignError(shown, 0, "'" + p.name + "' lacks a standard deviation above zero for E, N or H");
-  }
+  };
+  for (ControlPoint& p : table.points) problems.attempt([&] { hold(p); });
+  problems.raise();
   if (warnings) {
     *warnings = table.warnings;
     if (!table.axes.empty()) warnings->push_back(table.axes);

@@ -74,4 +74,9 @@ InputFilesT ListedCampaign::unread() const {
   return result;
 }
 
+void ListedCampaign::warn_of_forgotten_control(Context& context) const {
+  const std::vector<std::string> names = forgotten_control(unused);
+  if (!names.empty()) context.warn(words_of_forgotten_control(names));
+}
+
 }  // namespace plumbline::campaign

@@ -28,6 +28,8 @@ struct ListedCampaign {
   /// of a set-up, and a vector; coordinates that are only given are none.
   InputFilesT inputs(std::size_t images, const SurveyObservationsT& readings) const;
   InputFilesT unread() const;
+  /// Says which tables of known points nothing names: a survey without them may look whole and lie elsewhere.
+  void warn_of_forgotten_control(Context& context) const;
 
   FolderT given;
   std::filesystem::path root;

@@ -12,6 +12,9 @@
 #include "photo_campaign_node.hpp"
 #include "propose_node.hpp"
 #include "reader_files_node.hpp"
+#include "recognise_tables.hpp"
+#include "whole_design.hpp"
+#include "workbook_tables.hpp"
 
 namespace {
 
@@ -21,7 +24,8 @@ namespace fs = std::filesystem;
 std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& context,
                                               campaign::CampaignUse use = campaign::CampaignUse::site) {
   std::vector<std::string> warnings;
-  auto entries = campaign::parse_plates(text::read_whole(path), path, use, &warnings);
+  const std::string table = campaign::table_text(path, campaign::is_table_of_plates, "a table of plates");
+  auto entries = campaign::parse_plates(table, path, use, &warnings);
   for (const std::string& warning : warnings) context.warn(warning);
   return entries;
 }
@@ -32,7 +36,8 @@ FileT mapping_file(campaign::ListedCampaign& site) {
   if (site.description.mapping.empty()) return table;
   table.name = fs::path(site.description.mapping).filename().string();
   site.problems.attempt([&] {
-    const std::string rows = text::read_whole(site.root / site.description.mapping);
+    const std::string rows = campaign::table_text(site.root / site.description.mapping, campaign::is_table_of_names,
+                                                  "a table of points and elements");
     table.media_type = "text/csv";
     table.content.assign(rows.begin(), rows.end());
   });
@@ -47,7 +52,7 @@ FileT design_reference(const campaign::ListedCampaign& site) {
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 9, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 10, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
                                  "survey files that readers of other plugins have read: parts/readers.yaml"};
@@ -96,10 +101,14 @@ struct ReadCampaign : Node {
     attempt(cameras && !description.observations.empty(), [&] {
       const fs::path table = root / description.observations;
       const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras->of(image).camera; };
-      tags = campaign::parse_observations(text::read_whole(table), table, camera_of);
+      tags = campaign::parse_observations(
+          campaign::table_text(table, campaign::is_table_of_tags, "a table of measured tags"), table, camera_of);
     });
+    attempt(!description.design.empty(),
+            [&] { campaign::require_whole_design(root / description.design, root / description.design); });
     FileT table = mapping_file(site);
     site.problems.raise();
+    site.warn_of_forgotten_control(context);
 
     camera.commit(cameras->artifact());
     plates.commit(campaign::to_artifact(entries));
@@ -180,7 +189,7 @@ struct ReadCampaign : Node {
 };
 
 struct ReadSurveyCampaign : Node {
-  static constexpr Info info{"read.survey_campaign", "", 2,
+  static constexpr Info info{"read.survey_campaign", "", 3,
                              "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
@@ -203,6 +212,7 @@ struct ReadSurveyCampaign : Node {
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
     site.problems.raise();
+    site.warn_of_forgotten_control(context);
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
     inputs.commit(site.inputs(0, readings));
@@ -231,7 +241,7 @@ struct ReadSurveyEpochs : Node {
 };
 
 struct ReadMeasuredCampaign : Node {
-  static constexpr Info info{"read.measured_campaign", "", 2,
+  static constexpr Info info{"read.measured_campaign", "", 3,
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
                              "plates and design; photographs in it are left alone"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
@@ -261,8 +271,13 @@ struct ReadMeasuredCampaign : Node {
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
+    if (!site.description.design.empty())
+      site.problems.attempt([&] {
+        campaign::require_whole_design(site.root / site.description.design, site.root / site.description.design);
+      });
     const FileT table = mapping_file(site);
     site.problems.raise();
+    site.warn_of_forgotten_control(context);
     plates.commit(campaign::to_artifact(entries));
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);

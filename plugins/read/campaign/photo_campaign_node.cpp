@@ -122,12 +122,14 @@ void ReadPhotoCampaign::run(Context& context) {
   if (!description.plates.empty())
     site.problems.attempt([&] {
       const fs::path table = root / description.plates;
-      entries = parse_plates(text::read_whole(table), table, CampaignUse::photographs, &warnings);
+      entries = parse_plates(table_text(table, is_table_of_plates, "a table of plates"), table,
+                             CampaignUse::photographs, &warnings);
     });
   site.problems.attempt([&] { known = read_control(description, root, context); });
   if (!description.survey.empty())
     site.problems.attempt([&] { readings = read_surveys(description, root, site.added, known, *strict, context); });
   site.problems.raise();
+  site.warn_of_forgotten_control(context);
 
   for (const std::string& warning : warnings) context.warn(warning);
   for (const std::string& path : description.images) images.commit(image_of(site.entry(path), root));

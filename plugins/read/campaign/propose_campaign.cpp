@@ -5,16 +5,19 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <set>
 
-#include "base/text/csv_table.hpp"
 #include "base/text/text.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
+#include "recognise_tables.hpp"
 #include "survey/files/survey_format.hpp"
 #include "survey/model/repeated_readings.hpp"
 #include "unused_files.hpp"
+#include "whole_design.hpp"
+#include "workbook_tables.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -111,7 +114,7 @@ class Sorter {
       add("survey", listed(survey_), "readings of the total station");
     if (!repeated_.empty())
       proposal_.yaml += "# not proposed: " + listed(repeated_) + "   # its readings stand in a file of survey, too\n";
-    if (!control_.empty()) add("control", one_of("control", control_), "known points that carry the datum");
+    add_control();
     if (designs_.empty())
       lack("design", "design.ifc", "no IFC file was found");
     else
@@ -123,7 +126,11 @@ class Sorter {
     if (!proposal_.pipeline.empty())
       proposal_.found.push_back("as it is, the folder is one for: plumbline run " + proposal_.pipeline);
     for (const std::string& name : office_)
-      proposal_.wrong.push_back(name + ": a spreadsheet's own format is not read; save the sheet as CSV beside it");
+      proposal_.wrong.push_back(name +
+                                ": this format of spreadsheets is not read; save it as .xlsx, or its sheet as CSV");
+    if (plates_.empty() || control_.empty())
+      for (const std::string& name : strange_workbooks_)
+        proposal_.wrong.push_back(name + ": no sheet of it has the columns of plates or of known points");
     return std::move(proposal_);
   }
 
@@ -132,24 +139,58 @@ class Sorter {
     if (is_system_file(file) || file == "campaign.yaml") return;
     const fs::path path = root_ / file;
     if (is_photograph_name(file)) return add_photograph(file);
-    if (ends_as(file, {".xlsx", ".xls", ".ods", ".numbers"})) return office_.push_back(file);
-    if (ends_as(file, {".ifc", ".ifczip", ".ifcxml"})) return designs_.push_back(file);
+    if (ends_as(file, {".xls", ".ods", ".numbers"})) return office_.push_back(file);
+    if (ends_as(file, {".ifc", ".ifczip", ".ifcxml"})) {
+      designs_.push_back(file);
+      return attempt([&] { require_whole_design(path, file); });
+    }
     std::error_code error;
     if (fs::file_size(path, error) > kLargestText || error) return;
+    if (is_workbook(file)) return sort_workbook(file);
     const std::string text = text_of(path);
     if (ends_as(file, {".yaml", ".yml"}) && text.find("plumbline_camera") != std::string::npos) {
       attempt([&] { cameras_.push_back({file, parse_camera(text, file)}); });
     } else if (is_table_of_plates(text)) {
-      plates_.push_back(file);
-      std::vector<std::string> notes;  // of the owner's own columns: nothing to mend
-      attempt([&] { parse_plates(text, file, CampaignUse::site, &notes); });
+      take_plates(file, [&] { return text; });
     } else if (is_table_of_tags(text)) {
       observations_.push_back(file);
     } else if (holds_readings(path, file)) {
       survey_.push_back(file);
-    } else if (ends_as(file, {".csv", ".txt"}) && is_table_of_points(text)) {
-      control_.push_back(file);
+    } else if (ends_as(file, {".csv", ".txt"})) {
+      sort_points(file, [&] { return text; });
     }
+  }
+
+  void take_plates(const std::string& file, const std::function<std::string()>& text) {
+    plates_.push_back(file);
+    std::vector<std::string> notes;  // of the owner's own columns: nothing to mend
+    attempt([&] { parse_plates(text(), file, CampaignUse::site, &notes); });
+  }
+
+  /// One workbook may hold a table of plates and one of known points, each on a sheet of its own.
+  void sort_workbook(const std::string& file) {
+    bool plates = false, tags = false, points = false;
+    try {
+      for (const WorkbookSheet& sheet : sheets_of(text_of(root_ / file), file)) {
+        if (has_columns_of_sightings(sheet.csv))
+          proposal_.wrong.push_back(file + ": sheet '" + sheet.name +
+                                    "' holds readings, which are not read from a workbook; save it as CSV");
+        else if (is_table_of_plates(sheet.csv))
+          plates = true;
+        else if (is_table_of_tags(sheet.csv))
+          tags = true;
+        else
+          points = points || has_columns_of_points(sheet.csv);
+      }
+    } catch (const std::runtime_error& error) {
+      return tell(error.what());
+    }
+    if (plates) take_plates(file, [&] { return table_text(root_ / file, is_table_of_plates, "a table of plates"); });
+    if (tags) observations_.push_back(file);
+    if (points || (!plates && !tags && is_called_control(file)))
+      sort_points(file, [&] { return table_text(root_ / file, has_columns_of_points, "a table of known points"); });
+    else if (!plates && !tags)
+      strange_workbooks_.push_back(file);
   }
 
   /// What the folder is good for as it is, where that is not a site with photographs of tags.
@@ -179,26 +220,24 @@ class Sorter {
     groups_.push_back(std::move(group));
   }
 
-  static bool has_columns(const text::CsvTable& table, std::initializer_list<const char*> names) {
-    return std::all_of(names.begin(), names.end(), [&](const char* name) {
-      return std::any_of(table.header.begin(), table.header.end(), [&](const auto& cell) { return cell.name == name; });
-    });
-  }
-  static bool is_table_of_plates(const std::string& text) {
-    return has_columns(text::read_csv(text, plate_column_names()), {"anchor", "tag_id"});
-  }
-  /// observations.csv: tags that another program has measured.
-  static bool is_table_of_tags(const std::string& text) {
-    return text.find("tag_id") < 1024 &&
-           has_columns(text::read_csv(text, {{"image", "image"}, {"tag_id", "tag_id"}}), {"image", "tag_id"});
+  /// What cannot be read is proposed where its name says what it is, or nothing else is: left out without a word, the
+  /// survey's own coordinates would hold the datum.
+  void sort_points(const std::string& file, const std::function<std::string()>& text) {
+    try {
+      if (!parse_control(text(), file).empty()) control_.push_back(file);
+    } catch (const std::runtime_error& error) {
+      if (!is_workbook(file) && !looks_like_control(text(), file)) return;
+      (is_called_control(file) ? control_ : doubtful_control_).push_back(file);
+      tell(error.what());
+    }
   }
 
-  static bool is_table_of_points(const std::string& text) {
-    try {
-      return !parse_control(text, "table").empty();
-    } catch (const std::runtime_error&) {
-      return false;
-    }
+  void add_control() {
+    if (control_.empty()) control_.swap(doubtful_control_);
+    if (!control_.empty()) return add("control", one_of("control", control_), "known points that carry the datum");
+    if (!survey_.empty())
+      proposal_.yaml +=
+          "# control: control.csv   # no table of known points was found: what the survey files know holds the datum\n";
   }
 
   /// A job and the table that was exported of it hold the same readings: one of them is proposed, and the pair told.
@@ -229,8 +268,12 @@ class Sorter {
     try {
       action();
     } catch (const std::runtime_error& error) {
-      proposal_.wrong.push_back(error.what());
+      tell(error.what());
     }
+  }
+  /// A line each.
+  void tell(const std::string& problems) {
+    for (const text::Line& line : text::split_lines(problems)) proposal_.wrong.emplace_back(line.text);
   }
 
   void add(const std::string& key, const std::string& value, const std::string& comment) {
@@ -410,9 +453,11 @@ class Sorter {
   std::vector<Group> groups_;
   std::vector<CameraFile> cameras_;
   Names plates_, observations_, survey_, control_, designs_, office_;
-  Names broken_;       // photographs that cannot be read
-  Names repeated_;     // files whose readings another one has
-  bool open_ = false;  // of several files for one key, which it is
+  Names strange_workbooks_;  // without a table that a campaign has
+  Names doubtful_control_;   // tables of points that cannot be read and may be something else
+  Names broken_;             // photographs that cannot be read
+  Names repeated_;           // files whose readings another one has
+  bool open_ = false;        // of several files for one key, which it is
 };
 
 }  // namespace

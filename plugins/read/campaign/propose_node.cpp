@@ -12,6 +12,7 @@
 #include "survey/model/several_instruments.hpp"
 #include "survey/start/alike_names.hpp"
 #include "survey/start/measured_names.hpp"
+#include "unused_files.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -148,6 +149,10 @@ void AccountForCampaign::run(Context& context) {
   for (const auto& file : read.files)
     if (file->read) ++uses[file->use];
   if (!uses.contains("observations")) hold_families(hung, *families, problems);
+  std::vector<std::string> forgotten;
+  for (const auto& file : left.files)
+    if (file->use == "control") forgotten.push_back(file->path);
+  if (!forgotten.empty()) problems.push_back(words_of_forgotten_control(forgotten));
   std::string wrong;
   for (const std::string& problem : problems) wrong += (wrong.empty() ? "" : "\n") + problem;
   if (!wrong.empty()) throw BadInput(wrong);

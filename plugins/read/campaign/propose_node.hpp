@@ -14,7 +14,7 @@
 namespace plumbline::campaign {
 
 struct ProposeCampaign : Node {
-  static constexpr Info info{"campaign.propose", "", 2, "Proposes a campaign.yaml for what lies in a folder"};
+  static constexpr Info info{"campaign.propose", "", 3, "Proposes a campaign.yaml for what lies in a folder"};
   In<Folder> folder{"folder", "a folder with photographs, survey files, tables and a design"};
   Optional<SurveyReadings> readings{"readings", frame("frame=building"),
                                     "survey files that readers of other plugins know as theirs: parts/readers.yaml"};
@@ -27,7 +27,7 @@ struct ProposeCampaign : Node {
 };
 
 struct AccountForCampaign : Node {
-  static constexpr Info info{"campaign.account", "", 6,
+  static constexpr Info info{"campaign.account", "", 7,
                              "Says which files of a campaign's folder take part, and what a run will assume"};
   In<InputFiles> inputs{"inputs", "the files that were read, and what was set aside"};
   In<InputFiles> unread{"unread", "what else lies in the folder"};

@@ -5,8 +5,10 @@
 
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
+#include "recognise_tables.hpp"
 #include "survey/files/survey_builder.hpp"
 #include "survey/files/survey_format.hpp"
+#include "workbook_tables.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -24,10 +26,26 @@ std::string beginning_of(const fs::path& path, std::size_t bytes) {
   return text;
 }
 
-std::string looks_like(const fs::path& root, const std::string& path) {
+bool holds_known_points(const fs::path& path, const std::string& name) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error || size == 0 || size > kLargestTable) return false;
+  const std::string bytes = beginning_of(path, size);
+  if (!is_workbook(path)) return looks_like_control(bytes, name);
+  try {
+    const std::vector<WorkbookSheet> sheets = sheets_of(bytes, name);
+    return std::any_of(sheets.begin(), sheets.end(), [](const auto& s) { return has_columns_of_points(s.csv); });
+  } catch (const std::runtime_error&) {  // a workbook of something else may be protected
+    return is_called_control(name);
+  }
+}
+
+/// With `control_too`, because no other table is named for it.
+std::string looks_like(const fs::path& root, const std::string& path, bool control_too) {
   if (is_system_file(path)) return "";
   if (is_photograph_name(path)) return "photograph";
-  return holds_readings(root / path, path) ? "survey" : "";
+  if (holds_readings(root / path, path)) return "survey";
+  return control_too && holds_known_points(root / path, path) ? "control" : "";
 }
 
 std::string names_of(const std::vector<std::string>& names) {
@@ -53,9 +71,10 @@ bool holds_readings(const fs::path& path, const std::string& name) {
   if (size > kLargestTable) return !table;
   try {
     const survey::SurveyObservations found = survey::read_survey(beginning_of(path, size), name);
-    return !found.observations.empty() || (!table && !found.skipped.empty());
+    if (!found.observations.empty()) return true;
+    return table ? has_columns_of_sightings(beginning_of(path, kBeginning)) : !found.skipped.empty();
   } catch (const std::runtime_error&) {
-    return !table;
+    return !table || has_columns_of_sightings(beginning_of(path, kBeginning));
   }
 }
 
@@ -95,9 +114,25 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
   for (const std::string& path : files) {
     if (uses.count(path)) continue;
     const auto& aside = description.unused;
-    unused.push_back({path, looks_like(root, path), std::find(aside.begin(), aside.end(), path) != aside.end()});
+    unused.push_back({path, looks_like(root, path, description.control.empty()),
+                      std::find(aside.begin(), aside.end(), path) != aside.end()});
   }
   return unused;
+}
+
+std::vector<std::string> forgotten_control(const std::vector<UnusedFile>& unused) {
+  std::vector<std::string> names;
+  for (const UnusedFile& file : unused)
+    if (!file.set_aside && file.looks_like == "control") names.push_back(file.path);
+  return names;
+}
+
+std::string words_of_forgotten_control(const std::vector<std::string>& names) {
+  const bool one = names.size() == 1;
+  return names_of(names) + (one ? " looks like a table of known points" : " look like tables of known points") +
+         ", and nothing names " + (one ? "it" : "them") +
+         ": no known point holds the result. Name the one that carries the datum under 'control', or leave " +
+         (one ? "it" : "them") + " out by 'unused'";
 }
 
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,

@@ -15,7 +15,8 @@ std::map<std::string, std::string> uses_of(const CampaignDescription& descriptio
 
 struct UnusedFile {
   std::string path;
-  std::string looks_like;  ///< "photograph", "survey" (a file with readings), or empty
+  /// "photograph", "survey" (a file with readings), "control" (a table of known points, where none is named), or empty.
+  std::string looks_like;
   bool set_aside = false;  ///< `unused` names it
 };
 
@@ -24,14 +25,21 @@ struct UnusedFile {
 std::vector<UnusedFile> unused_files(const CampaignDescription& description, const std::filesystem::path& root,
                                      std::vector<std::string> files);
 
+/// Tables of known points that nothing names, where 'control' is left out; none if it is there. A network without
+/// its known points looks whole and lies elsewhere.
+std::vector<std::string> forgotten_control(const std::vector<UnusedFile>& unused);
+/// What to say of them, and what to do; `names` is not empty.
+std::string words_of_forgotten_control(const std::vector<std::string>& names);
+
 /// Throws CampaignError that names the photographs and survey files which nothing uses or sets aside, and what to write
 /// into campaign.yaml. With CampaignUse::survey photographs may lie there, and where tags were measured already, too.
 /// Where campaign.yaml has mistakes (not `understood`) only kinds of which it names some are told.
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,
                       const std::filesystem::path& root, CampaignUse use, bool understood);
 
-/// Whether the file holds readings of an instrument. Tables may hold anything: they count if they can be read and have
-/// some. Instruments' files count even where they are damaged.
+/// Whether the file holds readings of an instrument. Tables may hold anything: they count if they have some that
+/// can be read, or the columns of sightings, whatever is wrong with them. Instruments' files count even where they are
+/// damaged.
 bool holds_readings(const std::filesystem::path& path, const std::string& name);
 
 /// The files as campaign.yaml would name them: by a pattern where several of a folder end alike.

@@ -121,6 +121,14 @@ TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
   EXPECT_TRUE(contains(read_file(plumbline.work() / "out/report.html"), " in campaign.yaml, with SHA-256"));
 }
 
+/// A table of sightings with a mistake in its header was no survey file, and was left out without a word.
+TEST_F(SiteFolder, SightingsWithAMistakeAreSightings) {
+  write("survey/mittwoch.csv", "station,target,hz,v,sd\nS1,A,0.0,90.0,10.0\nS1,B,45.0,89.0,12.0\n");
+  const Answer refused = process("out");
+  EXPECT_EQ(refused.code, 1) << refused.out;
+  EXPECT_TRUE(contains(refused.err, "1 survey file (survey/mittwoch.csv) that nothing names")) << refused.err;
+}
+
 TEST_F(SiteFolder, AMacsAndAWindowsFilesAreNoPhotographs) {
   for (const char* name : {"images/._F01-01.jpg", "images/Thumbs.db", ".DS_Store", "~$plates.csv"}) write(name, "\0\5");
   const Answer answer = process("out");
@@ -158,6 +166,24 @@ TEST_F(SiteFolder, AllMistakesAreToldAtOnce) {
     EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
 }
 
+/// One mistake of each file was told, and the next one when that was mended; the design when all else was.
+TEST_F(SiteFolder, AllMistakesOfAFileAreToldAtOnce) {
+  std::string control = read_file(site() / "control.csv");
+  for (const char* id : {"G1,", "G3,"}) control.replace(control.find(id), 3, std::string(id) + "x");
+  write("control.csv", control);
+  for (const char* value : {"11", "12"})
+    append("survey/total_station.gsi", "*110003+000000000000000B 21.322+000000001" + std::string(value) + "\n");
+  std::string design = read_file(site() / "design.ifc");
+  write("design.ifc", design.substr(0, design.size() / 2));
+  write("images/F01-02.jpg", read_file(site() / "images/F01-02.jpg").substr(0, 20000));
+  const Answer answer = plumbline({"campaign", "check", "site"});
+  EXPECT_EQ(answer.code, 1);
+  for (const char* word : {"control.csv:2: 'east' is 'x", "control.csv:4: 'east' is 'x", "found '21.322+00000000111'",
+                           "found '21.322+00000000112'", "the design was copied in part",
+                           "stops after 20000 bytes without its end mark; copy it again from the camera, or"})
+    EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
+}
+
 TEST_F(SiteFolder, AnExcelTableIsRead) {
   std::istringstream lines(read_file(site() / "plates.csv"));
   std::string table, line;
@@ -169,6 +195,34 @@ TEST_F(SiteFolder, AnExcelTableIsRead) {
   const Answer answer = process("out");
   EXPECT_EQ(answer.code, 0) << answer.err;
   EXPECT_TRUE(contains(answer.err, "the column 'bemerkung' is none of this table's, and is left out")) << answer.err;
+}
+
+/// Known points that one wrong cell took out: "The folder is whole.", and a survey on its own coordinates, with anchors
+/// 4 mm elsewhere.
+TEST_F(SiteFolder, ATableOfControlIsNotTakenOutInSilence) {
+  const std::string sound = read_file(site() / "control.csv");
+  std::string wrong = sound;
+  wrong.replace(wrong.find("\n", wrong.find("G1,")) - 3, 3, "x");
+  for (const std::string& table : {wrong, "Projekt: Turm;;\n\n" + sound}) {
+    write("control.csv", table);
+    fs::remove(site() / "campaign.yaml");
+    const Answer proposed = plumbline({"campaign", "init", "site"});
+    EXPECT_TRUE(contains(proposed.out, "control: control.csv")) << proposed.out << proposed.err;
+    const bool is_wrong = table == wrong;
+    EXPECT_EQ(contains(proposed.out + proposed.err, "'sigma_height' is 'x'"), is_wrong) << proposed.out << proposed.err;
+    EXPECT_EQ(plumbline({"campaign", "check", "site"}).code, is_wrong ? 1 : 0);
+  }
+  std::string yaml = read_file(site() / "campaign.yaml");
+  yaml.erase(yaml.find("control: control.csv"),
+             yaml.find("\n", yaml.find("control: control.csv")) + 1 - yaml.find("control: control.csv"));
+  write("campaign.yaml", yaml);
+  const Answer checked = plumbline({"campaign", "check", "site"});
+  EXPECT_EQ(checked.code, 1) << checked.out;
+  const std::string words = "control.csv looks like a table of known points, and nothing names it";
+  EXPECT_TRUE(contains(checked.err, words)) << checked.err;
+  EXPECT_TRUE(contains(process("out").err, words)) << "a run warns";
+  write("campaign.yaml", yaml + "\nunused: control.csv\n");
+  EXPECT_EQ(plumbline({"campaign", "check", "site"}).code, 0);
 }
 
 }  // namespace test_site_folder

@@ -170,12 +170,14 @@ TEST_F(Folder, GermanColumnsAndRolesOfPlatesAreRead) {
 }
 
 TEST_F(Folder, SaysWhatIsMissingAndWhatCannotBeRead) {
-  write("Schilder.xlsx", "PK");
+  write("Schilder.ods", "PK"), write("Passpunkte.xlsx", "PK");
   const Proposal p = propose();
   std::string all;
   for (const std::string& line : p.wrong) all += line + "\n";
-  for (const char* words : {"plates: no table says which tag hangs", "survey: no file with readings", "design: no IFC",
-                            "Schilder.xlsx: a spreadsheet's own format is not read; save the sheet as CSV"})
+  for (const char* words :
+       {"plates: no table says which tag hangs", "survey: no file with readings", "design: no IFC",
+        "Schilder.ods: this format of spreadsheets is not read; save it as .xlsx, or its sheet as CSV",
+        "Passpunkte.xlsx: this is no Excel workbook; is it protected by a password"})
     EXPECT_NE(all.find(words), std::string::npos) << words << "\n" << all;
 }
 
@@ -221,6 +223,45 @@ TEST_F(Folder, ADamagedTableIsToldWithItsLine) {
   const Proposal p = propose();
   EXPECT_NE(p.yaml.find("plates: plates.csv"), std::string::npos) << p.yaml;
   EXPECT_NE(p.wrong.front().find("plates.csv:2: column 'tag_id' holds 'x'"), std::string::npos) << p.wrong.front();
+}
+
+/// One cell that is no number took the whole table out: nothing was proposed, and the check found the folder whole.
+TEST_F(Folder, ATableOfControlWithAMistakeIsStillOne) {
+  const std::string header = "id,east_m,north_m,height_m,sigma_east_mm,sigma_north_mm,sigma_height_mm\n";
+  write("survey/monday.gsi", gsi);
+  write("points.csv", header + "G1,-2.9,-3.6,0.08,0.5,0.5,0.5\nG2,9.0,-3.4,0.08,0.5,0.5,x\n");
+  const Proposal by_header = propose();
+  EXPECT_NE(by_header.yaml.find("\ncontrol: points.csv   #"), std::string::npos) << by_header.yaml;
+  EXPECT_NE(all_of(by_header.wrong).find("points.csv:3: 'sigma_height' is 'x', expected a number"), std::string::npos)
+      << all_of(by_header.wrong);
+  write("Festpunkte.csv", "id;east_m;north_m;height_m\nG1;5,12E+05;5,41E+06;0,08\nG2;5,12E+05;5,41E+06;0,08\n");
+  const Proposal by_name = propose();
+  EXPECT_NE(by_name.yaml.find("\ncontrol: Festpunkte.csv   #"), std::string::npos) << by_name.yaml;
+  EXPECT_NE(all_of(by_name.wrong).find("Festpunkte.csv:2: 'east' is '5,12E+05', which a spreadsheet has shortened"),
+            std::string::npos)
+      << all_of(by_name.wrong);
+}
+
+TEST_F(Folder, TitlesMayStandAboveATable) {
+  write("Schilder.csv", "Projekt Turm;;;;\r\nStand 05.05.2026;;;;\r\n\r\n" + plates);
+  write("Festpunkte.csv", "Projekt: Turm;;\r\nBlatt;3\r\n\r\n" + control);
+  const Proposal p = propose();
+  for (const char* line : {"\nplates: Schilder.csv   #", "\ncontrol: Festpunkte.csv   #"})
+    EXPECT_NE(p.yaml.find(line), std::string::npos) << line << "\n" << p.yaml << all_of(p.wrong);
+  std::vector<std::string> warnings;
+  const std::vector<ControlPoint> points =
+      parse_control("Projekt: Turm;;\r\nBlatt;3\r\n\r\n" + control, "Festpunkte.csv", &warnings);
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].position, Eigen::Vector3d(10.5, 20.25, 3.1));
+  EXPECT_NE(all_of(warnings).find("2 rows above the header are titles, and are left out"), std::string::npos)
+      << all_of(warnings);
+  // Values above a header are no title: nobody may lose a point.
+  EXPECT_NE(refusal_of([&] { parse_control("G0;1,5;2,5;3,5\r\n" + control, "Festpunkte.csv"); }), "");
+}
+
+TEST_F(Folder, SaysWhereNoKnownPointWasFound) {
+  write("survey/monday.gsi", gsi);
+  EXPECT_NE(propose().yaml.find("\n# control: control.csv   # no table of known points was found"), std::string::npos);
 }
 
 }  // namespace propose_campaign_test
