@@ -5,6 +5,7 @@
 #include "artifacts.hpp"
 #include "artifacts/accuracy.hpp"
 #include "artifacts/as_built_changes.hpp"
+#include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/input_files.hpp"
@@ -97,7 +98,7 @@ struct ReadIfc : Node {
 };
 
 struct WriteIfc : Node {
-  static constexpr Info info{"bim.write_ifc", "bim_writer", 4,
+  static constexpr Info info{"bim.write_ifc", "bim_writer", 5,
                              "Writes (14) and dz into a copy of the design IFC, as property sets and small solids"};
   In<plumbline::File> design_file{"design_file", "the design IFC; its own lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from that file"};
@@ -106,6 +107,7 @@ struct WriteIfc : Node {
   Optional<SurveyObservations> survey{"survey", frame("frame=?S"),
                                       "the survey as read: instrument and date of the provenance"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, for their hashes, and what was set aside"};
+  Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
@@ -151,7 +153,7 @@ struct WriteIfc : Node {
         if (file->read()) all += hashed;
       }
       if (run.empty()) run = derived_ifc_guid(read.project_guid, all);
-      options.image_count = inputs->images();
+      options.image_count = block && block->images() ? block->images()->size() : inputs->images();
     }
     options.provenance = {{"Method", *method},
                           {"Instrument", instrument_name},

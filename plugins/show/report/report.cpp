@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "artifacts/input_files_text.hpp"
@@ -105,13 +106,20 @@ void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
 
 void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, ReportInput& input) {
   const auto source = [](const InputFileT& file) { return SourceFile{file.path, file.sha256, file.size, file.use}; };
-  for (const auto& file : inputs.files) (file->read ? input.files : input.set_aside).push_back(source(*file));
+  std::set<std::string> adjusted;
+  if (input.block)
+    for (const auto& image : input.block->images) adjusted.insert(image->path);
+  for (const auto& file : inputs.files) {
+    auto& files = file->read ? input.files : input.set_aside;
+    files.push_back(source(*file));
+    if (input.block && file->read && file->use == "photograph" && !adjusted.contains(file->path))
+      files.back().use += ", left out";
+  }
   for (const auto& file : unread.files) input.unread.push_back(source(*file));
   if (inputs.files.empty()) return;
-  input.provenance.emplace_back("Took part", counted(inputs.images, "photograph", "photographs") + ", " +
-                                                 counted(inputs.readings, "reading", "readings") + ", " +
-                                                 counted(static_cast<long>(input.files.size()), "file", "files") +
-                                                 " of the folder");
+  const long used = input.block ? static_cast<long>(adjusted.size()) : -1;
+  const std::string none = inputs.images == 0 && used < 0 ? "0 photographs, " : "";  // the terminal leaves them out
+  input.provenance.emplace_back("Took part", none + what_took_part(inputs, used) + " of the folder");
 }
 
 void write_provenance(Markup& html, const ReportInput& input) {

@@ -117,10 +117,18 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
   }
 }
 
+/// What somebody asked to leave out of the survey, in the words of the parameter `exclude`; `network` is an input.
+std::vector<std::string> exclusions_of(const auto& network) {
+  std::vector<std::string> all;
+  if (network && network->exclusions())
+    for (const auto* text : *network->exclusions()) all.push_back(text->str());
+  return all;
+}
+
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 5,
+  static constexpr Info info{"report.html", "", 6,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -185,6 +193,8 @@ struct ReportHtml : Node {
     if (photographs) input.photographs = read_photographs(context, photographs.unpack());
     add_nodes(*pipeline, input.provenance);
     add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
+    if (const std::string left_out = few_names(exclusions_of(network)); !left_out.empty())
+      input.provenance.emplace_back("Left out of the readings", left_out);
     FileT file;
     file.name = "report.html", file.media_type = "text/html";
     const std::string html = render_report(input);
@@ -194,11 +204,12 @@ struct ReportHtml : Node {
 };
 
 struct ReportSummary : Node {
-  static constexpr Info info{"report.summary", "", 3, "Writes the result of an evaluation as a few lines of text"};
+  static constexpr Info info{"report.summary", "", 4, "Writes the result of an evaluation as a few lines of text"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   Optional<AsBuiltChanges> changes{"changes", frame("frame=?F"), "what became of anchors since the campaign before"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?S"), "the adjusted survey: which readings were left out"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, and evidence that was set aside"};
   Optional<InputFiles> unread{"unread", "what else lay in the folder"};
   Param<std::string> language{"language", "en", one_of("en", "de"), "of the text"};
@@ -217,8 +228,9 @@ struct ReportSummary : Node {
     if (inputs) read = inputs.unpack();
     if (unread) left = unread.unpack();
     const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
-    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
-                             spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used));
+    const std::string text =
+        summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
+        spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used, exclusions_of(network)));
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }

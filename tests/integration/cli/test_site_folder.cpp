@@ -93,6 +93,38 @@ TEST_F(SiteFolder, WhatIsNotReadIsNotProvedRead) {
   EXPECT_TRUE(contains(page, "that the run read"));
 }
 
+/// A photograph of nothing: one of the site's, with all that its compression holds multiplied by zero.
+std::string grey(std::string jpeg) {
+  for (std::size_t at = 2; at + 4 < jpeg.size() && jpeg[at] == '\xFF' && jpeg[at + 1] != '\xDA';) {
+    const std::size_t length =
+        256 * static_cast<unsigned char>(jpeg[at + 2]) + static_cast<unsigned char>(jpeg[at + 3]);
+    for (std::size_t table = at + 4; jpeg[at + 1] == '\xDB' && table < at + 2 + length; table += 65)
+      std::fill_n(jpeg.begin() + static_cast<std::ptrdiff_t>(table) + 1, 64, '\0');
+    at += 2 + length;
+  }
+  return jpeg;
+}
+
+/// The terminal said "12 of 13 photographs", the page and the IFC counted 13; readings that were excluded "took part".
+TEST_F(SiteFolder, WhatIsLeftOutTakesNoPart) {
+  write("images/sky.jpg", grey(read_file(site() / "images/F01-04.jpg")));
+  const Answer all = process("all", {"poses.with.on_too_few=skip"});
+  ASSERT_TRUE(contains(all.out, "Took part: 4 of 5 photographs, ")) << all.out << all.err;
+  EXPECT_FALSE(contains(all.out, "Left out of the readings")) << all.out;
+  const std::string page = read_file(plumbline.work() / "all/report.html");
+  EXPECT_TRUE(contains(page, "4 of 5 photographs, ")) << page.substr(page.find("Took part"), 200);
+  EXPECT_TRUE(contains(page, "photograph, left out"));
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "all/as_built.ifc"), "'Images that took part',IFCINTEGER(4)"));
+
+  const Answer fewer = process(
+      "fewer", {"poses.with.on_too_few=skip", "language=de", "network.with.exclude=[point F01-C02-R1: knocked]"});
+  EXPECT_TRUE(contains(fewer.out, "Von den Ablesungen ausgenommen: point F01-C02-R1: knocked."))
+      << fewer.out << fewer.err;
+  const std::string german = read_file(plumbline.work() / "fewer/report.html");
+  EXPECT_TRUE(contains(german, "Von den Ablesungen ausgenommen"));
+  EXPECT_TRUE(contains(german, "Foto, nicht beteiligt"));
+}
+
 TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
   fs::create_directory(site() / "images/nachtrag");
   fs::rename(site() / "images/F01-04.jpg", site() / "images/nachtrag/F01-04.jpg");
