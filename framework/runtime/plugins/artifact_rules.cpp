@@ -24,14 +24,16 @@ using reflection::Field;
 using reflection::Object;
 using reflection::Schema;
 
-enum class RuleKind { unique, not_negative, finite, some_known, rotation, triangle };
-constexpr const char* kind_names[] = {"unique", "not_negative", "finite", "some_known", "rotation", "triangle"};
+enum class RuleKind { unique, not_negative, finite, some_known, rotation, triangle, variances, all_or_none };
+constexpr const char* kind_names[] = {"unique",   "not_negative", "finite",    "some_known",
+                                      "rotation", "triangle",     "variances", "all_or_none"};
 
 struct Rule {
   RuleKind kind = RuleKind::unique;
-  std::vector<std::string> path;  // names of fields, from the root table
-  size_t rows = 0;                // of a triangle
-  std::string of;                 // list of the root table whose length multiplies them
+  std::vector<std::string> path;      // names of fields, from the root table
+  size_t rows = 0;                    // of a triangle
+  std::string of;                     // list of the root table whose length multiplies them
+  std::vector<std::string> nan_with;  // of variances: fields of an entry of `of` whose nan makes that of its row one
 };
 
 std::vector<std::string> split_path(const std::string& text) {
@@ -58,6 +60,7 @@ std::map<std::string, std::vector<Rule>> read_rules() {
             rule.kind = static_cast<RuleKind>(kind), rule.path = split_path(entry.second.as<std::string>());
         if (key == "rows") rule.rows = entry.second.as<size_t>();
         if (key == "of") rule.of = entry.second.as<std::string>();
+        if (key == "nan_with") rule.nan_with = entry.second.as<std::vector<std::string>>();
       }
       if (rule.path.empty()) throw std::logic_error(std::string("schemas/rules/") + file.name + ": a rule of no kind");
       rules.push_back(rule);
@@ -134,9 +137,11 @@ class Check {
         fail(place, field, "'" + text->str() + "' a second time", "each once");
       return;
     }
+    if (rule_.kind == RuleKind::variances) return check_variances(field, table, place);
     const std::vector<double> values = numbers(field, table);
     if (rule_.kind == RuleKind::triangle) return check_triangle(values.size(), field, place);
     size_t unknown = 0;
+    if (rule_.kind == RuleKind::all_or_none) return check_together(values, field, place);
     for (const double value : values) {
       unknown += std::isnan(value);
       if (std::isinf(value)) return fail(place, field, words_of(values), "no infinity");
@@ -153,6 +158,18 @@ class Check {
       fail(place, field, words_of({values.begin(), values.begin() + 4}), "a rotation as a unit quaternion");
   }
 
+  /// Of numbers that are known in all tables of a list or in none: the first that is nan beside others that are known.
+  void check_together(const std::vector<double>& values, const Field& field, const std::string& place) {
+    for (const double value : values) {
+      if (std::isinf(value)) return fail(place, field, words_of({value}), "no infinity");
+      if (!std::isnan(value))
+        some_known_ = true;
+      else if (!some_unknown_)
+        some_unknown_ = true, unknown_at_ = place;
+      if (some_known_ && some_unknown_) return fail(unknown_at_, field, "nan", "a number, as others of its list have");
+    }
+  }
+
   void check_triangle(size_t size, const Field& field, const std::string& place) {
     size_t n = rule_.rows;
     if (!rule_.of.empty()) {
@@ -164,6 +181,72 @@ class Check {
       fail(place, field, std::to_string(size) + " values",
            "none, or the " + std::to_string(n * (n + 1) / 2) + " of the lower triangle of " + std::to_string(n) +
                " rows");
+  }
+
+  /// A covariance by its lower triangle: no variance below zero, no correlation beyond 1. Both are taken with the noise
+  /// that an inverse leaves. nan is passed over, but where `nan_with` says which rows may have it.
+  void check_variances(const Field& field, const Table& table, const std::string& place) {
+    constexpr double noise = 1e-12, correlation_noise = 1e-4;
+    const reflection::Type& type = *field.type();
+    if (type.base_type() != reflection::Vector || type.element() != reflection::Double) return;
+    const auto* list = table.GetPointer<const flatbuffers::Vector<double>*>(field.offset());
+    if (!list) return;
+    std::vector<double> sigmas;
+    double largest = 0;
+    for (flatbuffers::uoffset_t next = 0, row = 0; next < list->size(); next += ++row + 1)
+      if (const double variance = list->Get(next); variance > largest) largest = variance;
+    for (flatbuffers::uoffset_t next = 0, row = 0; next < list->size(); next += ++row + 1) {
+      const double variance = list->Get(next);
+      if (std::isinf(variance) || variance < -noise * largest || (std::isnan(variance) && is_known(row)))
+        return fail(place, field, "a variance of " + words_of({variance}) + " in " + row_words(row),
+                    std::isnan(variance) ? "a number, as for all that is known" : "none below zero, and none infinite");
+      sigmas.push_back(std::sqrt(std::max(variance, 0.0)));
+    }
+    size_t next = 0;
+    for (size_t row = 0; row < sigmas.size(); ++row, ++next)  // and past the diagonal
+      for (size_t column = 0; column < row && next < list->size(); ++column, ++next) {
+        const double value = list->Get(static_cast<flatbuffers::uoffset_t>(next));
+        const double limit = (1 + correlation_noise) * sigmas[row] * sigmas[column] + noise * largest;
+        const bool lacks = std::isnan(value) && !rule_.nan_with.empty() && !std::isnan(limit);
+        if (std::abs(value) > limit || std::isinf(value) || lacks)
+          return fail(
+              place, field,
+              "a covariance of " + words_of({value}) + " between " + row_words(column) + " and " + row_words(row),
+              lacks ? "a number, as for all that is known"
+                    : "no correlation beyond 1, so at most " + words_of({sigmas[row] * sigmas[column]}));
+      }
+  }
+
+  /// The entry of the list `of` that a row of the triangle belongs to; null where there is none.
+  const Table* entry_of(size_t row, const Object** object) const {
+    const Field* list = rule_.of.empty() ? nullptr : schema_.root_table()->fields()->LookupByKey(rule_.of.c_str());
+    const auto* items = list ? root_.GetPointer<const flatbuffers::VectorOfAny*>(list->offset()) : nullptr;
+    if (!items || row / rule_.rows >= items->size()) return nullptr;
+    *object = schema_.objects()->Get(static_cast<unsigned>(list->type()->index()));
+    return flatbuffers::GetAnyVectorElemPointer<const Table>(items,
+                                                             static_cast<flatbuffers::uoffset_t>(row / rule_.rows));
+  }
+
+  /// Whether the variance of a row may not be nan.
+  bool is_known(size_t row) const {
+    const Object* object = nullptr;
+    const Table* entry = rule_.nan_with.empty() ? nullptr : entry_of(row, &object);
+    if (!entry) return false;
+    for (const std::string& name : rule_.nan_with)
+      if (const Field* field = object->fields()->LookupByKey(name.c_str())) {
+        const std::vector<double> values = numbers(*field, *entry);
+        if (row % rule_.rows < values.size() && std::isnan(values[row % rule_.rows])) return false;
+      }
+    return true;
+  }
+
+  /// "row 7 (points[2] 'F04-K1')"
+  std::string row_words(size_t row) const {
+    const Object* object = nullptr;
+    const Table* entry = entry_of(row, &object);
+    return "row " + std::to_string(row + 1) +
+           (entry ? " (" + rule_.of + "[" + std::to_string(row / rule_.rows) + "]" + name_of(*object, *entry) + ")"
+                  : "");
   }
 
   /// All numbers of a field: a scalar, a struct, or a list of either.
@@ -209,6 +292,8 @@ class Check {
   const Rule& rule_;
   const Table& root_;
   std::set<std::string> seen_;
+  bool some_known_ = false, some_unknown_ = false;
+  std::string unknown_at_;
   std::string problem_;
 };
 

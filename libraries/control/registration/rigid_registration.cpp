@@ -48,8 +48,13 @@ void check_input(const Correspondences& points, const Options& options) {
     throw DegenerateRegistration(
         "a registration needs at least 3 points that both sides have and that may take part, found " +
         std::to_string(n));
-  if (!points.source.allFinite() || !points.target.allFinite())
-    throw std::invalid_argument("registration: a coordinate is not a finite number");
+  for (Index i = 0; i < n; ++i)
+    for (const bool at_source : {true, false})
+      if (const Eigen::Vector3d x = (at_source ? points.source : points.target).col(i); !x.allFinite())
+        throw std::invalid_argument(fmt::format(
+            "registration: point '{}' of the {} has the coordinates {}, {}, {}, and all three must be known; "
+            "leave it out, or give what it lacks",
+            points.ids[static_cast<size_t>(i)], at_source ? "source" : "target", x.x(), x.y(), x.z()));
 }
 
 /// Refuses points on a line, and names the line by the two points that are furthest apart.

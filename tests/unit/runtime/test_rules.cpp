@@ -7,6 +7,7 @@
 #include "artifacts/folder.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
+#include "artifacts/survey_observations.hpp"
 #include "runtime/plugins/artifact_rules.hpp"
 #include "runtime/plugins/artifact_type.hpp"
 
@@ -76,6 +77,62 @@ TEST(ArtifactRules, TheFirstThatIsBrokenIsNamedWithItsPlace) {
   points.covariance.assign(5, 0.0);
   EXPECT_EQ(broken<Points>(points),
             "covariance holds 5 values, expected none, or the 45 of the lower triangle of 9 rows");
+}
+
+/// Nobody noticed, or the node behind was blamed: "the covariances are singular in a direction".
+TEST(ArtifactRules, ACovarianceIsOne) {
+  PointsT points = three();
+  const auto variance = [](size_t row) { return row * (row + 3) / 2; };
+  points.covariance.assign(45, 0.0);
+  for (size_t row = 0; row < 9; ++row) points.covariance[variance(row)] = 1e-6;
+  EXPECT_EQ(broken<Points>(points), "");
+  const std::vector<double> sound = points.covariance;
+  for (size_t row = 0; row < 9; ++row) points.covariance[variance(row)] = -1e-6;
+  EXPECT_EQ(broken<Points>(points),
+            "covariance holds a variance of -1e-06 in row 1 (points[0] 'A'), expected none below zero, and none "
+            "infinite");
+  points.covariance = sound;
+  points.covariance[variance(4) - 1] = 5e-6;
+  EXPECT_EQ(broken<Points>(points),
+            "covariance holds a covariance of 5e-06 between row 4 (points[1] 'B') and row 5 (points[1] 'B'), expected "
+            "no correlation beyond 1, so at most 1e-06");
+  points.covariance[variance(4) - 1] = 1e-6;
+  points.covariance[variance(8)] = -1e-24;
+  EXPECT_EQ(broken<Points>(points), "") << "the noise of an inverse";
+  points.covariance = sound;
+  points.covariance[variance(8)] = std::nan("");
+  EXPECT_EQ(broken<Points>(points),
+            "covariance holds a variance of nan in row 9 (points[2] 'C'), expected a number, as for all that is known");
+  points.points[2]->sigma.z() = std::nan("");
+  EXPECT_EQ(broken<Points>(points), "") << "nobody knows it";
+  points.points[2]->sigma.z() = 0.001, points.points[2]->position.z() = std::nan("");
+  EXPECT_EQ(broken<Points>(points), "") << "it has none";
+  points.covariance[1] = std::nan("");
+  EXPECT_TRUE(broken<Points>(points).starts_with(
+      "covariance holds a covariance of nan between row 1 (points[0] 'A') and row 2 (points[0] 'A')"))
+      << broken<Points>(points);
+}
+
+/// survey.adjust was blamed for a reading without a value, and nobody for what stands twice.
+TEST(ArtifactRules, AReadingHasAValueAndASetUpStandsOnce) {
+  SurveyObservationsT survey;
+  survey.info = std::make_unique<SurveyInfoT>();
+  for (const char* id : {"S1", "S2"}) {
+    survey.set_ups.push_back(std::make_unique<SurveySetUpT>());
+    survey.set_ups.back()->id = id, survey.set_ups.back()->station = "P";
+  }
+  for (const char* to : {"Q", "R"}) {
+    survey.observations.push_back(std::make_unique<SurveyObservationT>());
+    survey.observations.back()->from = "P", survey.observations.back()->to = to;
+  }
+  EXPECT_EQ(broken<SurveyObservations>(survey), "") << "planned";
+  survey.observations[1]->value = 1;
+  EXPECT_EQ(broken<SurveyObservations>(survey),
+            "observations[0]: value holds nan, expected a number, as others of its list have");
+  survey.observations[0]->value = INFINITY;
+  EXPECT_EQ(broken<SurveyObservations>(survey), "observations[0]: value holds inf, expected no infinity");
+  survey.observations[0]->value = 1, survey.set_ups[1]->id = "S1";
+  EXPECT_EQ(broken<SurveyObservations>(survey), "set_ups[1] 'S1': id holds 'S1' a second time, expected each once");
 }
 
 TEST(ArtifactRules, ARotationIsOne) {
