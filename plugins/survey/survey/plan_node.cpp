@@ -112,6 +112,20 @@ SurveyPlanT to_artifact(const PlanResult& r, const PlanOptions& options) {
   return plan;
 }
 
+/// What became of the rules, the one of rank before all others: without it nothing is predicted.
+std::string plan_verdict(const std::vector<PlannedRule>& rules) {
+  std::string broken;
+  size_t count = 0;
+  for (const PlannedRule& rule : rules) {
+    if (rule.holds) continue;
+    if (rule.name == "determined") return "NOT DETERMINED: " + rule.text;
+    if (count++ < 3) broken += (broken.empty() ? "" : "; ") + rule.name;
+  }
+  if (count == 0) return "determined, all " + std::to_string(rules.size()) + " rules hold";
+  return "determined, " + std::to_string(count) + " of " + std::to_string(rules.size()) +
+         " rules do not hold: " + broken + (count > 3 ? "; …" : "");
+}
+
 }  // namespace
 
 void PlanNode::run(Context& context) {
@@ -136,6 +150,9 @@ void PlanNode::run(Context& context) {
   const auto planned = planned_markers(markers.unpack(), plates ? &layout : nullptr);
   const auto places = planned_set_ups(planned_survey);
   const PlanResult result = plan_survey(planned, places, options);
+  const std::string verdict = plan_verdict(result.rules);
+  context.info(verdict);
+  context.metric("invalid", result.adjustable ? 0 : 1, "1");
   for (const PlannedRule& rule : result.rules)
     if (!rule.holds) context.warn(rule.name + ": " + rule.text);
   for (const PlanRemedy& remedy : result.remedies) context.info("for " + remedy.rule + ": " + remedy.text);

@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct PlanNode : ProfiledNode {
-  static constexpr Info info{"plan.survey", "", 2,
+  static constexpr Info info{"plan.survey", "", 3,
                              "Checks a planned layout of markers and set-ups and predicts the precision it will give"};
   In<Points> markers{"markers", frame("frame=?S"), "planned coordinates of the markers"};
   Optional<Plates> plates{"plates", frame("frame=?S"),

@@ -136,6 +136,7 @@ TEST(SurveyPipelines, APlanGivesRulesRemediesAndAPage) {
   plumbline.write("layout.csv", layout);
   const Answer answer = plumbline({"run", pipeline("plan_survey"), "file=layout.csv", "--out", "out"});
   ASSERT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "determined, 1 of ")) << answer.out;
   const Json plan = Json::parse(read_file(plumbline.work() / "out/plan.json"));
   bool told = false;
   for (const Json& rule : plan["rules"]) told |= rule["name"] == "set-ups per marker" && !rule["holds"];
@@ -145,6 +146,17 @@ TEST(SurveyPipelines, APlanGivesRulesRemediesAndAPage) {
   const std::string page = read_file(plumbline.work() / "out/plan.html");
   for (const char* part : {"1\xC2\xA0rule is broken.", "✗ violated", "sight F2C3R1, F2C3R2 also from S2", "<ellipse"})
     EXPECT_TRUE(contains(page, part)) << part;
+}
+
+/// It ended with 0, and only a warning above the list of files said that nothing is predicted.
+TEST(SurveyPipelines, APlanThatIsNotDeterminedIsNotToBeUsed) {
+  const Program plumbline;
+  const Answer answer = plumbline({"run", pipeline("plan_survey"), "--out", "out",
+                                   "file=" + std::string(source_dir()) + "/docs/examples/survey_plan.csv"});
+  EXPECT_EQ(answer.code, 3) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "NOT DETERMINED: rank defect")) << answer.out;
+  EXPECT_TRUE(contains(answer.err, "NOT TO BE USED")) << answer.err;
+  EXPECT_TRUE(std::filesystem::exists(plumbline.work() / "out/plan.html"));
 }
 
 TEST(SurveyPipelines, TwoFilesAreComparedAsEpochs) {
