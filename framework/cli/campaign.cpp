@@ -60,7 +60,7 @@ bool is_german(const Options& options) {
 void print(const fs::path& file) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);)
-    std::printf("%s\n", paint_verdict(runtime::printable(line)).c_str());
+    std::printf("%s\n", paint_verdict(hanging_lines(runtime::printable(line), terminal_columns())).c_str());
 }
 
 /// What the pipeline `init_campaign` or `check_campaign` names as the one that takes the folder; none: "".

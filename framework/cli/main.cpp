@@ -130,21 +130,23 @@ int main(int argc, char** argv) {
     return 2;
   }
   if (options.trust_others) setenv("PLUMBLINE_TRUST_OTHERS", "1", 1);
+  using plumbline::cli::tell;
+  using plumbline::runtime::printable;
   try {
     // The last one first: a command below another one stands after it.
     for (auto command = commands.rbegin(); command != commands.rend(); ++command)
       if (command->app->parsed()) return finished(command->action(options));
   } catch (const plumbline::cli::UsageError& error) {
-    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
+    tell("plumbline: " + printable(error.what()));
     return 2;
   } catch (const plumbline::runtime::InvalidPipeline& error) {  // unknown variables and parameters, too
-    std::fprintf(stderr, "%s\n", plumbline::runtime::printable(error.what()).c_str());
+    tell(printable(error.what()));
     return 2;
   } catch (const plumbline::runtime::NoRunRecord& error) {
-    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
+    tell("plumbline: " + printable(error.what()));
     return 2;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "plumbline: %s\n", plumbline::runtime::printable(error.what()).c_str());
+    tell("plumbline: " + printable(error.what()));
     return 1;
   }
   return 2;

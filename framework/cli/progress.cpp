@@ -77,7 +77,7 @@ void Progress::tell_failures_of_before() {
 void Progress::tell_failures() {
   for (const std::string& text : std::exchange(untold_, {})) {
     clear_status();
-    std::fprintf(stderr, "%s\n", runtime::printable(text).c_str());
+    tell(runtime::printable(text));
   }
 }
 
@@ -122,8 +122,7 @@ void Progress::node_finished(const runtime::GraphNode& node, const runtime::Node
   std::fflush(stdout);
   if (style_ != Style::json)
     for (const std::string& warning : runtime::told_once(result.warnings))
-      std::fprintf(stderr, "%s: node '%s': warning: %s\n", node.at.text().c_str(), node.name.c_str(),
-                   runtime::printable(warning).c_str());
+      tell(node.at.text() + ": node '" + node.name + "': warning: " + runtime::printable(warning));
   if (result.status == NodeStatus::failed && style_ != Style::json) {
     untold_.push_back(result.error.substr(0, result.error.find('\n')));
     failed_ = Clock::now();

@@ -39,7 +39,7 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
   }
   const size_t rounds = result.rounds.rounds;
   const std::string in_rounds = rounds > 0 ? std::to_string(rounds) + (rounds > 1 ? " rounds, " : " round, ") : "";
-  std::printf("%s: %s%s\n", graph.file.c_str(), in_rounds.c_str(), counts.c_str());
+  std::printf("%s\n", hanging_lines(graph.file + ": " + in_rounds + counts, terminal_columns()).c_str());
   for (const auto& delivery : deliveries)
     if (delivery.problem.empty()) std::printf("  %s\n", (out / delivery.file).c_str());
   std::printf("  %s\n", (out / "run.jsonl").c_str());
@@ -146,8 +146,8 @@ void print_failure(const runtime::Graph& graph, const runtime::RunResult& result
     const NodeStatus source = result.nodes[graph.outputs[i].from.node].status;
     const bool stays = deliveries[i].problem.find(';') != std::string::npos;  // somebody's file at its place
     if (source == NodeStatus::executed || source == NodeStatus::reused || stays)
-      std::fprintf(stderr, "%s: output '%s' is not written: %s\n", graph.file.c_str(), deliveries[i].file.c_str(),
-                   runtime::printable(deliveries[i].problem).c_str());
+      tell(graph.file + ": output '" + deliveries[i].file +
+           "' is not written: " + runtime::printable(deliveries[i].problem));
     else
       missing += (missing.empty() ? "" : ", ") + deliveries[i].file;
   }
@@ -155,14 +155,14 @@ void print_failure(const runtime::Graph& graph, const runtime::RunResult& result
     skipped += result.nodes[i].status == NodeStatus::skipped;
     if (result.nodes[i].status != NodeStatus::failed) continue;
     if (failed++ == 0) std::fprintf(stderr, "\n%s\n", paint_error(Colour::red, "FAILED").c_str());
-    std::fprintf(stderr, "%s\n", runtime::printable(result.nodes[i].error).c_str());
+    tell(runtime::printable(result.nodes[i].error));
   }
   if (failed == 0) return;
   std::string follows;
   if (skipped > 0)
     follows = std::to_string(skipped) + (skipped == 1 ? " node that needs" : " nodes that need") + " it did not run";
   if (!missing.empty()) follows += (follows.empty() ? "not written: " : "; not written: ") + missing;
-  if (!follows.empty()) std::fprintf(stderr, "%s.\n", follows.c_str());
+  if (!follows.empty()) tell(follows + ".");
   std::fprintf(stderr, "Mend it and give the same command again: what was done is kept.\n");
 }
 
@@ -319,8 +319,7 @@ int run(const Options& options) {
   result.cancelled = result.cancelled || stop_is_asked_for();
   record.end(result, deliveries);
 
-  if (!result.rounds.problem.empty())
-    std::fprintf(stderr, "%s: the rounds cannot go on: %s\n", graph.file.c_str(), result.rounds.problem.c_str());
+  if (!result.rounds.problem.empty()) tell(graph.file + ": the rounds cannot go on: " + result.rounds.problem);
   std::string unfinished;
   if (graph.rounds.most > 0 && result.ok() && !result.rounds.finished)
     unfinished =
@@ -328,7 +327,7 @@ int run(const Options& options) {
   bool delivered = true, lost = false;  // lost: what a node gave could not be written
   for (size_t i = 0; i < deliveries.size(); ++i) {
     const runtime::Delivery& delivery = deliveries[i];
-    if (!delivery.note.empty()) std::fprintf(stderr, "warning: %s\n", delivery.note.c_str());
+    if (!delivery.note.empty()) tell("warning: " + delivery.note);
     delivered = delivered && delivery.problem.empty();
     lost |= !delivery.problem.empty() && is_good(result.nodes[graph.outputs[i].from.node]);
   }

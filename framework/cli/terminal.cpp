@@ -123,10 +123,16 @@ bool can_rewrite_lines() {
   return can;
 }
 
-size_t terminal_columns() {
+namespace {
+
+size_t columns_of(int file) {
   winsize size{};
-  return isatty(STDOUT_FILENO) && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+  return isatty(file) && ioctl(file, TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
+
+}  // namespace
+
+size_t terminal_columns() { return columns_of(STDOUT_FILENO); }
 
 size_t terminal_rows() {
   winsize size{};
@@ -155,11 +161,28 @@ std::string size_text(double bytes) {
   return fmt::format("{:.{}f} {}", bytes, unit == 0 ? 0 : 1, units[unit]);
 }
 
+namespace {
+
+/// A command between backticks is one word where it fits: who types it takes it whole.
+std::vector<std::string> words_of(const std::string& text, size_t room) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) {
+    const bool open = !words.empty() && std::ranges::count(words.back(), '`') % 2 == 1;
+    if (open && width(words.back()) + 1 + width(word) <= room)
+      words.back() += " " + word;
+    else
+      words.push_back(word);
+  }
+  return words;
+}
+
+}  // namespace
+
 std::string wrapped(const std::string& text, size_t room, size_t indent) {
   if (room == 0) return text;
   std::string result, line;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
+  for (const std::string& word : words_of(text, room)) {
     if (!line.empty() && width(line) + 1 + width(word) > room) {
       result += line + "\n" + std::string(indent, ' ');
       line.clear();
@@ -167,6 +190,24 @@ std::string wrapped(const std::string& text, size_t room, size_t indent) {
     line += (line.empty() ? "" : " ") + word;
   }
   return result + line;
+}
+
+std::string hanging_lines(const std::string& text, size_t screen) {
+  constexpr size_t further = 2, least = 24;
+  std::string all;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    const size_t start = std::min(line.find_first_not_of(' '), line.size());
+    if (screen >= start + further + least && width(line) > screen)
+      line = line.substr(0, start) + wrapped(line.substr(start), screen - start - further, start + further);
+    all += line + "\n";
+  }
+  if (!all.empty()) all.pop_back();
+  return all;
+}
+
+void tell(const std::string& text) {
+  std::fprintf(stderr, "%s\n", hanging_lines(text, columns_of(STDERR_FILENO)).c_str());
 }
 
 std::string lines(const std::string& text) { return wrapped(text, terminal_columns()); }

@@ -39,6 +39,12 @@ std::string wrapped(const std::string& text, size_t room, size_t indent = 0);
 /// The same from the beginning of a line of standard output's terminal.
 std::string lines(const std::string& text);
 
+/// Several lines, each broken between words where it is longer than the screen (0: no screen), its next lines two
+/// blanks further in. What fits stays as it is.
+std::string hanging_lines(const std::string& text, size_t screen);
+/// Says it on standard error, in such lines where that is a terminal, and ends the line.
+void tell(const std::string& text);
+
 /// What something is called, in bold, and what it is, on as many lines of the terminal as that takes.
 void print_title(const std::string& name, const std::string& text);
 

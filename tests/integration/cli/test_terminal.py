@@ -85,6 +85,26 @@ for columns in (80, 200):
         text = plain(on_terminal(words, columns))
         long = [line for line in text.splitlines() if len(line) > columns and len(line.split()) > 1]
         expect(not long, f"{' '.join(words)} at {columns} columns: {long[:1]}")
+# What matters most is no longer than a line either: a failure, what follows from it, warnings, what a check finds. A word or a command
+# between backticks may be.
+def too_wide(text, columns):
+    return [line for line in plain(text).splitlines() if len(line) > columns and len(re.sub(r"`[^`]*`", "", line).split()) > 1]
+
+
+for name in [f"Protokoll der Besprechung vom {day}. Mai mit allen Beteiligten.docx" for day in range(1, 9)]:
+    (WORK / "made/site" / name).write_text("PK")
+for columns in (80, 200):
+    for words in (["run", "survey_network", "file=made/site/survey/total_station.gsi", "profile=ics50_assumed", "--out", f"network{columns}"],
+                  ["campaign", "check", "made/site"]):
+        wide = too_wide(on_terminal(words, columns), columns)
+        expect(not wide, f"{' '.join(words)} at {columns} columns: {wide[:1]}")
+(WORK / "made/site/survey/dienstag.txt").write_bytes((WORK / "made/site/survey/total_station.gsi").read_bytes())
+for columns in (80, 200):
+    failed = on_terminal(["run", "site_observations", "folder=made/site", "--out", "failed"], columns)
+    expect("FAILED" in plain(failed) and "dienstag.txt" in plain(failed), f"it does not fail: {failed[-400:]}")
+    expect(not too_wide(failed, columns), f"a failure at {columns} columns: {too_wide(failed, columns)[:1]}")
+refused = subprocess.run([PROGRAM, "run", "site_observations", "folder=made/site", "--out", "failed"], capture_output=True, text=True, cwd=WORK, env=BASE)
+expect(any(len(line) > 200 for line in refused.stderr.splitlines()), f"a pipe gets broken lines: {refused.stderr}")
 for fault in faults:
     print(fault)
 sys.exit(1 if faults else 0)
