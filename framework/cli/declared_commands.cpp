@@ -158,6 +158,8 @@ void declare_pipelines(Declared& all) {
 
   CLI::App& plan = all.add("plan", "shows which nodes would run, which are reused, and why", cli::plan);
   add_pipeline(plan, options);
+  plan.add_option("--out", options.out, "as `run` takes it, so that its command can be typed again; nothing is written")
+      ->type_name("DIR");
   add_store(plan, options);
   add_json(plan, options);
 

@@ -24,7 +24,7 @@ int validate(const Options& options) {
     return 0;
   } catch (const runtime::InvalidPipeline& invalid) {
     if (!options.json) {
-      std::fprintf(stderr, "%s\n", runtime::printable(invalid.what()).c_str());
+      tell(runtime::printable(invalid.what()));
       return 1;
     }
     Json problems = Json::array();
@@ -68,8 +68,12 @@ int plan(const Options& options) {
   } else {
     std::printf("%s", columns(rows).c_str());
     // What comes after a node that runs is not looked up: it is reused if that gives what it gave before.
-    const std::string more = perhaps ? ", " + std::to_string(perhaps) + " more at most" : "";
-    std::printf("%s: %zu to run%s, %zu reused\n", graph.file.c_str(), running, more.c_str(), reused);
+    const std::string counts = perhaps == 0 ? " to run, " + std::to_string(reused) + " reused"
+                                            : " to run and " + std::to_string(reused) + " reused for certain; " +
+                                                  std::to_string(perhaps) + (perhaps == 1 ? " runs" : " run") +
+                                                  " only if what comes in is another";
+    std::printf("%s\n",
+                hanging_lines(graph.file + ": " + std::to_string(running) + counts, terminal_columns()).c_str());
   }
   return 0;
 }

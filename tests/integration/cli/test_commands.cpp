@@ -167,6 +167,12 @@ TEST(Commands, PlanSaysWhy) {
   EXPECT_EQ(answer.code, 0);
   EXPECT_TRUE(contains(answer.out, "parameter offset: 1 -> 2")) << answer.out;
   EXPECT_TRUE(contains(answer.out, "p.yaml: 1 to run, 1 reused")) << answer.out;
+  // The command of a run typed again, and nodes of which only a run can tell.
+  answer = plumbline({"plan", "p.yaml", "value=9", "--out", "elsewhere"});
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, ": 1 to run and 0 reused for certain; 1 runs only if what comes in is another"))
+      << answer.out;
+  EXPECT_FALSE(std::filesystem::exists(plumbline.work() / "elsewhere"));
   const Json json = Json::parse(plumbline({"plan", "p.yaml", "--json"}).out);
   EXPECT_EQ(json[0]["action"], "reuse");
 }
