@@ -1,6 +1,9 @@
 #include "building/judgement/own_anchors.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -94,6 +97,34 @@ std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::ve
   }
   for (std::size_t p = 0; p < panels.size(); ++p) others_alone[p] = others_alone[p] && panels[p].anchors.empty();
   return others_alone;
+}
+
+void tell_of_nearness(const std::vector<std::size_t>& panels, double reach, DeviationInputs& inputs) {
+  if (panels.empty()) return;
+  const std::size_t all = inputs.panels.size();
+  inputs.requests.push_back(
+      {fmt::format(
+           "which anchors hold a panel: the design says it of {} of {}; the others hang on those within {:.3g} m",
+           all - panels.size(), all, reach),
+       "panel_reach", 0, static_cast<int>(panels.size()), ""});
+  using Extent = std::array<long, 3>;  // [cm], whichever way the panel's axes lie
+  std::map<Extent, std::vector<const PanelCase*>> alike;
+  for (const std::size_t p : panels) {
+    const Eigen::Vector3d size = 100 * (inputs.panels[p].high - inputs.panels[p].low);
+    Extent extent = {std::lround(size.x()), std::lround(size.y()), std::lround(size.z())};
+    std::sort(extent.begin(), extent.end());
+    alike[extent].push_back(&inputs.panels[p]);
+  }
+  const auto name_of = [](const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; };
+  for (const auto& [extent, of] : alike) {
+    const auto [least, most] = std::minmax_element(
+        of.begin(), of.end(), [](const auto* a, const auto* b) { return a->anchors.size() < b->anchors.size(); });
+    if ((*least)->anchors.size() == (*most)->anchors.size()) continue;
+    inputs.warnings.push_back(fmt::format(
+        "Panels of one size are taken to hang on different numbers of anchors, {} on {} and {} on {}: the design does "
+        "not say which hold them, and those within {:.3g} m (panel_reach) count. Look whether that is so.",
+        name_of(**least), (*least)->anchors.size(), name_of(**most), (*most)->anchors.size(), reach));
+  }
 }
 
 }  // namespace plumbline::judgement

@@ -19,4 +19,9 @@ namespace plumbline::judgement {
 std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::vector<std::set<std::string>>& said,
                                    const std::vector<AnchorCase>& anchors, double reach);
 
+/// Which anchors hold a panel decides what it passes by. `panels` (indices of inputs.panels): those of which the design
+/// does not say it, and anchors within `reach` [m] were supposed. Adds a request that counts them, and a warning where
+/// panels of one size came to different numbers of anchors.
+void tell_of_nearness(const std::vector<std::size_t>& panels, double reach, DeviationInputs& inputs);
+
 }  // namespace plumbline::judgement

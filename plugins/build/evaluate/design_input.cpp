@@ -134,6 +134,7 @@ class Builder {
     std::vector<std::string> shapeless, loose, beside;
     std::vector<PanelCase> panels;
     std::vector<ToleranceFindings> rules;
+    std::vector<std::size_t> by_nearness;     // panels whose anchors the file does not say
     std::vector<std::set<std::string>> said;  // by panel: GlobalIds of its anchors, where the file has them
     for (const auto& element : design_.elements)
       if (element->is_panel) wholes.insert(element->parent_guid);
@@ -167,8 +168,10 @@ class Builder {
         continue;
       }
       account_.count_panel(p, findings, panel.guid);
+      if (said[p].empty()) by_nearness.push_back(inputs_.panels.size());
       inputs_.panels.push_back(std::move(panel));
     }
+    tell_of_nearness(by_nearness, reach, inputs_);
     const std::string reason =
         fmt::format("no anchor is within {:.3g} m of them (panel_reach), and the file ties none to them", reach);
     add_panels_not_judged(loose, reason);

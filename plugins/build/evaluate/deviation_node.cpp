@@ -11,6 +11,7 @@
 #include "building/ifc/doubt_words.hpp"
 #include "building/judgement/designed_control.hpp"
 #include "building/judgement/surfaces.hpp"
+#include "building/judgement/tolerance_classes.hpp"
 #include "building/judgement/trust.hpp"
 
 namespace plumbline::judgement {
@@ -44,6 +45,12 @@ std::string about_common_errors(std::size_t points) {
 void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
   table.tau = *tau, table.from_design = *design_tolerances;
+  // A table is for the whole project, rules are for this run: they stand after it and go before it.
+  if (tolerance_table) {
+    const FileT given = tolerance_table.unpack();
+    table.rules =
+        judgement::parse_tolerance_classes(std::string(given.content.begin(), given.content.end()), given.name);
+  }
   for (const std::string& rule : *tolerances) table.rules.push_back(judgement::parse_rule(rule));
   judgement::Mounting how;
   how.sigma = *mounting_sigma;

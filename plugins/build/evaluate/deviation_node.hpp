@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 14,
+      "evaluate.deviation", "", 15,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
@@ -40,6 +40,11 @@ struct EvaluateDeviation : Node {
   Optional<SurfaceJudgement> surface_judgement{"surface_judgement",
                                                "surfaces of panels and joints against their rules: nothing is ready to "
                                                "install where one fails or is not judged"};
+  Optional<File> tolerance_table{
+      "tolerance_table",
+      "tolerance classes of the project, CSV: class, select, vertical_mm, horizontal_mm, "
+      "in_plane_mm, out_of_plane_mm, space_mm, joint_mm; the rules of `tolerances` go before "
+      "it, later rows before earlier ones; an empty file is none"};
   Param<double> tau{"tau", 0.005, "m", between(1e-6, 1),
                     "tolerance of the horizontal and of the vertical deviation; joints: twice that"};
   Param<std::vector<std::string>> tolerances{

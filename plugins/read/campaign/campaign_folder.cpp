@@ -122,11 +122,11 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   CampaignDescription c;
   std::optional<Mapping> found;
   if (!problems.attempt([&] {
-        found.emplace(
-            load_yaml(yaml, shown), shown,
-            std::vector<std::string>{"plumbline_campaign", "name", "images", "observations", "camera", "plates",
-                                     "survey", "instrument", "date", "control", "design", "mapping", "unused"},
-            &problems);
+        found.emplace(load_yaml(yaml, shown), shown,
+                      std::vector<std::string>{"plumbline_campaign", "name", "images", "observations", "camera",
+                                               "plates", "survey", "instrument", "date", "control", "design", "mapping",
+                                               "tolerances", "unused"},
+                      &problems);
         found->require_version("plumbline_campaign");
       }))
     return c;
@@ -159,6 +159,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (use == CampaignUse::measured) {
     one("plates", c.plates), one("design", c.design);
     if (mapping.has("mapping")) one("mapping", c.mapping);
+    if (mapping.has("tolerances")) one("tolerances", c.tolerances);
     return c;
   }
   if (!mapping.has("survey") && !mapping.has("control") && optional)
@@ -177,6 +178,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
   if (optional) return c;
   one("design", c.design);
   if (mapping.has("mapping")) one("mapping", c.mapping);
+  if (mapping.has("tolerances")) one("tolerances", c.tolerances);
   if (keys_known && use == CampaignUse::site) name_other_use(mapping, problems);
   return c;
 }

@@ -58,6 +58,7 @@ struct CampaignDescription {
   std::vector<CameraOfImages> cameras;  ///< may be empty where photographs calibrate themselves
   std::string plates, control, design;  ///< control may be empty: then the survey files hold the datum
   std::string mapping;                  ///< from points to elements of the design; may be empty
+  std::string tolerances;               ///< the project's tolerance classes; may be empty
   std::vector<std::string> survey;
   std::vector<std::string> survey_in_order;  ///< the same as written: epochs, oldest first
   std::string instrument;                    ///< name of an instrument profile; may be empty

@@ -6,6 +6,7 @@
 #include "artifacts/image_tags.hpp"
 #include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
+#include "building/judgement/tolerance_classes.hpp"
 #include "campaign_cameras.hpp"
 #include "listed_campaign.hpp"
 #include "photo/images/photograph_header.hpp"
@@ -44,6 +45,22 @@ FileT mapping_file(campaign::ListedCampaign& site) {
   return table;
 }
 
+/// What is wrong with it is told with all else that is wrong with the folder.
+FileT tolerance_file(campaign::ListedCampaign& site) {
+  FileT table;
+  table.name = "tolerances.csv";
+  if (site.description.tolerances.empty()) return table;
+  table.name = fs::path(site.description.tolerances).filename().string();
+  site.problems.attempt([&] {
+    const fs::path path = site.root / site.description.tolerances;
+    const std::string rows = text::read_whole(path);
+    judgement::parse_tolerance_classes(rows, path.string());
+    table.media_type = "text/csv";
+    table.content.assign(rows.begin(), rows.end());
+  });
+  return table;
+}
+
 /// By reference, like the photographs: a design may have hundreds of megabytes.
 FileT design_reference(const campaign::ListedCampaign& site) {
   const FolderEntryT& design = site.entry(site.description.design);
@@ -52,7 +69,7 @@ FileT design_reference(const campaign::ListedCampaign& site) {
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 10, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 11, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
                                  "survey files that readers of other plugins have read: parts/readers.yaml"};
@@ -71,6 +88,7 @@ struct ReadCampaign : Node {
   Param<bool> alone{"alone", false, "of photographs alone: refuse a folder with survey files or control points"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<File> tolerances{"tolerances", "the project's table of tolerance classes; empty without one"};
   Out<InputFiles> inputs{"inputs", "the files that were read, and evidence that `unused` sets aside"};
   Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
@@ -106,7 +124,7 @@ struct ReadCampaign : Node {
     });
     attempt(!description.design.empty(),
             [&] { campaign::require_whole_design(root / description.design, root / description.design); });
-    FileT table = mapping_file(site);
+    const FileT table = mapping_file(site), classes = tolerance_file(site);
     site.problems.raise();
     site.warn_of_forgotten_control(context);
 
@@ -117,6 +135,7 @@ struct ReadCampaign : Node {
     for (const ImageT& image : photographs) images.commit(image);
     const std::size_t observed = commit_observations(tags, *cameras);
     mapping.commit(table);
+    tolerances.commit(classes);
     design_file.commit(design_reference(site));
     inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings));
     unread.commit(site.unread());
@@ -241,7 +260,7 @@ struct ReadSurveyEpochs : Node {
 };
 
 struct ReadMeasuredCampaign : Node {
-  static constexpr Info info{"read.measured_campaign", "", 3,
+  static constexpr Info info{"read.measured_campaign", "", 4,
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
                              "plates and design; photographs in it are left alone"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};
@@ -255,6 +274,7 @@ struct ReadMeasuredCampaign : Node {
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
+  Out<File> tolerances{"tolerances", "the project's table of tolerance classes; empty without one"};
   Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
   Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
@@ -275,7 +295,7 @@ struct ReadMeasuredCampaign : Node {
       site.problems.attempt([&] {
         campaign::require_whole_design(site.root / site.description.design, site.root / site.description.design);
       });
-    const FileT table = mapping_file(site);
+    const FileT table = mapping_file(site), classes = tolerance_file(site);
     site.problems.raise();
     site.warn_of_forgotten_control(context);
     plates.commit(campaign::to_artifact(entries));
@@ -283,6 +303,7 @@ struct ReadMeasuredCampaign : Node {
     survey.commit(readings);
     design_file.commit(design_reference(site));
     mapping.commit(table);
+    tolerances.commit(classes);
     inputs.commit(site.inputs(0, readings));
     unread.commit(site.unread());
   }

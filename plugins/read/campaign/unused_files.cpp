@@ -103,6 +103,7 @@ std::map<std::string, std::string> uses_of(const CampaignDescription& d, const s
   add(d.control, "control");
   add(d.design, "design");
   add(d.mapping, "mapping");
+  add(d.tolerances, "tolerances");
   return uses;
 }
 

@@ -9,7 +9,7 @@
 namespace plumbline::campaign {
 
 /// What each file that the campaign names is read as, by path: "campaign", "photograph", "observations", "camera",
-/// "plates", "survey", "control", "design", "mapping".
+/// "plates", "survey", "control", "design", "mapping", "tolerances".
 std::map<std::string, std::string> uses_of(const CampaignDescription& description,
                                            const std::vector<std::string>& files);
 

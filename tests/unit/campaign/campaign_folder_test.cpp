@@ -57,6 +57,19 @@ TEST(CampaignYaml, ResolvesPatternsInOrder) {
   EXPECT_EQ(c.control, "k.csv");
 }
 
+TEST(CampaignYaml, TheTableOfToleranceClassesIsAFileOfTheFolder) {
+  std::vector<std::string> files = kFiles;
+  files.push_back("tolerances.csv");
+  const std::string yaml = kCampaign + "tolerances: tolerances.csv\n";
+  for (const CampaignUse use : {CampaignUse::site, CampaignUse::measured}) {
+    EXPECT_EQ(parse_campaign(yaml, "campaign.yaml", files, use).tolerances, "tolerances.csv");
+    EXPECT_EQ(parse_campaign(kCampaign, "campaign.yaml", files, use).tolerances, "");
+  }
+  EXPECT_NE(campaign_message(yaml).find("'tolerances' names 'tolerances.csv', and the folder has no such file"),
+            std::string::npos)
+      << campaign_message(yaml);
+}
+
 /// Epochs m1, m10, m2: a movement went to and fro, and an alarm was missed.
 TEST(CampaignYaml, APatternOfEpochsIsInTheOrderInWhichPeopleCount) {
   const std::vector<std::string> files = {"m1.csv", "m10.csv", "m2.csv", "m010b.csv", "M3.csv", "m9/x.csv"};

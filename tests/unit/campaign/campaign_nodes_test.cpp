@@ -88,6 +88,25 @@ TEST_F(ReadCampaignTest, GivesEveryPartOfTheFolder) {
   EXPECT_EQ(design.uri, "sha256:" + design.sha256 + "/design.ifc");
 }
 
+TEST_F(ReadCampaignTest, GivesTheTableOfToleranceClassesAndTellsWhatIsWrongWithIt) {
+  std::ofstream(folder_.path() / "campaign.yaml", std::ios::app) << "tolerances: limits.csv\n";
+  std::ofstream(folder_.path() / "limits.csv") << "class,select,vertical_mm,joint_mm\nA,*,3,\n";
+  for (const char* kind : {"read.campaign", "read.measured_campaign"}) {
+    NodeHarness node(kind);
+    node.input<Folder>("folder", list(folder_.path()));
+    node.run();
+    const FileT table = node.output<File>("tolerances");
+    EXPECT_EQ(table.name, "limits.csv");
+    EXPECT_EQ(std::string(table.content.begin(), table.content.end()), "class,select,vertical_mm,joint_mm\nA,*,3,\n");
+    bool read = false;
+    for (const auto& file : node.output<InputFiles>("inputs").files)
+      read = read || (file->path == "limits.csv" && file->use == "tolerances");
+    EXPECT_TRUE(read) << "it counts as read, with its hash";
+  }
+  std::ofstream(folder_.path() / "limits.csv") << "class,select,vertical_mm,joint_mm\nA,*,3 or 4,\n";
+  EXPECT_NE(message().find("limits.csv:2: column 'vertical_mm' is '3 or 4'"), std::string::npos) << message();
+}
+
 TEST_F(ReadCampaignTest, SurveyCampaignNeedsNothingButSurveyFiles) {
   for (const char* gone : {"plates.csv", "camera.yaml", "design.ifc"}) fs::remove(folder_.path() / gone);
   fs::remove_all(folder_.path() / "images");

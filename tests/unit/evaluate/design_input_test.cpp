@@ -90,6 +90,32 @@ TEST(DesignInput, PlatesThatContradictTheDesignLeaveThePanelsWithoutOrders) {
   EXPECT_TRUE(Site({0, 0, 0}).judge().panels[0]->facade->confirmed);
 }
 
+/// Of a design that ties no anchors to its panels, nobody was told that those near a panel are taken for its own.
+TEST(DesignInput, PanelsThatTakeAnchorsByNearnessAreTold) {
+  const auto said = [](const DeviationT& result) {
+    std::string text;
+    for (const auto& request : result.requests) text += request->by + ": " + request->asked + "\n";
+    for (const std::string& warning : result.warnings) text += warning + "\n";
+    return text;
+  };
+  Site site({0, -1, 0});
+  EXPECT_EQ(said(site.judge()).find("panel_reach"), std::string::npos) << "the design says it of both";
+  for (auto& element : site.design.elements)
+    if (element->is_panel) element->anchor_guids.clear();
+  const DeviationT alike = site.judge();
+  EXPECT_NE(
+      said(alike).find("panel_reach: which anchors hold a panel: the design says it of 0 of 2; the others hang on "
+                       "those within 0.3 m\n"),
+      std::string::npos)
+      << said(alike);
+  EXPECT_EQ(said(alike).find("different numbers"), std::string::npos);
+  EXPECT_EQ(alike.not_judged, 0) << "supposed, and judged";
+  DesignElementT& fifth = site.add("S-K1", "IfcMechanicalFastener", {0.6, 0, 4.5});
+  fifth.is_anchor = true;
+  EXPECT_NE(said(site.judge()).find("different numbers of anchors, PS-1 on 4 and PS-0 on 5:"), std::string::npos)
+      << said(site.judge());
+}
+
 /// The facade looks to the south: out is along y, whether the table gives an azimuth or not.
 TEST(DesignInput, MountingIsAlongTheFacadeWhereThePlatesDoNotSayHowTheyFace) {
   for (const Eigen::Vector3d& of_plates : {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, -1, 0)}) {
