@@ -132,7 +132,8 @@ std::string words_of_forgotten_control(const std::vector<std::string>& names) {
   const bool one = names.size() == 1;
   return names_of(names) + (one ? " looks like a table of known points" : " look like tables of known points") +
          ", and nothing names " + (one ? "it" : "them") +
-         ": no known point holds the result. Name the one that carries the datum under 'control', or leave " +
+         ": unless the survey's files have known points, none holds the result. Name the one that carries the datum "
+         "under 'control', or leave " +
          (one ? "it" : "them") + " out by 'unused'";
 }
 

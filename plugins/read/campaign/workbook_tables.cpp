@@ -138,14 +138,16 @@ class Workbook {
     for (const pugi::xml_node& row : children(data, "row")) {
       const auto number = text::parse_integer(row.attribute("r").value());
       const std::size_t at = number && *number > 0 ? static_cast<std::size_t>(*number - 1) : next_row;
+      const std::string line = line_of(row, sheet, at);
+      next_row = at + 1;
+      if (line.empty()) continue;  // formatted, or the last row that there is
       if (at < written || at >= kMostRows)
         refuse("sheet '" + sheet + "' has its row " + std::to_string(at + 1) + " out of order or beyond " +
                std::to_string(kMostRows));
       csv.append(at - written, '\n');
-      const std::string line = line_of(row, sheet, at);
       any = any || line.find_first_not_of(',') != std::string::npos;
       csv += line + '\n';
-      written = next_row = at + 1;
+      written = at + 1;
     }
     return any ? csv : "";
   }
@@ -174,7 +176,7 @@ class Workbook {
   std::string value_of(const pugi::xml_node& cell, const std::string& place) const {
     const std::string type = cell.attribute("t").value();
     const std::string value = child(cell, "v").text().get();
-    if (type == "e") refuse(place + " holds " + value + " in place of a value");
+    if (type == "e") return value;  // "#N/A": whoever takes the column says so, with row and column
     if (child(cell, "f") && value.empty() && type != "str")
       refuse(place + " holds a formula whose value the file does not have: open it in Excel and save it");
     if (type == "inlineStr") return rich_text(child(cell, "is"));

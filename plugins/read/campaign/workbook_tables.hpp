@@ -20,8 +20,8 @@ struct WorkbookSheet {
 };
 
 /// The sheets of a workbook that are not hidden, in its order. `file` is for messages. Throws CampaignError that names
-/// file, sheet and cell: for what is no workbook, for an error (#REF!) in place of a value, and for a formula without
-/// its value.
+/// file, sheet and cell: for what is no workbook, and for a formula without its value. An error in place of a value
+/// is its text ("#REF!"): whoever takes the column refuses it.
 std::vector<WorkbookSheet> sheets_of(const std::string& bytes, const std::filesystem::path& file);
 
 /// The text of a table: that of the file, or of a workbook the one sheet that `is_it` knows by its columns; where only

@@ -68,13 +68,21 @@ TEST(Workbook, RefusesWhatHasNoValue) {
   EXPECT_NE(refusal_of("PK\x03\x04 cut").find("T.xlsx: this ZIP archive is cut off"), std::string::npos);
   EXPECT_NE(refusal_of("\xD0\xCF\x11\xE0").find("this is no Excel workbook; is it protected by a password"),
             std::string::npos);
-  EXPECT_NE(refusal_of(cell("<c r=\"B1\" t=\"e\"><v>#REF!</v></c>")).find("cell B1 of 'A' holds #REF!"),
-            std::string::npos);
   EXPECT_NE(refusal_of(cell("<c r=\"B1\"><f>A1+1</f></c>")).find("a formula whose value the file does not have"),
             std::string::npos);
   EXPECT_NE(refusal_of(cell("<c r=\"B1\" t=\"s\"><v>3</v></c>")).find("names a text that the workbook does not have"),
             std::string::npos);
   EXPECT_NE(refusal_of(cell("<c r=\"B2\"><v>3</v></c>")).find("has the cell 'B2' in its row 1"), std::string::npos);
+}
+
+/// A remark that is #N/A, and the rows that a program has formatted to the end of the sheet, are no mistakes.
+TEST(Workbook, ErrorsAreTextsAndRowsWithoutCellsAreNone) {
+  const auto sheets = sheets_of(workbook({{"name=\"A\"",
+                                           "<row r=\"1\"><c r=\"A1\" t=\"e\"><v>#N/A</v></c></row>"
+                                           "<row r=\"2\"><c r=\"A2\" s=\"1\"/></row><row r=\"1048576\"/>"}}),
+                                "T.xlsx");
+  ASSERT_EQ(sheets.size(), 1u);
+  EXPECT_EQ(sheets[0].csv, "#N/A\n");
 }
 
 /// A folder with Excel's own tables needed two exports before its first report.
