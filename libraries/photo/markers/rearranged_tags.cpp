@@ -18,15 +18,18 @@ struct SeenDistance {
   int image = 0;
 };
 
-/// By pair of markers, in every photograph that shows both.
-std::map<std::pair<int, int>, std::vector<SeenDistance>> distances_of(const MarkerBlock& block) {
+/// By pair of markers, in every photograph that shows both. `is_guessed`: nothing tells the principal distance of a
+/// camera, and distances along the view are as wrong as what is taken for it.
+std::map<std::pair<int, int>, std::vector<SeenDistance>> distances_of(const MarkerBlock& block, bool& is_guessed) {
   std::vector<BrownCamera> cameras;
   for (std::size_t c = 0; c < block.cameras.size(); ++c) {
     BrownCamera camera = block.cameras[c].camera;
     if (!(camera.fx > 0)) {
       const double extent = std::max(camera.width, camera.height),
                    f = focal_length_from_tags(block, static_cast<int>(c));
-      camera.fx = camera.fy = f > 0.4 * extent && f < 8 * extent ? f : 1.2 * extent;
+      const bool is_told = f > 0.4 * extent && f < 8 * extent;
+      is_guessed = is_guessed || !is_told;
+      camera.fx = camera.fy = is_told ? f : 1.2 * extent;
       camera.cx = 0.5 * (camera.width - 1), camera.cy = 0.5 * (camera.height - 1);
     }
     cameras.push_back(camera);
@@ -97,8 +100,10 @@ Cut cut_before(int image, const std::map<std::pair<int, int>, std::vector<SeenDi
 /// were not.
 std::string hung_again(const MarkerBlock& block,
                        const std::map<std::pair<int, int>, std::vector<SeenDistance>>& distances) {
+  constexpr std::ptrdiff_t kMostCuts = 200;  // of thousands of photographs the nearest of so many
   Cut best;
-  for (int image = 2; image + 2 <= std::ssize(block.images); ++image)
+  const int step = static_cast<int>(1 + std::ssize(block.images) / kMostCuts);
+  for (int image = 2; image + 2 <= std::ssize(block.images); image += step)
     if (const Cut cut = cut_before(image, distances);
         cut.is_clear() && (!best.is_clear() || cut.scatter < best.scatter))
       best = cut;
@@ -114,7 +119,8 @@ std::string hung_again(const MarkerBlock& block,
 
 std::string rearranged_tags(const MarkerBlock& block) {
   constexpr double apart = 0.25;  // of the distance
-  const auto distances = distances_of(block);
+  bool is_guessed = false;
+  const auto distances = distances_of(block, is_guessed);
   int pairs = 0, moved = 0;
   double furthest = 0;
   std::string example;
@@ -137,12 +143,13 @@ std::string rearranged_tags(const MarkerBlock& block) {
     example = fmt::format("tags {} and {} are {:.2f} m apart in {} and {:.2f} m in {}", a.name(), b.name(),
                           least->metres, block.images[least->image].path, most->metres, block.images[most->image].path);
   }
-  if (moved < 2) return hung_again(block, distances);
+  const std::string once = is_guessed ? "" : hung_again(block, distances);
+  if (moved < 2) return once;
   if (const int one = common_tag(moved_pairs, pairs_of); one >= 0)
     return "tag " + block.markers[one].name() +
            " stands elsewhere from photograph to photograph, or two tags carry that number: " + example +
            ". Take it out, or print every id once and photograph an arrangement that stays";
-  if (const std::string once = hung_again(block, distances); !once.empty()) return once;
+  if (!once.empty()) return once;
   if (2 * moved < pairs) return "";
   std::string names;
   for (const auto& [marker, count] : times) names += (names.empty() ? "" : ", ") + block.markers[marker].name();
