@@ -67,10 +67,13 @@ struct FileCloser {
 /// "F01-C01-R1:1".
 std::string item_key(const std::string& item, int revision) { return item + ":" + std::to_string(revision); }
 
-/// Robots by item and revision. Throws std::runtime_error for a line that says neither: what it gives away is not
-/// known.
-std::map<std::string, std::string> robots_by_item(const std::string& path) {
-  std::map<std::string, std::string> robots;
+struct Given {
+  std::string robot, order;  ///< MANUFACTURER/SERIAL; the orderId it was given in, empty where the line says none
+};
+
+/// By item and revision. Throws std::runtime_error for a line that says neither: what it gives away is not known.
+std::map<std::string, Given> given_by_item(const std::string& path) {
+  std::map<std::string, Given> given;
   std::size_t number = 0;
   for (const std::string& text : lines_of(path)) {
     ++number;
@@ -79,10 +82,18 @@ std::map<std::string, std::string> robots_by_item(const std::string& path) {
       throw std::runtime_error(path + ":" + std::to_string(number) + " is '" + text.substr(0, 60) +
                                "', expected item, revision and robot: which robot has what is not known; mend that "
                                "line, or take it out if no robot had it");
-    robots.try_emplace(item_key(line["item"].get<std::string>(), line["revision"].get<int>()),
-                       line["robot"].get<std::string>());
+    given.try_emplace(item_key(line["item"].get<std::string>(), line["revision"].get<int>()),
+                      Given{line["robot"].get<std::string>(), line.value("order", "")});
   }
-  return robots;
+  return given;
+}
+
+/// Who holds an item that this robot would be sent in the order of `job`, in words; empty: nobody. An order of other
+/// floors of the same job has another orderId: the robot would not know that it did the item, and would do it again.
+std::string holder_of(const Given& given, const Job& job, const std::string& robot) {
+  if (given.robot != robot) return given.robot;
+  const bool of_this_job = given.order == job.id || given.order.starts_with(job.id + "-F");
+  return of_this_job && given.order != vda_order_id(job) ? given.robot + " itself, in order " + given.order : "";
 }
 
 }  // namespace
@@ -91,13 +102,15 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
   if (given_.empty()) return {};
   const int file = open_lines(given_, true);
   const FileCloser closer{file};
-  const std::map<std::string, std::string> robots = robots_by_item(given_);
-  std::map<std::string, std::vector<std::string>> held;  // by robot
+  const std::map<std::string, Given> given = given_by_item(given_);
+  std::map<std::string, std::vector<std::string>> held;  // by who holds them
   std::string lines;
   for (const JobItem& item : job.items) {
-    const auto found = robots.find(item_key(item.id, item.revision));
-    if (found != robots.end() && found->second != robot) held[found->second].push_back(item.id);
-    if (found == robots.end())
+    const auto found = given.find(item_key(item.id, item.revision));
+    if (found != given.end())
+      if (const std::string holder = holder_of(found->second, job, robot); !holder.empty())
+        held[holder].push_back(item.id);
+    if (found == given.end())
       lines += (lines.empty() ? "" : "\n") +
                nlohmann::ordered_json{
                    {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
@@ -112,8 +125,9 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
     words += (words.empty() ? "" : "; ") + text::join(items, 4) + (items.size() > 1 ? " were" : " was") + " given to " +
              other;
   return words + " (" + given_ +
-         "): nothing is sent. Two robots share a job by floors (--floor 1, --floor 2); if that " +
-         "robot is known not to have taken them, take its lines out of that file";
+         "): nothing is sent. Two robots share a job by floors (--floor 1, --floor 2), and a robot goes on with the "
+         "floors that it was given together; if that robot is known not to have taken them, take its lines out of that "
+         "file";
 }
 
 ExchangeFolder::ExchangeFolder(const std::string& folder, const std::string& given) : folder_(folder), given_(given) {

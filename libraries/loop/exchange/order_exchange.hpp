@@ -32,8 +32,9 @@ class ExchangeLog {
   virtual void append_state(const std::string& line) = 0;
   virtual std::vector<std::string> sent() const = 0;
   virtual std::vector<std::string> states() const = 0;
-  /// Which items of the job, at their revisions, were given to robots other than `robot` (MANUFACTURER/SERIAL), in
-  /// words with what to do; empty: none, and with `take` they are this robot's, on disk when it returns.
+  /// Which items of the job, at their revisions, were given to robots other than `robot` (MANUFACTURER/SERIAL), or to
+  /// it in an order of other floors of this job, in words with what to do; empty: none, and with `take` they are this
+  /// robot's, on disk when it returns.
   virtual std::string held_by_others(const Job& job, const std::string& robot, bool take) {
     return static_cast<void>(job), static_cast<void>(robot), static_cast<void>(take), std::string();
   }

@@ -482,6 +482,14 @@ TEST(ExchangeFolder, WhatOneRobotHasNoOtherIsGiven) {
   EXPECT_EQ(whole.reason().substr(0, whole.reason().find(" (")), "b0, b1 were given to RobotCompany/001");
   EXPECT_NE(whole.reason().find("--floor 1, --floor 2"), std::string::npos);
   EXPECT_EQ(OrderExchange(part_of(job, {2}), two, second).status(), ExchangeStatus::asking);
+  // The same robot neither, with other floors than before: that is another orderId, which it would do again.
+  for (const Job& other : {job, part_of(job, {1, 2})}) {
+    const OrderExchange again(other, robot_one(), first);
+    EXPECT_EQ(again.status(), ExchangeStatus::rejected) << vda_order_id(other);
+    EXPECT_EQ(again.reason().substr(0, again.reason().find(" (")),
+              "b0, b1 were given to RobotCompany/001 itself, in order job-a-F1");
+  }
+  EXPECT_EQ(OrderExchange(part_of(job, {2}), robot_one(), first).status(), ExchangeStatus::asking);
   // It goes on where it was, and another revision of an item is other work.
   EXPECT_EQ(OrderExchange(part_of(job, {1}), robot_one(), first).status(), ExchangeStatus::asking);
   for (JobItem& item : job.items) item.revision = 2;
