@@ -99,7 +99,8 @@ SweepProgress progress_in_store(const SweepPlan& plan, const runtime::CellRecord
 
 struct AlternativeCount {
   size_t cells = 0, done = 0, failed = 0;
-  std::string reason;  ///< of its first failed cell
+  size_t impossible = 0;  ///< of which no pipeline could be made
+  std::string reason;     ///< of its first failed cell
 };
 using AlternativeCounts = std::map<std::pair<std::string, std::string>, AlternativeCount>;  // by group and name
 constexpr const char* kScenario = "scenario";                                               // in the place of a group
@@ -113,6 +114,7 @@ AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellR
     for (const auto& choice : choices) {
       AlternativeCount& count = counts[choice];
       ++count.cells;
+      count.impossible += !cell.graph;
       if (!record) continue;
       ++count.done;
       const std::string failure = failure_of(cell, *record, plan.file);
@@ -124,16 +126,29 @@ AlternativeCounts count_alternatives(const SweepPlan& plan, const runtime::CellR
   return counts;
 }
 
-/// Failed cells are results, of which the tables tell. An alternative or a scenario that failed in all of its own was
-/// not measured: "method=mine". Without alternatives: all cells of the bench.
+/// Failed cells are results, of which the tables tell. An alternative that failed in all of its own was not measured:
+/// "method=mine". A scenario may be made to fail, so of that only one that could not run at all counts. Without
+/// alternatives: all cells of the bench.
 std::string without_any_result(const SweepPlan& plan, const runtime::CellRecords& records,
                                const SweepProgress& progress) {
   std::string names;
   for (const auto& [alternative, count] : count_alternatives(plan, records))
-    if (count.cells > 0 && count.failed == count.cells)
+    if (count.cells > 0 && count.failed == count.cells &&
+        (alternative.first != kScenario || count.impossible == count.cells))
       names += (names.empty() ? "" : ", ") + alternative.first + "=" + alternative.second;
   if (names.empty() && progress.failed > 0 && progress.failed == progress.cells) names = "the bench";
   return names;
+}
+
+/// Scenarios that ran and gave nothing, which may be what they are for: told, no error.
+void tell_of_failed_scenarios(const SweepPlan& plan, const runtime::CellRecords& records) {
+  for (const auto& [alternative, count] : count_alternatives(plan, records))
+    if (alternative.first == kScenario && count.failed == count.cells && count.impossible < count.cells)
+      std::fprintf(
+          stderr,
+          "scenario=%s gave no result: all its %zu cells failed, the first: %s; bench.md has the reasons (this "
+          "alone leaves the exit code 0: a scenario may be made to fail)\n",
+          alternative.second.c_str(), count.cells, count.reason.c_str());
 }
 
 /// Every alternative that the file names, also one that ran nothing.
@@ -352,6 +367,7 @@ int bench(const BenchOptions& given) {
   const std::string nothing = without_any_result(plan, records, progress);
   if (!nothing.empty())
     std::fprintf(stderr, "%s gave no result: all cells failed; bench.md has the reasons\n", nothing.c_str());
+  if (progress.failed < progress.cells) tell_of_failed_scenarios(plan, records);
   return complete && nothing.empty() ? 0 : 1;
 }
 

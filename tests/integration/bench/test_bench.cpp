@@ -278,11 +278,22 @@ TEST(Bench, AnAlternativeThatFailedInAllItsCellsWasNotMeasured) {
 }
 
 /// What ran in the other scenarios says nothing of it.
-TEST(Bench, AScenarioOfWhichAllCellsFailedWasNotMeasured) {
+/// One without control is made to fail: its bench is complete, and ended with 1 for ever.
+TEST(Bench, AScenarioOfWhichAllCellsRanAndFailedIsToldAndNoError) {
   BenchProgram plumbline;
   plumbline.bench_file(
       "seeds: 1-4\nscenarios: {ground: {}, tower: {solver.with.fails: 1}}\n"
       "alternatives: {method: {one: {}, two: {}}}\n");
+  plumbline.run({"-q"});
+  EXPECT_EQ(plumbline.answer.code, 0) << plumbline.answer.err;
+  EXPECT_THAT(plumbline.answer.err, HasSubstr("scenario=tower gave no result: all its 8 cells failed, the first: "));
+  EXPECT_THAT(plumbline.answer.err, Not(HasSubstr("ground")));
+}
+
+TEST(Bench, AScenarioThatCannotRunWasNotMeasured) {
+  BenchProgram plumbline;
+  plumbline.write("odd.yaml", "plumbline: 1\nvars: {seed: 1, factor: 1}\nnodes:\n  site: {use: story.draw}\n");
+  plumbline.bench_file("seeds: 1-4\nscenarios: {ground: {}, tower: {pipeline: odd.yaml}}\n");
   plumbline.run({"-q"});
   EXPECT_EQ(plumbline.answer.code, 1);
   EXPECT_THAT(plumbline.answer.err, HasSubstr("scenario=tower gave no result: all cells failed"));
