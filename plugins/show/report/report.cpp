@@ -118,7 +118,8 @@ void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, Repor
   for (const auto& file : unread.files) input.unread.push_back(source(*file));
   if (inputs.files.empty()) return;
   const long used = input.block ? static_cast<long>(adjusted.size()) : -1;
-  const std::string none = inputs.images == 0 && used < 0 ? "0 photographs, " : "";  // the terminal leaves them out
+  const std::string none = inputs.images == 0 && used < 0 ? count(0, "photograph", "photographs") + ", "
+                                                          : "";  // the terminal leaves them out
   input.provenance.emplace_back("Took part", none + what_took_part(inputs, used) + " of the folder");
 }
 
