@@ -4,19 +4,21 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cctype>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <thread>
 #include <utility>
 
 #include "commands.hpp"
-#include "photo/images/image_walk.hpp"
 #include "plumbline/folder_files.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/plugins/executable_node.hpp"
@@ -134,17 +136,19 @@ bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& n
   return true;
 }
 
-/// Whether a JPEG or PNG lacks the mark of its end; of other files nothing is known.
+/// Whether a JPEG or PNG lacks the mark of its end; of other files nothing is known. Cameras write trailers of some
+/// kilobytes behind it, and the compressed picture cannot hold it.
 bool is_copied_in_part(const fs::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending != ".jpg" && ending != ".jpeg" && ending != ".png") return false;
-  try {
-    image_decoders::walk_image(path, true);
-    return false;
-  } catch (const std::runtime_error&) {
-    return fs::exists(path);
-  }
+  constexpr std::streamoff kTail = 1 << 16;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) return false;
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kTail));
+  const std::string tail(std::istreambuf_iterator<char>(file), {});
+  return tail.find(ending == ".png" ? "IEND" : "\xFF\xD9") == std::string::npos;
 }
 
 constexpr int kPatience = 60;  // [s]: a photograph without an end is waited for so long, because it may have none
