@@ -183,6 +183,31 @@ TEST(JudgeSurfaces, WhatAllPlacesShareIsOneChance) {
   EXPECT_LT(at_limit("*: joint=4mm").verdicts[0]->probability, 0.1) << "in photographs nobody says that it is one";
 }
 
+/// How far a scan lies beside its place is one error of all places of a joint, not one a place: sound joints were
+/// undecided with "kept with 20 %", and those that are out did not fail.
+TEST(JudgeSurfaces, ThePlaceOfTheScanIsOneErrorOfAJointsShift) {
+  const auto shifted = [&](double shift, double place_sigma, double own, int views) {
+    SurfacesT what = surfaces();
+    what.joints.push_back(joint(std::vector<double>(60, 0.012), 1e-4));
+    for (auto& place : what.joints[0]->places) {
+      place->shift = shift, place->shift_sigma = std::hypot(place_sigma, own);
+      place->width_random = 2 * own, place->views = views;
+    }
+    return std::pair(judged(what, {"*: shift=5mm"}).verdicts[0]->verdict,
+                     judged(what, {"*: shift=5mm"}).verdicts[0]->probability);
+  };
+  for (const int views : {0, 3}) {
+    EXPECT_NEAR(shifted(0, 2e-3, 3e-4, views).second, 0.97, 0.01);
+    EXPECT_EQ(shifted(0, 2e-3, 3e-4, views).first, ToleranceVerdict::pass);
+    EXPECT_EQ(shifted(0.002, 1e-3, 3e-4, views).first, ToleranceVerdict::pass);
+    EXPECT_EQ(shifted(0.0082, 1e-3, 3e-4, views).first, ToleranceVerdict::fail);
+    EXPECT_EQ(shifted(0.0182, 1e-3, 3e-4, views).first, ToleranceVerdict::fail);
+    EXPECT_EQ(shifted(-0.0082, 1e-3, 3e-4, views).first, ToleranceVerdict::fail);
+    EXPECT_EQ(shifted(0.0062, 1e-3, 3e-4, views).first, ToleranceVerdict::undecided);
+    EXPECT_EQ(shifted(0.0042, 1e-3, 3e-4, views).first, ToleranceVerdict::undecided);
+  }
+}
+
 /// From the last point to an edge it is an exponential's way: the worst of many places is further off than normal.
 TEST(JudgeSurfaces, JointsOfAScanDoNotFailByTheTailsOfTheirEdges) {
   std::mt19937_64 random(5);
