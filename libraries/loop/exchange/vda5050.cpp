@@ -20,7 +20,8 @@ using nlohmann::ordered_json;
 
 namespace {
 
-/// Items whose places to stand are nearer than this to that of the first of a node are done from there [m].
+/// Items whose places to stand are nearer than this to that of the first of a node, and which face as it does, are
+/// done from there [m].
 constexpr double kReachOfNode = 0.5;
 
 ordered_json vda_numbers(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -70,6 +71,15 @@ Stand stand_before(const JobItem& item, double stand_off) {
   if (out.norm() < 0.5 || stand_off == 0) return {item.design.head<2>(), std::nullopt};
   const Eigen::Vector2d away = stand_off * out.normalized();
   return {item.design.head<2>() + away, std::atan2(-away.y(), -away.x())};
+}
+
+/// Whether a robot that stands at `node` does what it would do from `other`, as it faces: at an inner corner the stands
+/// of both facades are one place.
+bool is_done_from(const Stand& node, const Stand& other) {
+  constexpr double kSameWay = 0.3;  // [rad]
+  if ((other.place - node.place).norm() > kReachOfNode || other.theta.has_value() != node.theta.has_value())
+    return false;
+  return !node.theta || std::abs(std::remainder(*other.theta - *node.theta, 2 * M_PI)) <= kSameWay;
 }
 
 ordered_json node_of(const Job& job, const JobItem& item, double stand_off, std::size_t sequence) {
@@ -126,8 +136,8 @@ std::string vda_order(const Job& job, const VdaRobot& robot) {
   if (robot.start && node_of(job, job.items.front(), robot.stand_off, 0)["nodeId"] != robot.start->node)
     nodes.push_back(start_node(*robot.start));
   for (const JobItem& item : job.items) {
-    const auto place = [&](const JobItem& one) { return stand_before(one, robot.stand_off).place; };
-    const bool here = first && first->floor == item.floor && (place(item) - place(*first)).norm() <= kReachOfNode;
+    const bool here = first && first->floor == item.floor &&
+                      is_done_from(stand_before(*first, robot.stand_off), stand_before(item, robot.stand_off));
     if (!here) {
       nodes.push_back(node_of(job, item, robot.stand_off, 2 * nodes.size())), first = &item;
       if (const std::size_t n = nodes.size(); n > 1)

@@ -124,6 +124,15 @@ TEST(Vda5050, ANodeIsBeforeTheFacade) {
   // Round a corner is another place, however near the brackets are.
   job.items[1].design_rotation = Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ()) * job.items[1].design_rotation;
   EXPECT_EQ(json::parse(vda_order(job, robot))["nodes"].size(), 4u);
+  // At an inner corner both facades are done from one place, each with its own side before the robot.
+  robot.stand_off = 1.5;
+  job.items[1].design = job.items[0].design + Eigen::Vector3d(-1.5, -1.5, 0);
+  const json nodes = json::parse(vda_order(job, robot))["nodes"];
+  ASSERT_EQ(nodes.size(), 4u);
+  EXPECT_NEAR(nodes[1]["nodePosition"]["x"].get<double>(), nodes[0]["nodePosition"]["x"].get<double>(), 1e-6);
+  EXPECT_NEAR(nodes[1]["nodePosition"]["y"].get<double>(), nodes[0]["nodePosition"]["y"].get<double>(), 1e-6);
+  EXPECT_NEAR(nodes[0]["nodePosition"]["theta"].get<double>(), kPi / 2, 1e-9);
+  EXPECT_NEAR(std::abs(nodes[1]["nodePosition"]["theta"].get<double>()), kPi, 1e-9);
   PLUMBLINE_REQUIRE_DATA("robot/vda5050/3.0.0/order.schema");
   EXPECT_EQ(faults(schema_of("3.0.0", "order"), json::parse(vda_order(job, robot))), "");
 }
