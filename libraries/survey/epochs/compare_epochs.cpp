@@ -367,7 +367,7 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
     const MatrixXd g = motions(r, options.free_motions);
     const Localisation localisation(r, g, options);
     std::vector<size_t> out;
-    result.excluded = localisation.run(out);
+    if (options.localise) result.excluded = localisation.run(out);
     std::vector<char> found(pair.ids.size(), 1);
     for (size_t i : out) found[i] = 0;
     if (found != stable && pass < 5) {

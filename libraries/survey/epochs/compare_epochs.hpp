@@ -74,6 +74,7 @@ struct ComparisonOptions {
   double alpha = 0.05;    ///< global test
   double alpha0 = 0.001;  ///< each point
   double power = 0.80;
+  bool localise = true;  ///< false: the test as a whole alone, no point is left out of the datum
   /// Motions the two epochs may differ by: 0 none (both in one fixed frame), 3 translation, 4 with rotation about the
   /// vertical (levelled networks with distances), 5 with scale, 6 any rigid motion, 7 with scale.
   /// Of these, what moves no coordinate that is there does not count: of bench marks, 3 is a common lift.

@@ -22,41 +22,71 @@ std::vector<const Movement*> moved_points(const Comparison& c) {
   return found;
 }
 
-/// Size of the second epoch in units of the first, over the points that both have in plan.
-double size_ratio(const Epoch& first, const Epoch& second) {
+/// Size of the second epoch in units of the first, over the points that both have in plan: in plan alone, as soon as
+/// one of them lacks a height. None where no points have a plan (bench marks), or all the same.
+std::optional<double> size_ratio(const Epoch& first, const Epoch& second) {
   std::vector<std::pair<Vector3d, Vector3d>> places;
-  Vector3d a = Vector3d::Zero(), b = a;
+  bool heights = true;
   for (size_t i = 0; i < first.ids.size(); ++i) {
     const auto at = std::find(second.ids.begin(), second.ids.end(), first.ids[i]);
     if (at == second.ids.end()) continue;
     Vector3d p = first.coordinates.segment<3>(static_cast<Index>(3 * i)),
              q = second.coordinates.segment<3>(static_cast<Index>(3 * (at - second.ids.begin())));
     if (!p.head<2>().allFinite() || !q.head<2>().allFinite()) continue;
-    if (!std::isfinite(p.z()) || !std::isfinite(q.z())) p.z() = q.z() = 0;
-    places.emplace_back(p, q), a += p, b += q;
+    heights &= std::isfinite(p.z()) && std::isfinite(q.z());
+    places.emplace_back(p, q);
+  }
+  Vector3d a = Vector3d::Zero(), b = a;
+  for (auto& [p, q] : places) {
+    if (!heights) p.z() = q.z() = 0;
+    a += p, b += q;
   }
   const double n = static_cast<double>(std::max<size_t>(1, places.size()));
   double before = 0, after = 0;
   for (const auto& [p, q] : places) before += (p - a / n).squaredNorm(), after += (q - b / n).squaredNorm();
-  return std::sqrt(after / before);
+  const double ratio = std::sqrt(after / before);
+  return std::isfinite(ratio) ? std::optional(ratio) : std::nullopt;
 }
 
-/// One scale takes out of the difference what no chance would, and fewer points have moved with it.
+/// A scale takes out of the difference what no chance would.
+bool scale_is_significant(const Epoch& first, const Epoch& second, ComparisonOptions options) {
+  options.localise = false;
+  const Comparison as_it_is = compare_epochs(first, second, options);
+  const double variance = as_it_is.critical / chi_squared_quantile(1 - options.alpha, std::max(1, as_it_is.rank));
+  ++options.free_motions;
+  const double explained = as_it_is.statistic - compare_epochs(first, second, options).statistic;
+  return explained > variance * chi_squared_quantile(1 - options.alpha0, 1);
+}
+
+/// Not of one point of leverage: the tip of a tower that settles is a scale to all that stand below it.
+bool scale_is_of_all(const Epoch& first, const Epoch& second, const ComparisonOptions& options,
+                     const std::vector<const Movement*>& moved) {
+  return std::all_of(moved.begin(), moved.end(), [&](const Movement* m) {
+    std::vector<char> keep;
+    for (const std::string& id : first.ids) keep.push_back(id != m->id);
+    return scale_is_significant(part_of(first, keep), second, options);
+  });
+}
+
+/// One scale takes out of the difference what no chance would, all of it, and fewer points have moved with it. A few
+/// points that moved look the same, so that it is told beside their movements and not taken off.
 std::optional<EpochMistake> other_scale(const Epoch& first, const Epoch& second, const ComparisonOptions& options,
                                         const Comparison& compared) {
+  constexpr std::size_t kLeastMoved = 3;
   if (options.free_motions != 4 && options.free_motions != 6) return std::nullopt;
+  const std::vector<const Movement*> moved = moved_points(compared);
+  const std::optional<double> ratio = size_ratio(first, second);
+  if (moved.size() < kLeastMoved || !ratio || !scale_is_significant(first, second, options)) return std::nullopt;
   ComparisonOptions with_scale = options;
   ++with_scale.free_motions;
-  EpochMistake mistake{"", "", compare_epochs(first, second, with_scale), with_scale.free_motions};
-  const double explained = compared.statistic - mistake.comparison.statistic;
-  const double variance = compared.critical / chi_squared_quantile(1 - options.alpha, std::max(1, compared.rank));
-  if (!(explained > variance * chi_squared_quantile(1 - options.alpha0, 1))) return std::nullopt;
-  if (moved_points(mistake.comparison).size() >= moved_points(compared).size()) return std::nullopt;
+  EpochMistake mistake{"", "", compare_epochs(first, second, with_scale), with_scale.free_motions, false};
+  if (!mistake.comparison.congruent || moved_points(mistake.comparison).size() >= moved.size()) return std::nullopt;
+  if (!scale_is_of_all(first, second, options, moved)) return std::nullopt;
   mistake.words =
-      scale_in_words(size_ratio(first, second)) +
+      scale_in_words(*ratio) +
       ", which explains the difference: a ppm setting, a prism constant, a map scale or the temperature was "
       "another (10 K make concrete 100 ppm longer)";
-  mistake.undone = "It is taken off here, and how far points moved along with it is not to be told";
+  mistake.undone = "The movements hold it: whether points moved or all distances changed these epochs do not tell";
   return mistake;
 }
 
@@ -88,7 +118,7 @@ std::optional<EpochMistake> exchanged_names(const Epoch& first, const Epoch& sec
       names += (names.empty() ? "" : "; ") + all[i]->id + " and " + all[j]->id;
     }
   if (names.empty()) return std::nullopt;
-  EpochMistake mistake{"", "", compare_epochs(first, mended, options), options.free_motions};
+  EpochMistake mistake{"", "", compare_epochs(first, mended, options), options.free_motions, true};
   if (moved_points(mistake.comparison).size() >= all.size()) return std::nullopt;
   mistake.words = names + " have each other's name in one of the epochs: each lies where the other was";
   mistake.undone = "Compared as if the second had them exchanged; mend the names in its file";

@@ -1,5 +1,6 @@
 // What one mistake in a whole epoch makes of another epoch: a ppm setting that was another, two names that were
-// exchanged. Each would be movements of many points, or of metres; undone, fewer points have moved or none.
+// exchanged. Each would be movements of many points, or of metres; undone, fewer points have moved or none. A scale is
+// told only where three points at least seem to have moved, it explains all of it, and without each of them too.
 #pragma once
 
 #include <optional>
@@ -11,9 +12,10 @@ namespace plumbline::survey {
 
 struct EpochMistake {
   std::string words;      ///< without a full stop
-  std::string undone;     ///< what `comparison` makes of it, likewise
+  std::string undone;     ///< what was made of it, likewise
   Comparison comparison;  ///< with it undone
   int free_motions = 4;   ///< that it was made with
+  bool is_undone = true;  ///< false (a scale): points that moved may look the same, the comparison stays as it is
 };
 
 /// The mistake that explains why points of `compared` seem to have moved, which is the comparison of both; none if none

@@ -192,8 +192,9 @@ void CompareEpochsNode::run(Context& context) {
   const std::string told_mistake = mistake ? mistake->words + ". " + mistake->undone : "";
   if (mistake) {
     context.warn(told_mistake);
-    c = mistake->comparison, options.free_motions = mistake->free_motions;
+    if (mistake->is_undone) c = mistake->comparison, options.free_motions = mistake->free_motions;
   }
+  const bool is_explained = mistake && !mistake->is_undone;
   const std::string in_doubt = epochs_in_doubt(first_network ? first_network.unpack() : SurveyNetworkT(),
                                                second_network ? second_network.unpack() : SurveyNetworkT());
   if (!in_doubt.empty()) context.warn(in_doubt);
@@ -217,7 +218,7 @@ void CompareEpochsNode::run(Context& context) {
   for (const Movement& m : c.movements) {
     if (!m.moved) continue;
     moved.push_back(m.id);
-    context.warn("point " + m.id + (in_doubt.empty() ? " has moved: " : " seems to have moved: ") +
+    context.warn("point " + m.id + (in_doubt.empty() && !is_explained ? " has moved: " : " seems to have moved: ") +
                  movement_in_words(m) + alternatives_in_words(c, m.id));
   }
   out.remark = (mistake ? told_mistake + "; " : "") + c.variances.text + (c.variances.text.empty() ? "" : "; ") +

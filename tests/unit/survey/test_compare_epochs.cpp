@@ -378,11 +378,48 @@ TEST(CompareEpochs, OneScaleOfAWholeEpochIsNoMovementOfItsPoints) {
   EXPECT_NE(mistake->words.find("ppm longer than those of the first, which explains the difference"), std::string::npos)
       << mistake->words;
   EXPECT_EQ(moved_in(mistake->comparison), "");
+  EXPECT_FALSE(mistake->is_undone) << "movements are told as they are";
   Epoch one = markers(epoch(test::simulate({}, 22).survey));
   one.coordinates[3 * 11] += 0.02;  // a corner
   const Comparison of_one = compare_epochs(first, one, {});
   EXPECT_EQ(moved_in(of_one), first.ids[11]);
   EXPECT_FALSE(find_epoch_mistake(first, one, {}, of_one)) << "one point that moved is no scale";
+}
+
+/// Of points with 1 mm a coordinate and epoch, not correlated.
+Epoch of_places(const std::vector<Eigen::Vector3d>& places) {
+  Epoch e;
+  const auto n = static_cast<Eigen::Index>(places.size());
+  e.coordinates.resize(3 * n);
+  e.covariance = 1e-6 * Eigen::MatrixXd::Identity(3 * n, 3 * n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    e.ids.push_back("P" + std::to_string(i));
+    e.coordinates.segment<3>(3 * i) = places[static_cast<size_t>(i)];
+  }
+  return e;
+}
+
+/// The tip of a tower that settled by 10 mm was "another scale", and no point had moved.
+TEST(CompareEpochs, OnePointOfLeverageIsNoScale) {
+  const Epoch first = of_places({{0, 0, 0}, {20, 0, 0}, {20, 20, 0}, {0, 20, 0}, {10, 3, 0}, {10, 10, 60}});
+  Epoch second = first;
+  second.coordinates[17] -= 0.01;
+  const Comparison compared = compare_epochs(first, second, {});
+  EXPECT_EQ(moved_in(compared), "P5");
+  EXPECT_FALSE(find_epoch_mistake(first, second, {}, compared));
+}
+
+/// Settlements of bench marks were "nan times those of the first".
+TEST(CompareEpochs, HeightsAloneHaveNoScale) {
+  const double nan = std::nan("");
+  std::vector<Eigen::Vector3d> places;
+  for (int i = 0; i < 6; ++i) places.emplace_back(nan, nan, 20 * i);
+  const Epoch first = of_places(places);
+  Epoch second = first;
+  second.coordinates *= 1 + 2e-4;
+  const Comparison compared = compare_epochs(first, second, {});
+  EXPECT_NE(moved_in(compared), "");
+  EXPECT_FALSE(find_epoch_mistake(first, second, {}, compared));
 }
 
 TEST(CompareEpochs, ExchangedNamesAreNoMovementOfMetres) {
