@@ -213,8 +213,9 @@ struct Heights {
 
 /// What the loop has taken off the drift: of the highest floor against the lowest.
 void write_drift(Markup& html, const std::map<int, Heights>& floors) {
-  if (floors.size() < 2) return;
-  const auto& [low, lowest] = *floors.begin();
+  const auto known = floors.upper_bound(0);  // 0: on which floor it is, is not known
+  if (known == floors.end() || known == std::prev(floors.end())) return;
+  const auto& [low, lowest] = *known;
   const auto& [high, highest] = *floors.rbegin();
   const double now = highest.now / highest.n - lowest.now / lowest.n;
   const double without = highest.without / highest.n - lowest.without / lowest.n;

@@ -95,7 +95,7 @@ TEST(InstallationPage, ABracketThatNoPanelHangsOnIsNotPlanned) {
   EXPECT_EQ(occurrences(rest_of(plan, state), "NOT NEEDED"), 0u) << "its panel is to be planned still";
 }
 
-/// Without brackets on which nothing hangs, which nobody sets.
+/// Without brackets on which nothing hangs, which nobody sets, and those of which the floor is not known.
 TEST(InstallationPage, TheDriftThatTheLoopPreventedIsANumber) {
   InstallationPlanT plan;
   LoopStateT state;
@@ -109,7 +109,7 @@ TEST(InstallationPage, TheDriftThatTheLoopPreventedIsANumber) {
     state.items.back()->id = id, state.items.back()->kind = "bracket", state.items.back()->setting = {0, set, 0};
   };
   add("b0", 1, 0.0002, 0.001, BracketUse::panel), add("k0", 1, 0.5, 0, BracketUse::nothing);
-  add("b1", 12, 0.0005, 0.0034, BracketUse::panel);
+  add("b1", 12, 0.0005, 0.0034, BracketUse::panel), add("b2", 0, 0.25, 0, BracketUse::panel);
   const std::string page = rest_of(plan, state);
   EXPECT_NE(page.find("From floor 1 to floor 12 the mean height drifts by +0.3 mm; without what was set it would by "),
             std::string::npos)
