@@ -29,7 +29,7 @@ install(DIRECTORY framework/include/plumbline DESTINATION include COMPONENT Deve
 install(DIRECTORY ${PROJECT_BINARY_DIR}/framework/include/plumbline_artifacts/artifacts DESTINATION include COMPONENT Development ${headers})
 install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
 install(DIRECTORY plugins/place/adjust plugins/place/register DESTINATION include/plumbline/libraries/place COMPONENT Development ${headers})
-install(FILES plugins/build/loop/facade_input.hpp plugins/build/loop/planner_node.hpp plugins/build/loop/robot_node.hpp
+install(FILES plugins/build/loop/facade_input.hpp plugins/build/loop/planner_node.hpp plugins/build/loop/robot_node.hpp plugins/build/loop/unplanned_panels.hpp
   DESTINATION include/plumbline/libraries/build/loop COMPONENT Development)
 install(DIRECTORY tests/support/ DESTINATION include/plumbline/testing COMPONENT Development ${headers})
 install(DIRECTORY schemas/artifacts DESTINATION share/plumbline/schemas COMPONENT Development)
