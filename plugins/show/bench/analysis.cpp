@@ -122,19 +122,6 @@ void add_unmeasured(const Bench& bench, const std::string& quantity, const std::
                    (at.empty() ? "" : " (the first: " + at + ")") + ", which therefore have none");
 }
 
-/// Cells of one alternative at one place: that failed, and of those that its own test forbade.
-std::pair<std::size_t, std::size_t> failed_and_forbidden(const Bench& bench, const Duel& duel,
-                                                         const std::string& name) {
-  std::size_t failed = 0, forbidden = 0;
-  for (const Cell& cell : bench.cells) {
-    if (cell.place != duel.place || !cell.has_run()) continue;
-    if (const auto choice = cell.choices.find(duel.group); choice == cell.choices.end() || choice->second != name)
-      continue;
-    failed += cell.status == "failed", forbidden += cell.forbidden;
-  }
-  return {failed, forbidden};
-}
-
 /// Sets Duel::untested at each place, and over all of them where every place that is won for want of results is so.
 void mark_untested(const Bench& bench, const std::vector<Row>& rows, std::vector<Duel>& duels) {
   const auto for_results = [](const Duel& duel) {
@@ -143,8 +130,10 @@ void mark_untested(const Bench& bench, const std::vector<Row>& rows, std::vector
   for (Duel& duel : duels) {
     if (duel.overall || !for_results(duel)) continue;
     const bool first = duel.errors.verdict == statistics::Verdict::first_better;
-    const auto [failed, forbidden] = failed_and_forbidden(bench, duel, first ? duel.second : duel.first);
-    duel.untested = 2 * forbidden > failed && stated_of(rows, duel, first ? duel.first : duel.second) != Stated::holds;
+    const auto lost = lost_cells(bench, duel, first ? duel.second : duel.first);
+    const auto forbidden = std::count_if(lost.begin(), lost.end(), [](const Cell* cell) { return cell->forbidden; });
+    duel.untested = 2 * forbidden > static_cast<std::ptrdiff_t>(lost.size()) &&
+                    stated_of(rows, duel, first ? duel.first : duel.second) != Stated::holds;
   }
   for (Duel& all : duels) {
     if (!all.overall || !for_results(all)) continue;
@@ -155,6 +144,9 @@ void mark_untested(const Bench& bench, const std::vector<Row>& rows, std::vector
         ++won, untested += duel.untested;
     all.untested = won > 0 && untested == won;
   }
+  for (Duel& duel : duels)
+    if (duel.untested && !duel.words.empty())
+      duel.words += "; most of these the other one's own test forbids, so more results are no merit";
 }
 
 std::vector<std::string> unused_of(const Bench& bench) {
@@ -234,14 +226,38 @@ std::vector<std::string> repeated_of(const std::vector<Duel>& duels) {
 
 }  // namespace
 
+std::vector<const Cell*> lost_cells(const Bench& bench, const Duel& duel, const std::string& loser) {
+  const std::string& winner = loser == duel.first ? duel.second : duel.first;
+  using Site = std::pair<std::uint64_t, std::map<std::string, std::string>>;  // seed, and what the other groups have
+  const double useless_above = bench.useless_above();
+  std::set<Site> given;
+  std::vector<std::pair<Site, const Cell*>> failed;
+  for (const Cell& cell : bench.cells) {
+    const auto choice = cell.choices.find(duel.group);
+    if (cell.place != duel.place || choice == cell.choices.end() || !cell.has_run()) continue;
+    Site site{cell.seed, cell.choices};
+    site.second.erase(duel.group);
+    if (choice->second == winner && cell.status == "done" && !(cell.error_size() > useless_above)) given.insert(site);
+    if (choice->second == loser && cell.status == "failed") failed.emplace_back(site, &cell);
+  }
+  std::vector<const Cell*> lost;
+  for (const auto& [site, cell] : failed)
+    if (given.count(site)) lost.push_back(cell);
+  return lost;
+}
+
 Stated stated_of(const std::vector<Row>& rows, const Duel& duel, const std::string& name) {
   Stated found = Stated::unknown;
   for (const Row& row : rows) {
     const auto choice = row.choices.find(duel.group);
     if (row.place != duel.place || choice == row.choices.end() || choice->second != name) continue;
-    const auto& band = row.summary.nees_band;
-    if (!std::isfinite(row.summary.nees) || !std::isfinite(band.lower)) return Stated::unknown;
-    if (row.summary.nees < band.lower || row.summary.nees > band.upper) return Stated::wrong;
+    const auto& parts = row.summary.calibration;
+    const auto all = std::find_if(parts.begin(), parts.end(), [](const auto& part) { return part.mode.empty(); });
+    if (all == parts.end()) return Stated::unknown;
+    const auto honest = statistics::honesty(*all);
+    const bool known = honest != statistics::Honesty::unknown;
+    if (!known && !(std::isfinite(all->nees) && std::isfinite(all->nees_band.upper))) return Stated::unknown;
+    if (known ? honest == statistics::Honesty::too_little : all->nees > all->nees_band.upper) return Stated::wrong;
     found = Stated::holds;
   }
   return found;
@@ -304,9 +320,10 @@ Analysis analyse(const Bench& bench) {
   analysis.duels = judged_duels(bench, options);
   mark_untested(bench, analysis.rows, analysis.duels);
   for (const Duel& duel : analysis.duels)
-    analysis.open += (!duel.overall || duel.weighted) && !duel.never_ran &&
-                     (!duel.refused.empty() || duel.errors.verdict == statistics::Verdict::undecided ||
-                      duel.errors.verdict == statistics::Verdict::too_few);
+    analysis.open +=
+        (!duel.overall || duel.weighted) && !duel.never_ran &&
+        (!duel.refused.empty() || duel.errors.verdict == statistics::Verdict::undecided ||
+         duel.errors.verdict == statistics::Verdict::too_few || (duel.untested && !errors_equal(duel, bench.rope)));
   analysis.failures = failures_of(bench);
   analysis.unused = unused_of(bench);
   for (std::string& sentence : repeated_of(analysis.duels)) analysis.unused.push_back(std::move(sentence));

@@ -64,8 +64,13 @@ struct Analysis {
 
 Analysis analyse(const Bench& bench);
 
-/// Whether the covariances of an alternative hold at a place: its NEES lies in its band in every row there, in one of
-/// them it does not, or it is not known.
+/// Cells of `loser`, one of the duel's two, at its place that have no result where the other one, all else alike, has
+/// one of use.
+std::vector<const Cell*> lost_cells(const Bench& bench, const Duel& duel, const std::string& loser);
+
+/// Whether the covariances of an alternative hold at a place: in every row there they do not state too little, in one
+/// of them they do, or it is not known. More than what is found is the safe side. By statistics::honesty(), as the
+/// tables say it; where nothing is predicted, by whether NEES lies above its band.
 enum class Stated { holds, wrong, unknown };
 Stated stated_of(const std::vector<Row>& rows, const Duel& duel, const std::string& name);
 

@@ -223,7 +223,8 @@ Alike telling(const std::vector<Breakdown>& found, const Breakdown& first) {
 /// "half of the sites stay within 2 mm up to 0.3 with a, b. Up to 0.1 with c"
 std::string ends_text(const Alike& alike) {
   const std::string within = tolerance_text(alike[0]->tolerance) + " mm ";
-  const bool none = alike[0]->median == 0 && alike[0]->at_most == 0;
+  const bool none =
+      std::all_of(alike.begin(), alike.end(), [](const Breakdown* b) { return b->median == 0 && b->at_most == 0; });
   if (alike.size() > 1 && none)
     return "nobody stays within " + within + "on half of the sites, even at " + alike[0]->values[0];
   std::string text = "half of the sites stay within " + within, last;

@@ -140,17 +140,20 @@ std::vector<std::string> opposed_in_words(const Bench& bench, const Field& field
 void add_nothing_separates(const Bench& bench, const Field& field, const std::vector<Pairing>& pairs,
                            std::vector<std::string>& sentences) {
   const std::size_t places = bench.places().size();
-  bool all_equal = true;
+  bool all_equal = true, any_equal = false;
   std::string power;
   for (const Pairing& pair : pairs) {
-    for (const Duel* duel : pair.places)
-      all_equal &= duel->never_ran || duel->untested ||
-                   (duel->refused.empty() &&
-                    (duel->errors.verdict == Verdict::equal || duel->errors.verdict == Verdict::too_few));
+    for (const Duel* duel : pair.places) {
+      const bool equal = duel->untested ? errors_equal(*duel, bench.rope)
+                                        : duel->refused.empty() && duel->errors.verdict == Verdict::equal;
+      const bool silent =
+          duel->untested ? duel->errors.places == 0 : duel->refused.empty() && duel->errors.verdict == Verdict::too_few;
+      all_equal &= duel->never_ran || equal || silent, any_equal |= equal;
+    }
     if (power.empty()) power = power_text(pair, bench);
   }
   const std::string lead = "nothing separates " + text::enumerate(field.unbeaten) + ": ";
-  if (all_equal) {
+  if (all_equal && any_equal) {
     sentences.push_back(lead + "they are equal within " + rope_text(bench) +
                         (places > 1 ? " wherever there are trials enough" : ""));
     return;
@@ -233,14 +236,12 @@ void add_untested(const Bench& bench, const Group& group, const Standings& stand
     const auto standing = standings.find(name);
     if (standing == standings.end() || standing->second.untested.empty()) continue;
     const Standing& s = standing->second;
-    std::size_t forbidden = 0;
-    for (const Cell& cell : bench.cells)
-      if (const auto choice = cell.choices.find(group.name); choice != cell.choices.end() && choice->second == name)
-        forbidden += cell.forbidden && s.untested_on.count(cell.place) > 0;
+    const std::size_t forbidden = s.forbidden.size();
     std::vector<std::string> how;
     for (const auto& [stated, winners] : s.untested)
-      how.push_back(text::enumerate(winners) + (winners.size() > 1 ? " give" : " gives") +
-                    (stated == Stated::wrong ? " with a NEES outside its band" : " with no NEES to judge them by"));
+      how.push_back(
+          text::enumerate(winners) + (winners.size() > 1 ? " give" : " gives") +
+          (stated == Stated::wrong ? " with covariances that state too little" : " with no NEES to judge them by"));
     const std::vector<std::string> places(s.untested_on.begin(), s.untested_on.end());
     said.add(name, std::to_string(forbidden) + (forbidden == 1 ? " result" : " results") +
                        (bench.places().size() > 1 ? " on " + listed(places) : "") + " that " + text::enumerate(how) +

@@ -211,8 +211,12 @@ std::string behind(const Bench& bench, const Analysis& analysis) {
     text += "<details><summary>" + title + "</summary>\n" + content + "</details>\n";
   };
   if (!bench.groups.empty()) fold("Verdicts, pair by pair", verdict_list(bench, analysis));
-  if (const auto sentences = calibration_verdicts(analysis); !sentences.empty())
-    fold("What covariances state against what is found", plain_list(sentences) + stated_table(analysis));
+  // With few trials there is no sentence, and the table says "not judged".
+  if (!stated_parts(analysis).empty()) {
+    const auto sentences = calibration_verdicts(analysis);
+    fold("What covariances state against what is found",
+         (sentences.empty() ? "" : plain_list(sentences)) + stated_table(analysis));
+  }
   if (!analysis.breakdowns.empty()) fold("Where they break", breakdown_table(bench, analysis));
   if (!analysis.rising.empty()) fold("Costs that go up", plain_list(analysis.rising, "bad"));
   return text.empty() ? "" : "<section>" + text + "</section>\n";

@@ -26,6 +26,11 @@ std::vector<Pairing> pairings(const Analysis& analysis, const std::string& group
   return list;
 }
 
+bool errors_equal(const Duel& duel, double rope) {
+  const auto& e = duel.errors;
+  return duel.refused.empty() && e.places > 0 && (e.same || (e.narrow.lower > -rope && e.narrow.upper < rope));
+}
+
 bool all_same(const Pairing& pair) {
   bool any = false;
   for (const Duel* duel : pair.places) {
@@ -38,15 +43,22 @@ bool all_same(const Pairing& pair) {
 }
 
 std::string power_text(const Pairing& pair, const Bench& bench) {
+  // A verdict that rests on results which are no merit leaves the errors open.
+  const auto of_errors = [&](const Duel& duel) {
+    statistics::PairedComparison errors = duel.errors;
+    if (duel.untested && errors.places > 0 && !errors_equal(duel, bench.rope))
+      errors.verdict = statistics::Verdict::undecided;
+    return errors;
+  };
   const Duel* worst = nullptr;
   double most = 0;
   for (const Duel* duel : pair.places) {
     if (!duel->refused.empty()) continue;
-    const double wanted = seeds_wanted(duel->errors, bench.rope);
+    const double wanted = seeds_wanted(of_errors(*duel), bench.rope);
     if (wanted > most) most = wanted, worst = duel;
   }
   if (!worst) return "";
-  const std::string power = power_in_words(worst->errors, bench.rope, 1e3, "mm");
+  const std::string power = power_in_words(of_errors(*worst), bench.rope, 1e3, "mm");
   return power.empty() || worst->place.empty() ? power : power + " on " + worst->place;
 }
 

@@ -23,6 +23,10 @@ inline bool is_winner(statistics::Verdict v) {
   return v == statistics::Verdict::first_better || v == statistics::Verdict::second_better;
 }
 
+/// Whether the errors of the trials that both finished are shown to differ by less than the rope [m], whatever the
+/// verdict rests on.
+bool errors_equal(const Duel& duel, double rope);
+
 /// Every trial gave both the same; false if one of them failed where the other did not.
 bool all_same(const Pairing& pair);
 

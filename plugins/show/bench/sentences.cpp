@@ -147,7 +147,7 @@ std::vector<Sentence> verdicts(const Bench& bench, const Analysis& analysis) {
       Sentence sentence{sentence_of(pair, bench)};
       const auto any = [&](auto&& holds) { return std::any_of(pair.places.begin(), pair.places.end(), holds); };
       sentence.refused = any([](const Duel* duel) { return !duel->refused.empty(); });
-      const auto decided = [](const Duel* duel) { return is_winner(duel->errors.verdict); };
+      const auto decided = [](const Duel* duel) { return is_winner(duel->errors.verdict) && !duel->untested; };
       sentence.winner = any(decided) || (pair.overall && pair.overall->weighted && decided(pair.overall));
       sentence.open = !sentence.winner && !any([](const Duel* duel) { return duel->errors.verdict == Verdict::equal; });
       sentences.push_back(std::move(sentence));

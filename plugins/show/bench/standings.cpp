@@ -58,6 +58,8 @@ Standings standings_of(const Bench& bench, const Group& group, const Analysis& a
         const std::string& winner = first ? duel->first : duel->second;
         add_once(loser.untested[stated_of(analysis.rows, *duel, winner)], winner);
         loser.untested_on.insert(duel->place);
+        for (const Cell* cell : lost_cells(bench, *duel, first ? duel->second : duel->first))
+          if (cell->forbidden) loser.forbidden.insert(cell);
         continue;
       }
       add_once(loser.beaten_on, duel->place);

@@ -19,6 +19,7 @@ struct Standing {
   std::size_t unplanned = 0;                            ///< cells of which no pipeline could be made
   std::map<Stated, std::vector<std::string>> untested;  ///< who wins by more results that its own test forbids
   std::set<std::string> untested_on;                    ///< places
+  std::set<const Cell*> forbidden;                      ///< its cells there that its own test forbids and they give
   bool compared = false;                                ///< with enough trials for a verdict
   bool is_beaten() const { return beaten_overall || !beaten_on.empty(); }
 };
