@@ -212,42 +212,16 @@ std::pair<double, double> Adjuster::row_test(const Pass& pass, int row) const {
 
 bool Adjuster::makes_uncontrolled(const Pass& before, const Pass& after) const {
   const std::set<std::string> had = controlled_points(before), has = controlled_points(after);
-  if (!std::includes(has.begin(), has.end(), had.begin(), had.end())) return true;
-  constexpr double kControlled = 0.02, kNot = 0.002;  // of the row's own variance
-  std::map<int, double> of_row;
-  for (size_t r = 0; r < before.problem.rows.size(); ++r)
-    of_row[before.problem.rows[r]] = before.reliability.rows[r].controlled;
-  for (size_t r = 0; r < after.problem.rows.size(); ++r) {
-    const int row = after.problem.rows[r];
-    if (row < 0 || !m_.rows[row].removable || !(after.reliability.rows[r].controlled < kNot)) continue;
-    if (const auto was = of_row.find(row); was != of_row.end() && was->second > kControlled) return true;
-  }
-  return false;
+  return !std::includes(has.begin(), has.end(), had.begin(), had.end());
 }
 
-/// Each as its name and a word for plan or height: zenith angles alone control no position.
 std::set<std::string> Adjuster::controlled_points(const Pass& pass) const {
-  constexpr double kShare = 0.5;  // of a reading's gradient
   std::set<std::string> points;
   for (size_t r = 0; r < pass.problem.rows.size(); ++r) {
     const int row = pass.problem.rows[r];
     if (row < 0 || pass.reliability.rows[r].controlled < 0.01) continue;
-    const ResultRow& o = m_.rows[row];
-    const bool slope = o.kind == "slope_distance", zenith = o.kind == "zenith_angle";
-    double rise = 0;  // of the sight, over its length
-    if (const Eigen::Vector3d d = slope || zenith ? sight_of(pass, row) : Eigen::Vector3d::Zero(); d.norm() > 0)
-      rise = std::abs(d.z()) / d.norm();
-    const double level = std::sqrt(std::max(0.0, 1 - rise * rise));
-    const bool of_height = o.kind == "height_difference" || (o.kind == "coordinate" && o.detail == "H");
-    const bool of_plan = o.kind == "direction" || o.kind == "angle" || o.kind == "azimuth" ||
-                         o.kind == "horizontal_distance" || (o.kind == "coordinate" && o.detail != "H");
-    const bool plan = slope ? level > kShare : zenith ? rise > kShare : !of_height;
-    const bool height = slope ? rise > kShare : zenith ? level > kShare : !of_plan;
-    for (const std::string& id : {o.from, o.to}) {
-      if (id.empty() || !is_unknown(id)) continue;
-      if (plan) points.insert(id + " plan");
-      if (height) points.insert(id + " height");
-    }
+    for (const std::string& id : {m_.rows[row].from, m_.rows[row].to})
+      if (!id.empty() && is_unknown(id)) points.insert(id);
   }
   return points;
 }
@@ -262,7 +236,7 @@ void Adjuster::note_kept(int row, double w) {
   const ResultRow& r = m_.rows[row];
   m_.findings.push_back({Finding::Severity::warning,
                          r.kind + " " + r.from + " -> " + r.to + " fails its test (w = " + std::to_string(w) +
-                             ") but stays: without it a point would not be controlled, or another reading",
+                             ") but stays: without it a point would not be controlled",
                          {r.from, r.to}});
 }
 

@@ -104,22 +104,26 @@ void doubt_common_errors(NetworkResult& r) {
 }
 
 /// A set-up of which sights to three targets were taken out, more than a tenth of its readings: where it was moved, or
-/// they were, what is left of it agrees with either. In words; empty: none.
+/// they were, what is left of it agrees with either. Distances alone (edges, glass) leave the directions of the same
+/// sights, which no instrument that moved would have left. In words; empty: none.
 std::string thinned_set_up(const NetworkResult& r) {
   constexpr std::size_t kTargets = 3;
   constexpr int kOneIn = 10;
-  std::map<std::string, std::set<std::string>> targets;
-  std::map<std::string, std::pair<int, int>> counts;  // readings, removed
+  std::map<std::string, std::map<std::string, std::set<std::string>>> targets;  // kinds that were taken out
+  std::map<std::string, std::pair<int, int>> counts;                            // readings, removed
   for (const ResultRow& row : r.rows) {
     if (row.set_up.empty()) continue;
     auto& [readings, removed] = counts[row.set_up];
     ++readings, removed += row.removed;
-    if (row.removed) targets[row.set_up].insert(row.to);
+    if (row.removed) targets[row.set_up][row.to].insert(row.kind);
   }
-  for (const auto& [id, seen] : targets)
+  for (auto& [id, seen] : targets) {
+    std::erase_if(seen,
+                  [](const auto& target) { return target.second.size() == 1 && !target.second.contains("direction"); });
     if (seen.size() >= kTargets && kOneIn * counts.at(id).second > counts.at(id).first)
       return "sights of set-up " + id + " to " + std::to_string(seen.size()) +
              " targets were taken out, so that the rest of it had to agree: these may be right and the others wrong";
+  }
   return "";
 }
 
@@ -132,7 +136,7 @@ void doubt_mending(NetworkResult& r) {
                                     [](const ResultSetUp& s) { return s.id.find(" (part ") != std::string::npos; });
   const long rows = static_cast<long>(r.rows.size());
   const bool many = removed >= kFew && kOneIn * removed > rows;
-  const bool besides = removed >= 2 && kOneInBesides * removed > rows && (r.errors_taken_off > 0 || splits > 0);
+  const bool besides = removed >= kFew && kOneInBesides * removed > rows && (r.errors_taken_off > 0 || splits > 0);
   if (r.validity != Validity::sound) return;
   const std::string thinned = thinned_set_up(r);
   if (!many && !besides && thinned.empty()) return;

@@ -256,6 +256,25 @@ NetworkResult judged(NetworkResult r, bool contradicted = false) {
   return r;
 }
 
+/// Three distances that came back from edges made a network doubtful whose directions to the same targets agree.
+TEST(Verdict, DistancesAloneAreNoThinnedSetUpAndTwoReadingsAreNotMuch) {
+  NetworkResult r = sound_result();
+  for (int i = 0; i < 50; ++i) r.rows.push_back(r.rows.back());
+  for (int i = 0; i < 3; ++i) {
+    r.rows[i].removed = true;
+    r.rows[i].kind = "slope_distance", r.rows[i].to = "P" + std::to_string(i);
+  }
+  EXPECT_EQ(judged(r).validity, Validity::sound) << judged(r).verdict;
+  NetworkResult directions = r;
+  for (int i = 0; i < 3; ++i) directions.rows[i].kind = "direction";
+  expect_words(judged(directions).verdict, {"sights of set-up S1 to 3 targets were taken out"});
+  r.rows[2].removed = false;
+  r.errors_taken_off = 1;
+  EXPECT_EQ(judged(r).validity, Validity::sound) << judged(r).verdict;
+  r.rows[2].removed = true;
+  EXPECT_EQ(judged(r).validity, Validity::doubtful);
+}
+
 TEST(Verdict, ASetUpThatLostAThirdOfItsReadingsIsNoResult) {
   NetworkResult r = sound_result();
   EXPECT_EQ(judged(r).validity, Validity::sound);
