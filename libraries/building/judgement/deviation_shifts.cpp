@@ -56,7 +56,7 @@ using GroupShifts = std::vector<std::unique_ptr<GroupShiftT>>;
 
 /// What single floors, facades, columns and batches have in common, of these deviations.
 GroupShifts find_group_shifts(const ShiftWork& work, const std::vector<Eigen::Vector3d>& deviations,
-                              std::vector<Eigen::Vector3d>* remainder = nullptr) {
+                              std::vector<Eigen::Vector3d>* remainder = nullptr, bool whole = false) {
   std::vector<GroupMember> members;
   for (std::size_t k = 0; k < deviations.size(); ++k) {
     const std::size_t i = work.deviations.anchors[k];
@@ -64,7 +64,8 @@ GroupShifts find_group_shifts(const ShiftWork& work, const std::vector<Eigen::Ve
     members.push_back({deviations[k], work.out.anchors[i]->floor, anchor.column, anchor.facade.facade,
                        anchor.element.batch, anchor.axis, anchor.facade});
   }
-  return group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work), remainder);
+  return group_shifts(members, work.deviations.covariance, smallest_tolerance(work), would_pass_of(work), remainder,
+                      whole);
 }
 
 std::ptrdiff_t sentences(const GroupShifts& shifts) {
@@ -81,8 +82,9 @@ void tell_shifts(const DeviationInputs& inputs, const DeviationOptions& options,
   std::vector<Eigen::Vector3d> deviations, remainder;
   for (const std::size_t i : differences.anchors) deviations.push_back(out.anchors[i]->deviation);
   out.common_shift = find_common_shift(work, deviations);
-  out.group_shifts = find_group_shifts(work, deviations, &remainder);
-  if (out.common_shift && out.common_shift->significant) {
+  const bool together = out.common_shift && out.common_shift->significant;
+  out.group_shifts = find_group_shifts(work, deviations, &remainder, !together);
+  if (together) {
     CommonShiftT& common = *out.common_shift;
     std::vector<Eigen::Vector3d> beyond = deviations;
     for (std::size_t k = 0; k < beyond.size(); ++k) {

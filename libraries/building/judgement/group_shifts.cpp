@@ -71,7 +71,9 @@ std::vector<Direction> directions_of(const std::vector<GroupMember>& members, co
   return all;
 }
 
-std::vector<Group> groups_of(const std::vector<GroupMember>& members) {
+constexpr const char* kBuilding = "building";
+
+std::vector<Group> groups_of(const std::vector<GroupMember>& members, bool whole) {
   std::map<int, Group> floors, columns;
   std::map<std::string, Group> facades, batches, axes;
   std::map<std::pair<std::string, int>, Group> both;
@@ -93,6 +95,12 @@ std::vector<Group> groups_of(const std::vector<GroupMember>& members) {
   }
   std::vector<Group> all;
   std::map<std::vector<std::size_t>, int> known;
+  if (whole && members.size() >= kFewest) {  // first: of groups that say it as clearly, the larger one is told
+    Group building{kBuilding, "The building", 0, {}, {}};
+    for (std::size_t i = 0; i < members.size(); ++i) building.members.push_back(i);
+    building.directions = directions_of(members, building.members);
+    all.push_back(std::move(building));
+  }
   // What is the whole building is told as the common shift; one that holds the same anchors as another is that.
   const auto add = [&](auto& map) {
     for (auto& [key, group] : map)
@@ -143,7 +151,8 @@ class Examination {
         auto& samples = all.emplace_back();
         for (const Direction& direction : group.directions) {
           samples.push_back(sample_of(group, direction, deviations, std::sqrt(priors[direction.kind].variance)));
-          scatters[direction.kind].push_back(samples.back().scatter);
+          // What is usual is that of its parts: a floor that stands out makes the building scatter.
+          if (group.kind != kBuilding) scatters[direction.kind].push_back(samples.back().scatter);
         }
       }
       for (std::size_t kind = 0; kind < kinds; ++kind) priors[kind] = variance_prior(scatters[kind]);
@@ -243,8 +252,8 @@ std::unique_ptr<GroupShiftT> row_of(const Group& group, const std::vector<Sample
 std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
                                                        const judgement::BlockCovariance& covariance,
                                                        double smallest_tolerance, const WouldPass& would_pass,
-                                                       std::vector<Vector3d>* remainder) {
-  const std::vector<Group> groups = groups_of(members);
+                                                       std::vector<Vector3d>* remainder, bool whole) {
+  const std::vector<Group> groups = groups_of(members, whole);
   std::vector<Vector3d> left;
   for (const GroupMember& member : members) left.push_back(member.deviation);
   Examination examination(groups, covariance);
@@ -283,6 +292,7 @@ std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMe
     told[best] = std::move(row);
   }
   if (remainder) *remainder = left;
+  std::erase_if(told, [](const auto& row) { return row->kind == kBuilding && !row->significant; });
   const auto clear = [](const auto& row) { return row->statistic / std::max(row->critical, 1e-12); };
   std::stable_sort(told.begin(), told.end(), [&](const auto& a, const auto& b) {
     return a->significant != b->significant ? a->significant : a->significant && clear(a) > clear(b);

@@ -31,10 +31,13 @@ using WouldPass = std::function<bool(std::size_t member, const Eigen::Vector3d& 
 /// groups and directions together (Bonferroni), by Student's t with the group's own scatter in that direction,
 /// moderated by that of the other groups (moderated_variance.hpp), and the covariance of the measurement (3n x 3n [m²],
 /// if it is known); two thirds of the group follow it, and it takes at least half of `smallest_tolerance` [m]. The
-/// clearest first. `remainder`: what is left of the deviations.
+/// clearest first. `remainder`: what is left of the deviations. `whole`: the building is a group, too, for a shift
+/// along one direction that a test of all six motions together does not see; its row is there only where it is
+/// significant.
 std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMember>& members,
                                                        const judgement::BlockCovariance& covariance,
                                                        double smallest_tolerance, const WouldPass& would_pass,
-                                                       std::vector<Eigen::Vector3d>* remainder = nullptr);
+                                                       std::vector<Eigen::Vector3d>* remainder = nullptr,
+                                                       bool whole = false);
 
 }  // namespace plumbline::judgement

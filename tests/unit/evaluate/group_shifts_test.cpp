@@ -129,6 +129,25 @@ TEST(GroupShifts, OfWhatExplainsItThatWithFewerSentencesIsTold) {
   }
 }
 
+/// A test of six motions at once does not see a shift of 1.5 mm that all share along one direction: that was told as
+/// two sentences, one for each floor.
+TEST(GroupShifts, ASmallShiftThatAllShareIsTheBuildings) {
+  DeviationInputs inputs = grid(6, 2);
+  for (std::size_t i = 0; i < inputs.anchors.size(); ++i) {
+    inputs.model.positions[i] -= 1.5 * mm * inputs.anchors[i].facade.out;
+    inputs.anchors[i].tolerances = tolerances_of({2 * mm, false, {}}, {});
+  }
+  inputs.model.covariance = isotropic(inputs.model.ids.size(), 0.9 * mm);
+  const DeviationT result = judge_deviations(inputs, {});
+  ASSERT_FALSE(result.common_shift->significant) << "else it is told already";
+  std::string names;
+  for (const auto& group : result.group_shifts)
+    if (group->significant) names += (names.empty() ? "" : ", ") + group->name;
+  EXPECT_EQ(names, "The building");
+  EXPECT_EQ(result.group_shifts[0]->words.find("The building stands 1.5 mm ± "), 0u) << result.group_shifts[0]->words;
+  for (const auto& group : judge_deviations(grid(6, 2), {}).group_shifts) EXPECT_NE(group->kind, "building");
+}
+
 TEST(GroupShifts, EachKindIsToldByItsName) {
   const auto told = [](const auto& shift) {
     DeviationInputs inputs = block(4, 4, 6);
