@@ -8,6 +8,7 @@
 
 #include "building/ifc/as_built_writer.hpp"
 #include "building/ifc/doubt_words.hpp"
+#include "building/ifc/shift_words.hpp"
 #include "building/ifc/temperature_words.hpp"
 #include "plumbline/stop.hpp"
 
@@ -126,6 +127,7 @@ void AsBuiltWriter::write_judgement() {
   set.labels("NotJudged", not_judged, "What was asked for and could not be judged");
   set.labels("Doubts", in_words(deviation_.doubts), "Why the measurement is not to be trusted");
   set.labels("LessCertain", in_words(deviation_.misfits), "Why all standard deviations are larger");
+  set.labels("Shifts", shift_words(deviation_), "What a floor, a facade, a column or the building has in common");
   if (!deviation_.datum.empty()) set.label("Datum", deviation_.datum, "What the place of the whole rests on");
   set.label("Temperature", temperature_words(deviation_), "What the judgement leaves out");
   set.real("Risk", deviation_.risk, "Pass: a conformance probability of 1 - risk or more");

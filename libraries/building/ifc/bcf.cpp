@@ -10,6 +10,7 @@
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "building/ifc/bcf_changes.hpp"
+#include "building/ifc/bcf_shifts.hpp"
 #include "building/ifc/bcf_topic.hpp"
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/limit_words.hpp"
@@ -153,17 +154,37 @@ Issue issue_of(const MeasurementDoubtT& doubt) {
   return issue;
 }
 
+/// Why all of it is less certain: nothing to mend on the site, and what every figure below rests on.
+Issue issue_of_misfit(const MeasurementDoubtT& misfit) {
+  Issue issue;
+  issue.guid = "misfit: " + in_words(misfit);
+  issue.title = std::string("Measurement less certain: ") + name_of(misfit.part);
+  issue.description = "Less certain, " + in_words(misfit);
+  issue.verdict = ToleranceVerdict::undecided, issue.state = "LESS CERTAIN";
+  return issue;
+}
+
 }  // namespace
 
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options) {
   std::vector<Issue> issues;
   for (const auto& doubt : deviation.doubts) issues.push_back(issue_of(*doubt));
+  for (const auto& misfit : deviation.misfits) issues.push_back(issue_of_misfit(*misfit));
+  for (Issue& issue : shift_issues(deviation)) issues.push_back(std::move(issue));
+  const bool facades = deviation.facades.size() > 1;
+  const auto add = [&](Issue issue, const std::unique_ptr<FacadeFrameT>& frame) {
+    if (facades && frame && !frame->facade.empty()) issue.facade = "Facade " + frame->facade;
+    issues.push_back(std::move(issue));
+  };
   for (const ToleranceVerdict wanted : {ToleranceVerdict::fail, ToleranceVerdict::undecided}) {
     for (const AnchorDeviationT* anchor : anchors)
-      if (anchor->verdict == wanted && anchor->guid.size() == 22) issues.push_back(issue_of(*anchor));
+      if (anchor->verdict == wanted && anchor->guid.size() == 22) {
+        add(issue_of(*anchor), anchor->facade);
+        issues.back().description += shared_by(deviation, *anchor);
+      }
     for (const PanelDeviationT* panel : panels)
-      if (panel->verdict == wanted && panel->guid.size() == 22) issues.push_back(issue_of(*panel));
+      if (panel->verdict == wanted && panel->guid.size() == 22) add(issue_of(*panel), panel->facade);
     for (Issue& issue : surface_issues(options, wanted)) issues.push_back(std::move(issue));
   }
   for (const auto& request : deviation.requests)

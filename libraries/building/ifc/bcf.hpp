@@ -38,10 +38,12 @@ struct BcfOptions {
 /// that selects and colours it and its solid in the as-built file (camera in metres, project coordinates; panels
 /// between it and the camera are hidden, with their solids; of a view that is not from before, and of whatever else had
 /// to be hidden, the topic speaks) and a snapshot, and one for everything that was asked for
-/// and not judged. With `changes`, what was open before and is in order has its topic (of the same id) closed, what
-/// opened again says so, and what was open and not measured again stays open. The failing ones come first, and else
-/// they stand in the order of `anchors` and `panels`, which are those of `deviation` as they are to be mended
-/// (judgement/worst_first.hpp). The same input gives the same bytes.
+/// and not judged. Before them stand why the measurement proves nothing or is less certain, and what a floor, a facade,
+/// a column or the building has in common, where an anchor of it is open: that topic selects all of them, and those of
+/// the single anchors refer to it. Of several facades their names are labels. With `changes`, what was open before and
+/// is in order has its topic (of the same id) closed, what opened again says so, and what was open and not measured
+/// again stays open. The failing ones come first, and else they stand in the order of `anchors` and `panels`, which are
+/// those of `deviation` as they are to be mended (judgement/worst_first.hpp). The same input gives the same bytes.
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options);
 

@@ -111,7 +111,8 @@ std::string comments(const BcfIssue& issue, const BcfOptions& options, const std
 std::vector<std::string> labels_of(const BcfIssue& issue, const BcfOptions& options) {
   const char* state = issue.closed ? "MENDED" : issue.verdict == ToleranceVerdict::fail ? "FAIL" : "UNDECIDED";
   std::vector<std::string> labels;
-  for (const std::string& label : {issue.storey, std::string(state), options.epoch})
+  for (const std::string& label :
+       {issue.storey, issue.facade, issue.state.empty() ? std::string(state) : issue.state, options.epoch})
     if (!label.empty()) labels.push_back(label);
   return labels;
 }
@@ -169,7 +170,8 @@ std::string viewpoint(const BcfIssue& issue, const std::vector<const Element*>& 
     if (element->guid.size() == 22 && exceptions.find(component(element->guid)) == std::string::npos)
       exceptions += components_of(element->guid, around, options);
   if (!exceptions.empty()) exceptions = "<Exceptions>" + exceptions + "</Exceptions>";
-  const std::string own = components_of(issue.guid, around, options);
+  std::string own = issue.members.empty() ? components_of(issue.guid, around, options) : std::string();
+  for (const std::string& member : issue.members) own += components_of(member, around, options);
   const char* colour = issue.verdict == ToleranceVerdict::fail ? "FFD55E00" : "FFE69F00";
   return kHead + "<VisualizationInfo Guid=\"" + view + "\"><Components><Selection>" + own +
          "</Selection><Visibility DefaultVisibility=\"true\">" + exceptions + "</Visibility><Coloring><Color Color=\"" +
@@ -198,9 +200,10 @@ void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {
   const bool seen = issue.reach > 0;
   const std::string view = seen ? uuid_of(options_.project_guid, "bcf view//" + issue.key()) : std::string();
   for (const std::string& label : labels_of(issue, options_)) labels_.insert(label);
-  BcfIssue shown = seen ? with_its_shape(issue, surroundings) : issue;
+  const bool one = seen && issue.members.empty();
+  BcfIssue shown = one ? with_its_shape(issue, surroundings) : issue;
   std::vector<const Element*> hidden;
-  if (seen) {
+  if (one) {
     BcfView from = free_view(shown, surroundings);
     shown.frame = from.frame, hidden = std::move(from.hidden);
     if (!from.words.empty()) shown.description += (shown.description.empty() ? "" : " ") + from.words;

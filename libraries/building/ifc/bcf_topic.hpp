@@ -18,7 +18,7 @@ struct BcfComment {
   std::string key = {};            ///< what its id comes from, beside the topic; empty: its number
 };
 
-/// One anchor or panel to be mended.
+/// One anchor or panel to be mended, or what several have in common.
 struct BcfIssue {
   std::string guid, title, description, storey;
   ToleranceVerdict verdict = ToleranceVerdict::undecided;
@@ -28,6 +28,9 @@ struct BcfIssue {
   std::string about = {};                 ///< what of the element; empty: the whole
   bool closed = false;                    ///< it was mended, and the file says so
   std::vector<BcfComment> comments = {};  ///< oldest first
+  std::vector<std::string> members = {};  ///< GlobalIds of what it is about, where that is several; `guid` is no one's
+  std::string facade = {};                ///< a label, as the storey
+  std::string state = {};                 ///< a label in place of that of its verdict
   std::string key() const { return about.empty() ? guid : guid + "/" + about; }
   double away() const { return std::max(4.0, 4 * reach); }  ///< from it to the camera [m]
 };

@@ -9,6 +9,7 @@
 #include "build/evaluate/metrics.hpp"
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/limit_words.hpp"
+#include "building/ifc/shift_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/judgement/worst_first.hpp"
 
@@ -27,7 +28,8 @@ struct Case {
   ToleranceVerdict verdict;
 };
 
-std::string suite(const std::string& name, const std::vector<Case>& cases) {
+/// `said`: of all cases together, a line each.
+std::string suite(const std::string& name, const std::vector<Case>& cases, const std::string& said = "") {
   int failures = 0, skipped = 0;
   for (const Case& c : cases) {
     failures += c.verdict == ToleranceVerdict::fail || c.verdict == ToleranceVerdict::undecided;
@@ -46,7 +48,16 @@ std::string suite(const std::string& name, const std::vector<Case>& cases) {
       text += "><failure type=\"" + type + "\" message=\"" + xml_escaped(c.message) + "\"/></testcase>\n";
     }
   }
+  if (!said.empty()) text += "    <system-out>" + xml_escaped(said) + "</system-out>\n";
   return text + "  </testsuite>\n";
+}
+
+/// Why all of it is less certain, and what anchors have in common.
+std::string said_of(const DeviationT& deviation) {
+  std::string said;
+  for (const auto& misfit : deviation.misfits) said += "Less certain, " + ifc::in_words(*misfit) + "\n";
+  for (const std::string& words : ifc::shift_words(deviation)) said += words + "\n";
+  return said;
 }
 
 std::string words_of(const AnchorDeviationT& anchor) {
@@ -85,7 +96,7 @@ std::string junit_xml(const AccuracyT& accuracy, const DeviationT* deviation) {
     for (const auto& r : deviation->requests)
       requests.push_back({r->asked, "not judged: " + r->not_judged,
                           r->not_judged.empty() ? ToleranceVerdict::pass : ToleranceVerdict::undecided});
-    text += suite("anchors_against_design", anchors) + suite("panels", panels);
+    text += suite("anchors_against_design", anchors, said_of(*deviation)) + suite("panels", panels);
     if (!surfaces.empty()) text += suite("surfaces", surfaces);
     if (!requests.empty()) text += suite("asked_for", requests);
   }

@@ -130,6 +130,8 @@ class Maker {
                             static_cast<double>(r->panels), word(r->not_judged)});
     for (const auto& doubt : deviation_.doubts)
       sheet.rows.push_back({std::string(), "", nan, nan, word(ifc::in_words(*doubt))});
+    for (const auto& misfit : deviation_.misfits)  // judged, and less certain
+      sheet.rows.push_back({word("Less certain, " + ifc::in_words(*misfit)), "", nan, nan, ""});
     return sheet;
   }
 

@@ -8,6 +8,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/shift_words.hpp"
 #include "show/report/exact_lengths.hpp"
 #include "show/report/format.hpp"
 #include "show/report/language.hpp"
@@ -109,6 +110,7 @@ void write_sheet(Markup& html, const Sheet& sheet, const ReportInput& input, std
       html.element("p", {{"class", "warnings"}}, "Not to be trusted, " + ifc::in_words(*doubt) + ".");
     for (const auto& misfit : deviation.misfits)
       html.element("p", {{"class", "warnings"}}, "Less certain, " + ifc::in_words(*misfit));
+    for (const std::string& words : ifc::shift_words(deviation)) html.element("p", {{"class", "warnings"}}, words);
     for (const auto& request : deviation.requests)
       if (!request->not_judged.empty())
         html.element("p", {{"class", "warnings"}}, "Not judged: " + request->asked + ": " + request->not_judged + ".");

@@ -8,6 +8,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/limit_words.hpp"
+#include "building/ifc/shift_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "building/ifc/temperature_words.hpp"
 #include "building/judgement/epochs.hpp"
@@ -153,6 +154,8 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
             counts(at(ToleranceVerdict::pass), at(ToleranceVerdict::undecided), at(ToleranceVerdict::fail), 0);
   if (deviation.surfaces) text += "; surfaces and joints: " + surface_counts(*deviation.surfaces);
   text += ".\n";
+  const std::vector<std::string> shifts = ifc::shift_words(deviation);  // one cause in place of many lines below
+  for (const std::string& words : shifts) text += words + "\n";
   if (changes && changes->compared) {
     text += since(*changes) + ": " + judgement::words_of_changes(*changes) + ".\n";
     for (const std::string& warning : changes->warnings) text += "Note: " + warning + ".\n";
@@ -182,7 +185,8 @@ std::string installation_text(const DeviationT& deviation, const AsBuiltChangesT
   }
   if (shown > 5) text += "  … and " + std::to_string(shown - 5) + " more panels; report.html lists them all\n";
   if (deviation.surfaces) text += surfaces_text(*deviation.surfaces);
-  for (const std::string& warning : deviation.warnings) text += "Note: " + warning + "\n";
+  for (const std::string& warning : deviation.warnings)
+    if (std::find(shifts.begin(), shifts.end(), warning) == shifts.end()) text += "Note: " + warning + "\n";
   if (const std::string words = ifc::temperature_words(deviation); !words.empty()) text += "Note: " + words + "\n";
   text += row("Anchors and panels pass from a probability of {:.4g} % on that all judged of them is within tolerance.",
               100 * (1 - deviation.risk));

@@ -8,8 +8,14 @@
 
 #include "artifacts.hpp"
 #include "build/evaluate/design_input.hpp"
+#include "build/evaluate/metrics.hpp"
+#include "building/ifc/as_built_ifc.hpp"
+#include "building/ifc/bcf.hpp"
 #include "building/ifc/ifc_guid.hpp"
 #include "building/ifc/match_elements.hpp"
+#include "building/judgement/worst_first.hpp"
+#include "show/report/deviation_workbook.hpp"
+#include "show/report/summary.hpp"
 
 namespace plumbline::judgement {
 namespace agreement_test {
@@ -145,6 +151,55 @@ TEST(Agreement, AllOutputsSayTheSameOfEveryAnchorPanelAndFloor) {
     expect_agreement(random_campaign(static_cast<std::uint64_t>(trial)), trial % 2 ? "" : "2026-05", seen);
   }
   for (const int n : seen) EXPECT_GT(n, 0);  // every verdict occurred
+}
+
+/// Why all of it is less certain, and what a floor has in common, stood on the page and in the summary alone.
+TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
+  Campaign c = random_campaign(7);
+  auto misfit = std::make_unique<MeasurementDoubtT>();
+  misfit->part = MeasurementPart::image_block, misfit->grade = DoubtGrade::misfit, misfit->factor = 1.34;
+  misfit->reason = "the images have principal points of their own";
+  c.deviation.misfits.push_back(std::move(misfit));
+  auto shift = std::make_unique<GroupShiftT>();
+  shift->kind = "floor", shift->name = "Floor 1", shift->floor = 1, shift->significant = true;
+  shift->shift.setZero(), shift->u.setZero(), shift->spread.setZero();
+  shift->words =
+      "Floor 1 hangs 12.0 mm ± 0.9 mm low (4 of its 4 anchors share it): one cause to look for, before single anchors "
+      "are reset.";
+  c.deviation.group_shifts.insert(c.deviation.group_shifts.begin(), std::move(shift));
+  c.deviation.warnings.push_back(c.deviation.group_shifts[0]->words);
+  AnchorDeviationT* first = nullptr;
+  for (auto& anchor : c.deviation.anchors)
+    if (!first && anchor->floor == 1 && anchor->deviation.allFinite() && anchor->guid.size() == 22)
+      first = anchor.get();
+  ASSERT_NE(first, nullptr);
+  first->verdict = ToleranceVerdict::fail;
+  const step::File design(c.bytes, "f.ifc");
+  const std::string enriched =
+      ifc::enriched(design, ifc::write_as_built(design, c.design, c.deviation, c.accuracy, {}));
+  ifc::BcfOptions options;
+  options.project_guid = "0YvctVUKr0kugbFTf53O9L";
+  const std::string bcf = ifc::write_bcf(c.deviation, judgement::worst_first(c.deviation),
+                                         judgement::worst_panels_first(c.deviation), options),
+                    junit = junit_xml(c.accuracy, &c.deviation),
+                    summary = report::summary_text(c.accuracy, &c.deviation);
+  for (const std::string* text : {&bcf, &junit, &summary, &enriched})
+    for (const char* words : {"principal points of their own", "Floor 1 hangs 12.0 mm"})
+      EXPECT_NE(text->find(words), std::string::npos) << words << "\n" << *text;
+  EXPECT_NE(bcf.find("<Title>Measurement less certain: the image block</Title>"), std::string::npos);
+  EXPECT_NE(bcf.find("LESS CERTAIN</Labels>"), std::string::npos);
+  const std::size_t topic = bcf.find("<Title>Floor 1 hangs 12.0 mm ± 0.9 mm low</Title>");
+  EXPECT_LT(topic, bcf.find("<Title>Anchor ")) << "the one cause, before single anchors";
+  EXPECT_NE(bcf.find("It has this in common with others: Floor 1 hangs 12.0 mm ± 0.9 mm low; look for that one cause"),
+            std::string::npos);
+  const std::size_t list = summary.find("\n  ");  // of what fails
+  EXPECT_LT(summary.find("Floor 1 hangs"), list) << summary;
+  EXPECT_EQ(summary.find("Note: Floor 1 hangs"), std::string::npos) << "once is enough";
+  const auto sheets = report::deviation_sheets(c.deviation, report::Language::english);
+  bool there = false;
+  for (const auto& row : sheets.back().rows)
+    if (const auto* text = std::get_if<std::string>(&row.front())) there = there || text->starts_with("Less certain, ");
+  EXPECT_TRUE(there) << "the workbook";
 }
 
 }  // namespace agreement_test
