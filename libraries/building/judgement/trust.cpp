@@ -21,11 +21,16 @@ MeasurementDoubtT finding(MeasurementPart part, DoubtGrade grade, std::string re
   return found;
 }
 
-/// Of what the camera model leaves out: the command.
+/// Of what the camera model leaves out: the command, with the size that the test itself found. A standard deviation
+/// that is too small for it would make the images contradict it, and nothing would be trusted any more.
 void say_what_mends(const BlockTest& test, MeasurementDoubtT& misfit) {
   if (test.kind() == BlockTestKind::principal_points) {
-    misfit.mend = "block.with.image_principal_point_sigma=0.5";
-    misfit.mend_note = "px; 0.1 to 1 for lenses that are focused or stabilised between images";
+    constexpr double kUsual = 0.5, kLeast = 0.1;  // [px] of a lens that is focused between images; what can be told
+    const double shift = test.shift();
+    misfit.mend = fmt::format("block.with.image_principal_point_sigma={:.1f}",
+                              std::isfinite(shift) ? std::max(shift, kLeast) : kUsual);
+    misfit.mend_note = std::isfinite(shift) ? "px; as large as the images show it"
+                                            : "px; 0.1 to 1 for lenses that are focused or stabilised between images";
   } else if (test.kind() == BlockTestKind::distances) {
     misfit.mend = "block.with.free_interior=[fx, fy, cx, cy, k1, k2, k3, k4, p1, p2, d1, d2]";
   }

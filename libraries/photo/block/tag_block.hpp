@@ -176,6 +176,8 @@ struct GroupTest {
   double limit = 1;   ///< the test fails above it
   bool passed = true;
   std::string words;  ///< what a failure means
+  /// Of principal points: rms of the step to those of single images [px], what image_principal_point_sigma has to be.
+  double shift = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A principal point of an image's own: its difference from the camera's.

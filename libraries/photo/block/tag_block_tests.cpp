@@ -56,9 +56,10 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
   const auto freedom = static_cast<double>(explained.step.size());
   GroupTest test =
       model_test(GroupTest::Kind::principal_points, "one principal point", explained.decrease, freedom, result);
+  test.shift = std::sqrt(explained.step.squaredNorm() / freedom);
   const std::string figure =
-      fmt::format(" (test value {:.1f}, at most {:.1f}), rms {:.2g} px: set image_principal_point_sigma", test.factor,
-                  test.limit, std::sqrt(explained.step.squaredNorm() / freedom));
+      fmt::format(" (test value {:.1f}, at most {:.1f}), rms {:.2g} px: set image_principal_point_sigma to that",
+                  test.factor, test.limit, test.shift);
   if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
   result.models.push_back(test);
 }

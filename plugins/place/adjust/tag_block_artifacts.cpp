@@ -341,6 +341,7 @@ void describe_tests(const TagBlockResult& result, BlockT& artifact) {
       entry->limit = test.limit;
       entry->passed = test.passed;
       entry->words = test.words;
+      entry->shift = test.shift;
       artifact.tests.push_back(std::move(entry));
     }
 }

@@ -12,12 +12,12 @@ namespace plumbline::judgement {
 namespace trust_test {
 
 /// One failed test of a block whose observations are "images" and "control".
-Trust after(BlockTestKind kind, const char* test, double variance_factor) {
+Trust after(BlockTestKind kind, const char* test, double variance_factor, double shift = std::nan("")) {
   flatbuffers::FlatBufferBuilder made;
   const auto groups =
       made.CreateVector(std::vector{CreateBlockGroupDirect(made, "images"), CreateBlockGroupDirect(made, "control")});
   const auto tests = made.CreateVector(
-      std::vector{CreateBlockTestDirect(made, test, kind, variance_factor, 1.0, false, "it does not fit"),
+      std::vector{CreateBlockTestDirect(made, test, kind, variance_factor, 1.0, false, "it does not fit", shift),
                   CreateBlockTestDirect(made, "images", BlockTestKind::observations, 9.0, 10.0, true)});
   const auto start = made.StartTable();
   made.AddOffset(Block::VT_GROUPS, groups), made.AddOffset(Block::VT_TESTS, tests);
@@ -40,6 +40,13 @@ TEST(Trust, AModelThatFitsLessWellMakesEverythingLessCertainAndAGroupThatContrad
             "again with \"block.with.image_principal_point_sigma=0.5\" (px; 0.1 to 1 for lenses that are focused or "
             "stabilised between images).");
   EXPECT_TRUE(group.misfits.empty());
+  // A constant 0.5 made a block whose images show 1.7 px contradict itself: worse than without the command.
+  EXPECT_EQ(after(BlockTestKind::principal_points, "any name", 10.8, 1.72).misfits.at(0).mend,
+            "block.with.image_principal_point_sigma=1.7");
+  EXPECT_EQ(after(BlockTestKind::principal_points, "any name", 10.8, 1.72).misfits.at(0).mend_note,
+            "px; as large as the images show it");
+  EXPECT_EQ(after(BlockTestKind::principal_points, "any name", 2, 0.01).misfits.at(0).mend,
+            "block.with.image_principal_point_sigma=0.1");
   EXPECT_EQ(group.doubts.size(), 1u);
 }
 
