@@ -74,7 +74,8 @@ void declare_runs(Declared& all) {
   run.add_option("--threads", options.threads, "number of threads (default: all processors)")
       ->check(CLI::Range(1, 4096));
   run.add_option("--memory", options.memory,
-                 "limit for memory that nodes announce, such as 3GiB (default: half of it, at most 3GiB)")
+                 "limit for memory that nodes announce, such as 3GiB; one that takes more fails (default: half of the "
+                 "machine's, at most 3GiB, where such a node runs alone with a warning)")
       ->type_name("SIZE");
   add_store(run, options);
   run.add_flag("--durable", options.durable,
@@ -294,7 +295,11 @@ void declare_bench(CLI::App& command, BenchOptions& options) {
       ->allow_extra_args(false);
   command.add_option("--workers", options.workers, "trials side by side (default: one a processor)")
       ->check(CLI::Range(1, 4096));
-  command.add_option("--memory", options.memory, "limit for memory that nodes announce, such as 3GiB")
+  command
+      .add_option(
+          "--memory", options.memory,
+          "memory that nodes of all workers may announce, such as 3GiB; one that takes more than its worker's share "
+          "runs alone there")
       ->type_name("SIZE");
   command.add_option("--limit", options.limit, "seconds after which a cell is ended and counts as failed")
       ->check(kPositive);

@@ -277,6 +277,7 @@ int run(const Options& options) {
   run_options.threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   run_options.memory = options.memory.empty() ? runtime::MemoryBudget::default_limit() : parse_size(options.memory);
+  run_options.keep_memory = !options.memory.empty();
   run_options.cancel = &stop_is_asked_for();
   run_options.isolate = options.isolate;
   runtime::RunInfo info{PLUMBLINE_VERSION, options.overrides, store.folder(), run_options.threads, run_options.memory};

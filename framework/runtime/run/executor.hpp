@@ -104,6 +104,7 @@ struct RunOptions {
   /// hands them from node to node; no record names them as a result that another run would take.
   bool anew = false;
   std::filesystem::path worker = {};  ///< the program for that, if it is not where it is installed
+  bool keep_memory = false;  ///< a node that alone reserves more fails; otherwise it runs alone, with a warning
 };
 
 /// Never throws for what a node does. At the end the store remembers the keys for `plumbline plan`.

@@ -76,7 +76,7 @@ class Execution {
         registry_(registry),
         store_(store),
         observer_(observer),
-        memory_(options.memory),
+        memory_(options.memory, options.keep_memory),
         threads_(options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency())),
         cancel_(options.cancel ? *options.cancel : never_),
         isolate_all_(options.isolate),
@@ -213,8 +213,8 @@ class Execution {
     item.error = outcome.error;
     item.failure = outcome.failure;
     item.drew_seed = outcome.drew_seed;
-    item.memory_announced = outcome.memory_announced;
-    item.memory_taken = outcome.memory_taken;
+    item.memory_announced = outcome.memory_announced, item.memory_taken = outcome.memory_taken;
+    if (!outcome.excess.empty()) item.warnings.push_back(outcome.excess);
     item.key = outcome.drew_seed ? key_with_seed(call.key, call.seed) : call.key;
     item.run = std::move(outcome.run);
     item.run.provenance = {since_1970(item.begin), host_, threads_, PLUMBLINE_VERSION,

@@ -291,12 +291,15 @@ int Host::reserve_memory(uint64_t bytes) {
     const std::scoped_lock lock(mutex_);
     held = reserved_;
   }
+  const std::string excess = services_.memory->excess(bytes, held);
+  if (!excess.empty() && services_.memory->is_kept()) return fail(excess), 1;
   if (!services_.memory->acquire(bytes, held, *services_.cancel)) {
     told_to_stop_ = true;
     return 1;
   }
   const std::scoped_lock lock(mutex_);
   reserved_ += bytes;
+  if (!excess.empty()) outcome_.excess = excess;
   return 0;
 }
 

@@ -38,7 +38,8 @@ struct NodeOutcome {
   plumbline_answer failure = PLUMBLINE_FAILED;  ///< of what kind the error is
   bool cancelled = false;  ///< it was told to stop: what it gave may be half of it, and must not be stored
   uint64_t memory_announced = 0, memory_taken = 0;  ///< in bytes; taken: 0 if it is not known, as in this process
-  bool drew_seed = false;                           ///< then the result belongs to the key with the seed
+  std::string excess;      ///< that it took more than the limit, in words; of this machine, so it is not stored
+  bool drew_seed = false;  ///< then the result belongs to the key with the seed
   StoredRun run;
 };
 

@@ -52,9 +52,12 @@ class Story {
     // A store of its own for each run, as another process would have: nothing is remembered but what is on the disk.
     store = std::make_unique<runtime::Store>(folder.path() / "store");
     graph = load_pipeline(pipeline(), overrides, story_registry());
-    result = execute(graph, story_registry(), *store, {threads, memory, cancel}, silent);
+    runtime::RunOptions options{threads, memory, cancel};
+    options.keep_memory = keep_memory;
+    result = execute(graph, story_registry(), *store, options, silent);
     return result;
   }
+  bool keep_memory = false;  ///< of run()
   std::vector<runtime::PlannedNode> plan(const std::vector<std::string>& overrides = {}) {
     store = std::make_unique<runtime::Store>(folder.path() / "store");
     graph = load_pipeline(pipeline(), overrides, story_registry());
