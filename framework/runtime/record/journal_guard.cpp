@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-using JournalReport = std::vector<std::string>;  ///< kind, item, to, by, at
+/// Kind, item, by, at. Not what it made of the item: beside the other reports of a round that may be something else.
+using JournalReport = std::vector<std::string>;
 
 std::vector<JournalReport> reports_in(std::istream& stream) {
   std::vector<JournalReport> reports;
@@ -24,9 +25,9 @@ std::vector<JournalReport> reports_in(std::istream& stream) {
     const auto line = nlohmann::json::parse(text, nullptr, false);
     if (!line.is_object()) continue;
     JournalReport report;
-    for (const char* key : {"kind", "item", "to", "by", "at"})
+    for (const char* key : {"kind", "item", "by", "at"})
       report.push_back(line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : std::string());
-    if (!report[3].empty() && !report[4].empty()) reports.push_back(std::move(report));
+    if (!report[2].empty() && !report[3].empty()) reports.push_back(std::move(report));
   }
   return reports;
 }
@@ -40,6 +41,15 @@ std::string journal_of(Store& store, const std::string& hash) {
 
 }  // namespace
 
+std::vector<std::string> missing_reports(std::istream& there, std::istream& now) {
+  const std::vector<JournalReport> known = reports_in(now);
+  const std::set<JournalReport> kept(known.begin(), known.end());
+  std::vector<std::string> lost;
+  for (const JournalReport& report : reports_in(there))
+    if (!kept.contains(report)) lost.push_back(report[1] + " by " + report[2] + " at " + report[3]);
+  return lost;
+}
+
 std::string lost_reports(const Graph& graph, Store& store, const RunResult& result, const fs::path& out) {
   for (const GraphOutput& output : graph.outputs) {
     if (fs::path(output.file).filename() != "journal.jsonl") continue;
@@ -50,11 +60,7 @@ std::string lost_reports(const Graph& graph, Store& store, const RunResult& resu
       continue;
     std::ifstream there(out / output.file, std::ios::binary);
     std::istringstream now(journal_of(store, found->second[0]));
-    const std::vector<JournalReport> known = reports_in(now);
-    const std::set<JournalReport> kept(known.begin(), known.end());
-    std::vector<std::string> lost;
-    for (const JournalReport& report : reports_in(there))
-      if (!kept.contains(report)) lost.push_back(report[1] + " by " + report[3] + " at " + report[4]);
+    const std::vector<std::string> lost = missing_reports(there, now);
     if (lost.empty()) continue;
     constexpr size_t kNamed = 3;
     std::string words;

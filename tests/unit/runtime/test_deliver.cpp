@@ -4,9 +4,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <sstream>
 
 #include "runtime/base/digest.hpp"
 #include "runtime/graph/output_name.hpp"
+#include "runtime/record/journal_guard.hpp"
 #include "story.hpp"
 
 namespace plumbline::test {
@@ -28,6 +30,19 @@ std::vector<runtime::Delivery> deliver(Story& story, bool overwrite = false) {
   auto deliveries = runtime::deliver(story.graph, *story.store, story.result, out);
   record.end(story.result, deliveries);
   return deliveries;
+}
+
+/// With the reports of both runs together one that was told first is the second to tell, and is taken otherwise: it is
+/// there all the same.
+TEST(JournalGuard, AReportThatIsTakenOtherwiseIsNotLost) {
+  const auto line = [](const std::string& by, const std::string& at, const std::string& to) {
+    return nlohmann::json{{"kind", "bracket"}, {"item", "b1"}, {"to", to}, {"by", by}, {"at", at}}.dump() + "\n";
+  };
+  const std::string first = line("robot-2", "t2", "PLANNED");
+  std::istringstream there(first), both(line("robot-1", "t1", "INSTALLED") + line("robot-2", "t2", "REJECTED"));
+  EXPECT_TRUE(runtime::missing_reports(there, both).empty());
+  std::istringstream again(first), other(line("robot-1", "t1", "INSTALLED"));
+  EXPECT_EQ(runtime::missing_reports(again, other), std::vector<std::string>{"b1 by robot-2 at t2"});
 }
 
 TEST(Deliver, ArtifactsAsJsonListsAsArraysFoldersAsTrees) {
