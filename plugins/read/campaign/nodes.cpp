@@ -68,6 +68,14 @@ FileT design_reference(const campaign::ListedCampaign& site) {
   return file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256);
 }
 
+/// Beside other mistakes, which keep the design from being read; where it is the only one, its reader says so, and what
+/// needs no design goes on.
+void look_at_design(campaign::ListedCampaign& site) {
+  if (site.problems.empty() || site.description.design.empty()) return;
+  const fs::path design = site.root / site.description.design;
+  site.problems.attempt([&] { campaign::require_whole_design(design, design); });
+}
+
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 11, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
@@ -122,9 +130,8 @@ struct ReadCampaign : Node {
       tags = campaign::parse_observations(
           campaign::table_text(table, campaign::is_table_of_tags, "a table of measured tags"), table, camera_of);
     });
-    attempt(!description.design.empty(),
-            [&] { campaign::require_whole_design(root / description.design, root / description.design); });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
+    look_at_design(site);
     site.problems.raise();
     site.warn_of_forgotten_control(context);
 
@@ -291,11 +298,8 @@ struct ReadMeasuredCampaign : Node {
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
-    if (!site.description.design.empty())
-      site.problems.attempt([&] {
-        campaign::require_whole_design(site.root / site.description.design, site.root / site.description.design);
-      });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
+    look_at_design(site);
     site.problems.raise();
     site.warn_of_forgotten_control(context);
     plates.commit(campaign::to_artifact(entries));
