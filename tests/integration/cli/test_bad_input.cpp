@@ -190,14 +190,20 @@ TEST_F(BadCampaign, ControlInOneLineLeavesTheBlockFreeAndIsNamed) {
 }
 
 TEST_F(BadCampaign, AFailureInOneBranchLeavesTheOthersTheirOutputs) {
-  // The design is damaged: what needs it fails with its cause named, the survey network is adjusted and delivered.
-  rewrite("design.ifc", text("design.ifc").substr(0, 400) + "\nENDSEC;\nEND-ISO-10303-21;\n");
+  // The design is damaged or cut off: what needs it fails with its cause named, the survey network is adjusted and
+  // delivered.
+  const std::string begun = text("design.ifc").substr(0, 400);
   write("with_network.yaml",
         "plumbline: 1\ninclude: " + pipelines + "site_campaign.yaml\noutputs: {network.json: network.network}\n");
-  const Answer answer = run("with_network.yaml", {"folder=site"});
-  expect_refused(answer,
-                 {"node 'design' (bim.read_ifc) failed: design.ifc:", "nodes that need it did not run", "report.html"},
-                 {"network.json"});
+  for (const std::string end : {"\nENDSEC;\nEND-ISO-10303-21;\n", ""}) {
+    SCOPED_TRACE(end.empty() ? "cut off" : "damaged");
+    rewrite("design.ifc", begun + end);
+    const Answer answer = run("with_network.yaml", {"folder=site"});
+    expect_refused(
+        answer, {"node 'design' (bim.read_ifc) failed: design.ifc:", "nodes that need it did not run", "report.html"},
+        {"network.json"});
+    fs::remove_all(plumbline.work() / "out");
+  }
 }
 
 }  // namespace test_bad_input
