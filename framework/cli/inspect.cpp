@@ -1,4 +1,5 @@
 // plumbline validate, plan, graph
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -38,6 +39,23 @@ int validate(const Options& options) {
   }
 }
 
+namespace {
+
+/// What the totals of a plan leave out: rounds after one that is still to be computed are known to nobody.
+std::string rounds_left_out(const runtime::Graph& graph, const std::vector<runtime::PlannedNode>& planned) {
+  size_t last = 0;
+  bool runs = false;
+  for (const auto& p : planned) {
+    last = std::max(last, p.round);
+    runs = runs || (p.runs && p.round > 0);
+  }
+  if (graph.rounds.most == 0 || !runs || last >= graph.rounds.most) return {};
+  return "; rounds after number " + std::to_string(last) + ", of at most " + std::to_string(graph.rounds.most) +
+         ", are not in this";
+}
+
+}  // namespace
+
 int plan(const Options& options) {
   const runtime::Registry registry = discover();
   const runtime::Graph graph = load(options, registry);
@@ -73,7 +91,9 @@ int plan(const Options& options) {
                                                   std::to_string(perhaps) + (perhaps == 1 ? " runs" : " run") +
                                                   " only if what comes in is another";
     std::printf("%s\n",
-                hanging_lines(graph.file + ": " + std::to_string(running) + counts, terminal_columns()).c_str());
+                hanging_lines(graph.file + ": " + std::to_string(running) + counts + rounds_left_out(graph, planned),
+                              terminal_columns())
+                    .c_str());
   }
   return 0;
 }

@@ -121,10 +121,13 @@ constexpr double kLargestSigma = 0.05, kLeastSigma = 1e-5;
 std::string date_doubt(const LoopItemT& item, const ActualT& actual) {
   if (actual.at.empty()) return {};
   const std::optional<double> then = seconds_of(actual.at);
-  if (!then) return "is dated '" + actual.at + "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z";
+  if (!then)
+    return "is dated '" + actual.at +
+           "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z; mend the date and report it again";
   const std::optional<double> released = seconds_of(item.at);
   return released && *then <= *released
-             ? "is dated " + actual.at + ", not after the item was released or reported last at " + item.at
+             ? "is dated " + actual.at + ", not after the item was released or reported last at " + item.at +
+                   "; mend the clock or the date and report it again"
              : std::string();
 }
 
@@ -141,8 +144,10 @@ std::string sigma_doubt(const ActualT& actual) {
   if (actual.sigma.array().isNaN().all()) return {};
   const double least = actual.sigma.minCoeff(), most = actual.sigma.maxCoeff();
   if (!actual.sigma.allFinite() || !(least > 0))
-    return fmt::format("has the sigma {:g}, {:g}, {:g}; expected three standard deviations in metres, each above 0",
-                       actual.sigma.x(), actual.sigma.y(), actual.sigma.z());
+    return fmt::format(
+        "has the sigma {:g}, {:g}, {:g}; expected three standard deviations in metres, each above 0; "
+        "mend them and report it again",
+        actual.sigma.x(), actual.sigma.y(), actual.sigma.z());
   const auto words = [](double sigma, const char* why) {
     return fmt::format("has a sigma of {:g} m, {}; give standard deviations in metres and report it again", sigma, why);
   };
@@ -179,7 +184,7 @@ std::string setting_doubt(const LoopItemT& item, const ActualT& actual) {
   if (off <= kSettingReach) return {};
   const bool fits = (1e-3 * actual.setting - item.pending).cwiseAbs().maxCoeff() <= kSettingReach;
   return "its setting is " + text::millimetres(off) + " from what was asked for" +
-         (fits ? "; that would fit if it is in millimetres" : "");
+         (fits ? "; that would fit if it is in millimetres; give metres and report it again" : "; measure the item");
 }
 
 bool is_over(const LoopItemT& item) {
@@ -249,7 +254,8 @@ std::string unknown_words(const LoopStateT& state, const std::string& name) {
   for (const auto& item : state.items)
     if (text::bare_name(item->id) == bare) alike.push_back(item->id);
   return "no bracket or panel of this name is known" +
-         (alike.size() == 1 ? "; but for case, separators or leading zeros it is " + alike[0] : "");
+         (alike.size() == 1 ? "; but for case, separators or leading zeros it is " + alike[0] : "") +
+         "; give the name as it is in the job, or measure the item";
 }
 
 /// Nobody needs a job to say that a place of a sill was knocked.
@@ -298,7 +304,8 @@ void take_contradiction(LoopStateT& state, LoopItemT& panel, const ActualT& actu
 std::string objection(const LoopItemT* item, const ActualT& actual, const std::string& now) {
   if (is_removal(actual)) return removal_doubt(*item, actual, now);
   if (actual.outcome != "done" && actual.outcome != "failed" && actual.outcome != "skipped")
-    return "outcome '" + actual.outcome + "', expected done, failed, skipped or removed";
+    return "outcome '" + actual.outcome +
+           "', expected done, failed, skipped or removed; say one of them and report it again";
   if (const std::string doubt = doubt_of_itself(actual, now); !doubt.empty()) return doubt;
   if (!item->holds.empty() && item->revision == 0)
     return "is a place of a sill: nobody is asked to set it, and it was not reported as 'failed', which says that it "

@@ -28,10 +28,11 @@ std::string place_doubt(const Eigen::Vector3d& reported, const Eigen::Vector3d& 
       {"its first axis has the other sign",
        [](const Eigen::Vector3d& p) { return Eigen::Vector3d(-p.x(), p.y(), p.z()); }},
   };
+  const std::string what_to_do = "; export metres in the survey's frame, that of control and job";
   for (const Reading& reading : readings)
     if ((reading.read(reported) - expected).norm() <= reach)
-      return std::string(words) + "; that would fit if " + reading.name;
-  return std::string(words) + "; it is in another frame, or of another item";
+      return words + "; that would fit if " + reading.name + what_to_do;
+  return words + "; it is in another frame, or of another item" + what_to_do + ", or measure the item";
 }
 
 }  // namespace plumbline::loop

@@ -228,6 +228,19 @@ TEST(History, VerifyEachComparesTheStoreWithNodesRunAlone) {
   EXPECT_TRUE(contains(answer.out, "2 nodes, each run alone in a process of its own: 1 differ")) << answer.out;
 }
 
+/// Once "1 to run, 2 reused" stood where six rounds ran.
+TEST(History, APlanSaysWhichRoundsItsTotalsLeaveOut) {
+  const Program plumbline;
+  plumbline.write("q.yaml",
+                  "plumbline: 1\nnodes:\n  a: {use: story.constant}\n"
+                  "  c: {use: story.add, in: {a: rounds.x}, with: {offset: 2}}\n"
+                  "rounds: {carry: {x: {first: a.number, next: c.sum}}, most: 3}\n");
+  const char* const left_out = "; rounds after number 1, of at most 3, are not in this";
+  EXPECT_TRUE(contains(plumbline({"plan", "q.yaml"}).out, left_out)) << plumbline({"plan", "q.yaml"}).out;
+  ASSERT_EQ(plumbline({"run", "q.yaml"}).code, 0);
+  EXPECT_FALSE(contains(plumbline({"plan", "q.yaml"}).out, "; rounds after")) << plumbline({"plan", "q.yaml"}).out;
+}
+
 TEST(History, WhySaysWhichPartOfTheKeyChanged) {
   const Program plumbline;
   plumbline.write("p.yaml", chain);

@@ -413,19 +413,19 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
        {[&](Json& r) {
           for (const Json& x : target[r["item"]]) r["measured"].push_back(x.get<double>() / 0.3048);
         },
-        "that would fit if it is in feet"}},
+        "that would fit if it is in feet; export metres in the survey's frame"}},
       {"axes",
        {[&](Json& r) {
           const Json& p = target[r["item"]];
           r["measured"] = {p[1], p[0], p[2]};
         },
-        "axes are exchanged"}},
+        "axes are exchanged; export metres in the survey's frame"}},
       {"frame",
        {[&](Json& r) {
           const Json& p = target[r["item"]];
           r["measured"] = {p[0].get<double>() + 400, p[1], p[2]};
         },
-        "in another frame"}},
+        "in another frame, or of another item; export metres in the survey's frame"}},
       {"early", {[](Json& r) { r["at"] = day(1, "15:00"); }, "not after the item was released"}},
       {"future", {[](Json& r) { r["at"] = day(3, "06:00"); }, "later than this round"}},
       {"none", {[](Json& r) { r["revision"] = 0; }, "expected that of the job, 1 or more"}},
@@ -443,7 +443,11 @@ TEST(SiteLoop, WrongReportsAreNamedAndVerifyNothing) {
     plumbline.write(name + ".json", wrong.dump());
     const Answer answer = run_round(plumbline, 2, {"reports.with.json=[" + name + ".json]"});
     ASSERT_EQ(answer.code, 0) << name << answer.err;
-    EXPECT_TRUE(contains(answer.out + answer.err, mistake.second)) << name << answer.err;
+    const std::string told = answer.out + answer.err;
+    EXPECT_TRUE(contains(told, mistake.second)) << name << answer.err;
+    const auto says = [&](const char* what_to_do) { return contains(told, what_to_do); };
+    EXPECT_TRUE(name == "none" || says("report it again") || says("measure the item") || says("export metres"))
+        << name << " does not say what to do: " << answer.err;
     const Json state = Json::parse(read_file(plumbline.work() / "round2/state.json"));
     for (const Json& item : state["items"])
       if (moved.count(item["id"])) {
