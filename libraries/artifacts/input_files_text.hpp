@@ -5,12 +5,20 @@
 #include <vector>
 
 #include "artifacts/input_files.hpp"
+#include "artifacts/survey_observations.hpp"
 
 namespace plumbline {
 
 /// "9 photographs", "1 photograph".
 inline std::string counted(long n, const std::string& one, const std::string& many) {
   return std::to_string(n) + " " + (n == 1 ? one : many);
+}
+
+/// Measured values of a survey: what is known of coordinates is none.
+inline long readings_of(const SurveyObservationsT& survey) {
+  std::size_t n = survey.observations.size() + survey.local_coordinates.size();
+  for (const auto& group : survey.vectors) n += group->from.size();
+  return static_cast<long>(n);
 }
 
 /// The names of up to `most` files, and how many more there are.

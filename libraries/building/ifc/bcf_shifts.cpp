@@ -14,15 +14,9 @@ bool is_open(const AnchorDeviationT& anchor) {
   return anchor.verdict == ToleranceVerdict::fail || anchor.verdict == ToleranceVerdict::undecided;
 }
 
-/// Groups are named as group_shifts() does it.
 bool belongs(const AnchorDeviationT& anchor, const GroupShiftT& group) {
-  const std::string facade = anchor.facade ? anchor.facade->facade : "";
-  if (group.kind == "floor") return anchor.floor == group.floor;
-  if (group.kind == "facade") return group.name == "Facade " + facade;
-  if (group.kind == "column") return group.name == "Column " + std::to_string(anchor.column);
-  if (group.kind == "floor of a facade")
-    return anchor.floor == group.floor && !facade.empty() && group.name.ends_with(" of facade " + facade);
-  return group.kind == "building";
+  return (group.floor == 0 || anchor.floor == group.floor) && (group.column == 0 || anchor.column == group.column) &&
+         (group.facade.empty() || (anchor.facade && anchor.facade->facade == group.facade));
 }
 
 /// A group whose anchors nobody can name from here; then words are all there is.

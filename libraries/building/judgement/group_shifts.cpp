@@ -33,8 +33,8 @@ struct Direction {
 };
 
 struct Group {
-  std::string kind, name;
-  int floor = 0;
+  std::string kind, name, facade;
+  int floor = 0, column = 0;
   std::vector<std::size_t> members;
   std::vector<Direction> directions;
 };
@@ -78,25 +78,28 @@ std::vector<Group> groups_of(const std::vector<GroupMember>& members, bool whole
   std::map<std::string, Group> facades, batches, axes;
   std::map<std::pair<std::string, int>, Group> both;
   const auto put = [](auto& map, const auto& key, std::size_t i, const char* kind, const std::string& name,
-                      int floor = 0) {
+                      int floor = 0) -> Group& {
     Group& group = map[key];
     group.kind = kind, group.name = name, group.floor = floor, group.members.push_back(i);
+    return group;
   };
   for (std::size_t i = 0; i < members.size(); ++i) {
     const GroupMember& m = members[i];
     const std::string floor = "Floor " + std::to_string(m.floor);
     if (m.floor > 0) put(floors, m.floor, i, "floor", floor, m.floor);
-    if (m.column > 0) put(columns, m.column, i, "column", "Column " + std::to_string(m.column));
-    if (!m.facade.empty()) put(facades, m.facade, i, "facade", "Facade " + m.facade);
+    if (m.column > 0) put(columns, m.column, i, "column", "Column " + std::to_string(m.column)).column = m.column;
+    if (!m.facade.empty()) put(facades, m.facade, i, "facade", "Facade " + m.facade).facade = m.facade;
     if (!m.axis.empty()) put(axes, m.axis, i, "axis", "Axis " + m.axis);
     if (!m.batch.empty()) put(batches, m.batch, i, "batch", "Print batch " + m.batch);
     if (!m.facade.empty() && m.floor > 0)
-      put(both, std::pair(m.facade, m.floor), i, "floor of a facade", floor + " of facade " + m.facade, m.floor);
+      put(both, std::pair(m.facade, m.floor), i, "floor of a facade", floor + " of facade " + m.facade, m.floor)
+          .facade = m.facade;
   }
   std::vector<Group> all;
   std::map<std::vector<std::size_t>, int> known;
   if (whole && members.size() >= kFewest) {  // first: of groups that say it as clearly, the larger one is told
-    Group building{kBuilding, "The building", 0, {}, {}};
+    Group building;
+    building.kind = kBuilding, building.name = "The building";
     for (std::size_t i = 0; i < members.size(); ++i) building.members.push_back(i);
     building.directions = directions_of(members, building.members);
     all.push_back(std::move(building));
@@ -231,6 +234,7 @@ std::string way_of(const Group& group, const Shift& shift, const std::vector<Sam
 std::unique_ptr<GroupShiftT> row_of(const Group& group, const std::vector<Sample>& samples) {
   auto row = std::make_unique<GroupShiftT>();
   row->kind = group.kind, row->name = group.name, row->floor = group.floor;
+  row->facade = group.facade, row->column = group.column;
   row->anchors = static_cast<int>(group.members.size());
   row->following = row->anchors;
   Vector3d variance = Vector3d::Zero(), scatter = Vector3d::Zero();

@@ -1,5 +1,6 @@
 #include "listed_campaign.hpp"
 
+#include "artifacts/input_files_text.hpp"
 #include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 
@@ -60,9 +61,7 @@ InputFilesT ListedCampaign::inputs(std::size_t images, const SurveyObservationsT
     else if (const auto left = aside.find(path); left != aside.end())
       result.files.push_back(file_of(*listed, left->second->looks_like, false));
   }
-  std::size_t read = readings.observations.size() + readings.local_coordinates.size();
-  for (const auto& group : readings.vectors) read += group->from.size();
-  result.images = static_cast<int>(images), result.readings = static_cast<int>(read);
+  result.images = static_cast<int>(images), result.readings = static_cast<int>(readings_of(readings));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
 #include "building/judgement/tolerance_classes.hpp"
@@ -144,7 +145,9 @@ struct ReadCampaign : Node {
     mapping.commit(table);
     tolerances.commit(classes);
     design_file.commit(design_reference(site));
-    inputs.commit(site.inputs(photographs.empty() ? observed : photographs.size(), readings));
+    const InputFilesT read = site.inputs(photographs.empty() ? observed : photographs.size(), readings);
+    context.info("read: " + what_took_part(read) + " of the folder");
+    inputs.commit(read);
     unread.commit(site.unread());
   }
 
@@ -241,7 +244,9 @@ struct ReadSurveyCampaign : Node {
     site.warn_of_forgotten_control(context);
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
-    inputs.commit(site.inputs(0, readings));
+    const InputFilesT read = site.inputs(0, readings);
+    context.info("read: " + what_took_part(read) + " of the folder");
+    inputs.commit(read);
     unread.commit(site.unread());
   }
 };
@@ -308,7 +313,9 @@ struct ReadMeasuredCampaign : Node {
     design_file.commit(design_reference(site));
     mapping.commit(table);
     tolerances.commit(classes);
-    inputs.commit(site.inputs(0, readings));
+    const InputFilesT read = site.inputs(0, readings);
+    context.info("read: " + what_took_part(read) + " of the folder");
+    inputs.commit(read);
     unread.commit(site.unread());
   }
 };

@@ -72,6 +72,8 @@ struct ReadImages : Node {
                                "; expected files that end in .jpg, .jpeg, .png, .tif or .tiff" +
                                (unread.empty() ? "" : ". Photographs are " + unread) + words_of_outputs(found));
     if (!unread.empty()) context.warn("photographs of " + root.string() + " are " + unread);
+    context.info(std::to_string(files.size()) + (files.size() == 1 ? " photograph of " : " photographs of ") +
+                 root.string());
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
       ImageT image = describe(file, root, *on_bad_image == "error");

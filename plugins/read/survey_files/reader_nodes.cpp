@@ -1,3 +1,4 @@
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "nodes.hpp"
 #include "survey/files/dynaml.hpp"
@@ -42,7 +43,11 @@ void ReaderNode::deliver(Context& context, const survey::SurveyObservations& sur
   if (survey.skipped.size() > skipped_shown)
     context.warn(name() + ": " + std::to_string(survey.skipped.size() - skipped_shown) +
                  " more places skipped; all are listed in the output");
-  observations.commit(survey::to_artifact(survey));
+  const SurveyObservationsT read = survey::to_artifact(survey);
+  context.info(name() + ": " + counted(readings_of(read), "reading", "readings") + ", " +
+               counted(static_cast<long>(read.set_ups.size()), "set-up", "set-ups") + ", " +
+               counted(static_cast<long>(read.points.size()), "point", "points"));
+  observations.commit(read);
 }
 
 void ReadGsi::run(Context& context) {

@@ -56,6 +56,8 @@ TEST(GroupShifts, AFloorThatHangsLowIsOneSentence) {
   const GroupShiftT& floor = *result.group_shifts[0];
   ASSERT_TRUE(floor.significant);
   EXPECT_EQ(floor.name, "Floor 2");
+  EXPECT_EQ(floor.facade, "") << "of all facades";
+  EXPECT_EQ(floor.column, 0);
   EXPECT_NEAR(floor.shift.z(), -12 * mm, 1 * mm);
   EXPECT_EQ(floor.would_pass, 5);
   EXPECT_NE(floor.words.find("Floor 2 hangs 1"), std::string::npos) << floor.words;
@@ -121,6 +123,7 @@ TEST(GroupShifts, OfWhatExplainsItThatWithFewerSentencesIsTold) {
     EXPECT_FALSE(result.common_shift->significant) << result.common_shift->words;
     ASSERT_TRUE(result.group_shifts.at(0)->significant);
     EXPECT_EQ(result.group_shifts[0]->name, "Facade B");
+    EXPECT_EQ(result.group_shifts[0]->facade, "B");
     EXPECT_NE(result.group_shifts[0]->words.find("too far out"), std::string::npos) << result.group_shifts[0]->words;
     EXPECT_FALSE(result.group_shifts.at(1)->significant) << result.group_shifts[1]->words;
     result = judge_deviations(building, {});
@@ -155,8 +158,11 @@ TEST(GroupShifts, EachKindIsToldByItsName) {
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       inputs.model.positions[i] += Eigen::Vector3d(normal(), normal(), normal()) * mm + shift(inputs.anchors[i]);
     std::string names;
-    for (const auto& group : judge_deviations(inputs, {}).group_shifts)
+    for (const auto& group : judge_deviations(inputs, {}).group_shifts) {
       if (group->significant) names += (names.empty() ? "" : ", ") + group->name;
+      EXPECT_EQ(group->kind == "column", group->column > 0) << group->name;
+      EXPECT_EQ(group->kind.find("facade") != std::string::npos, !group->facade.empty()) << group->name;
+    }
     return names;
   };
   const auto where = [](bool there, const Eigen::Vector3d& shift) -> Eigen::Vector3d {
