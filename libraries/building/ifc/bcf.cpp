@@ -157,7 +157,7 @@ Issue issue_of(const MeasurementDoubtT& doubt) {
 /// Why all of it is less certain: nothing to mend on the site, and what every figure below rests on.
 Issue issue_of_misfit(const MeasurementDoubtT& misfit) {
   Issue issue;
-  issue.guid = "misfit: " + in_words(misfit);
+  issue.guid = std::string("misfit: ") + name_of(misfit.part) + ": " + without_figures(misfit.reason);
   issue.title = std::string("Measurement less certain: ") + name_of(misfit.part);
   issue.description = "Less certain, " + in_words(misfit);
   issue.verdict = ToleranceVerdict::undecided, issue.state = "LESS CERTAIN";

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <regex>
 #include <type_traits>
 #include <utility>
 
@@ -193,6 +194,11 @@ BcfFile::BcfFile(const BcfOptions& options, const std::string& design_file, std:
       "bcf.version",
       kHead + (options.version_3 ? "<Version VersionId=\"3.0\"/>\n"
                                  : "<Version VersionId=\"2.1\"><DetailedVersion>2.1</DetailedVersion></Version>\n"));
+}
+
+std::string without_figures(const std::string& words) {
+  static const std::regex figure(R"(\d+\.\d+)");
+  return std::regex_replace(words, figure, "#");
 }
 
 void BcfFile::add(const BcfIssue& issue, const BcfSurroundings& surroundings) {

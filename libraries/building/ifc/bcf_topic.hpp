@@ -42,6 +42,9 @@ FacadeFrame view_of(const std::unique_ptr<FacadeFrameT>& facade);
 std::string snapshot_png(const BcfSurroundings& surroundings, const Eigen::Vector3d& centre, double reach,
                          const FacadeFrame& facade);
 
+/// Words without their lengths, which are others in each campaign.
+std::string without_figures(const std::string& words);
+
 class BcfFile {
  public:
   /// `topics`: how many will come. A ZIP holds 65535 files: of more than 21 844 topics there are no snapshots.

@@ -43,12 +43,6 @@ bool went_to(const Words& words, const std::string& state) {
 
 bool was_wrong(const Words& words) { return went_to(words, "REJECTED") || went_to(words, "REWORK"); }
 
-/// Words without their lengths, which are others in each campaign.
-std::string without_figures(const std::string& words) {
-  static const std::regex figure(R"(\d+\.\d+)");
-  return std::regex_replace(words, figure, "#");
-}
-
 /// To be looked at, or to be taken down.
 bool is_wrong(const LoopItemT& item) {
   return item.status == ItemStatus::rejected || (item.status == ItemStatus::rework && item.hangs);

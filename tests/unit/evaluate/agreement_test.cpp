@@ -158,7 +158,7 @@ TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
   Campaign c = random_campaign(7);
   auto misfit = std::make_unique<MeasurementDoubtT>();
   misfit->part = MeasurementPart::image_block, misfit->grade = DoubtGrade::misfit, misfit->factor = 1.34;
-  misfit->reason = "the images have principal points of their own";
+  misfit->reason = "the images have principal points of their own, 1.7 px apart";
   c.deviation.misfits.push_back(std::move(misfit));
   auto shift = std::make_unique<GroupShiftT>();
   shift->kind = "floor", shift->name = "Floor 1", shift->floor = 1, shift->significant = true;
@@ -188,6 +188,16 @@ TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
       EXPECT_NE(text->find(words), std::string::npos) << words << "\n" << *text;
   EXPECT_NE(bcf.find("<Title>Measurement less certain: the image block</Title>"), std::string::npos);
   EXPECT_NE(bcf.find("LESS CERTAIN</Labels>"), std::string::npos);
+  const auto topic_of_misfit = [](const std::string& file) {
+    const std::string before = file.substr(0, file.find("<Title>Measurement less certain"));
+    return before.substr(before.rfind("<Topic "), 100);
+  };
+  c.deviation.misfits.back()->factor = 1.41;
+  c.deviation.misfits.back()->reason = "the images have principal points of their own, 1.8 px apart";
+  EXPECT_EQ(topic_of_misfit(ifc::write_bcf(c.deviation, judgement::worst_first(c.deviation),
+                                           judgement::worst_panels_first(c.deviation), options)),
+            topic_of_misfit(bcf))
+      << "another campaign's figures are no other topic";
   const std::size_t topic = bcf.find("<Title>Floor 1 hangs 12.0 mm ± 0.9 mm low</Title>");
   EXPECT_LT(topic, bcf.find("<Title>Anchor ")) << "the one cause, before single anchors";
   EXPECT_NE(bcf.find("It has this in common with others: Floor 1 hangs 12.0 mm ± 0.9 mm low; look for that one cause"),
