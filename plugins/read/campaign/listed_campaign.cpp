@@ -49,7 +49,7 @@ std::vector<std::string> ListedCampaign::names() const {
   return all;
 }
 
-InputFilesT ListedCampaign::inputs(std::size_t images, const SurveyObservationsT& readings) const {
+InputFilesT ListedCampaign::inputs(Context& context, std::size_t images, const SurveyObservationsT& readings) const {
   InputFilesT result;
   const auto uses = uses_of(description, names());
   std::map<std::string, const UnusedFile*> aside;
@@ -62,6 +62,7 @@ InputFilesT ListedCampaign::inputs(std::size_t images, const SurveyObservationsT
       result.files.push_back(file_of(*listed, left->second->looks_like, false));
   }
   result.images = static_cast<int>(images), result.readings = static_cast<int>(readings_of(readings));
+  context.info("read: " + what_took_part(result) + " of the folder");
   return result;
 }
 

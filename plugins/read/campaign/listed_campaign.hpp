@@ -25,8 +25,8 @@ struct ListedCampaign {
   std::vector<std::string> names() const;
 
   /// What was read or set aside, and how much of it; and what lies there besides. A reading is also a point in the axes
-  /// of a set-up, and a vector; coordinates that are only given are none.
-  InputFilesT inputs(std::size_t images, const SurveyObservationsT& readings) const;
+  /// of a set-up, and a vector; coordinates that are only given are none. Says to `context` how much was read.
+  InputFilesT inputs(Context& context, std::size_t images, const SurveyObservationsT& readings) const;
   InputFilesT unread() const;
   /// Says which tables of known points nothing names: a survey without them may look whole and lie elsewhere.
   void warn_of_forgotten_control(Context& context) const;

@@ -4,7 +4,6 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
-#include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
 #include "building/judgement/tolerance_classes.hpp"
@@ -145,9 +144,7 @@ struct ReadCampaign : Node {
     mapping.commit(table);
     tolerances.commit(classes);
     design_file.commit(design_reference(site));
-    const InputFilesT read = site.inputs(photographs.empty() ? observed : photographs.size(), readings);
-    context.info("read: " + what_took_part(read) + " of the folder");
-    inputs.commit(read);
+    inputs.commit(site.inputs(context, photographs.empty() ? observed : photographs.size(), readings));
     unread.commit(site.unread());
   }
 
@@ -244,9 +241,7 @@ struct ReadSurveyCampaign : Node {
     site.warn_of_forgotten_control(context);
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
-    const InputFilesT read = site.inputs(0, readings);
-    context.info("read: " + what_took_part(read) + " of the folder");
-    inputs.commit(read);
+    inputs.commit(site.inputs(context, 0, readings));
     unread.commit(site.unread());
   }
 };
@@ -313,9 +308,7 @@ struct ReadMeasuredCampaign : Node {
     design_file.commit(design_reference(site));
     mapping.commit(table);
     tolerances.commit(classes);
-    const InputFilesT read = site.inputs(0, readings);
-    context.info("read: " + what_took_part(read) + " of the folder");
-    inputs.commit(read);
+    inputs.commit(site.inputs(context, 0, readings));
     unread.commit(site.unread());
   }
 };

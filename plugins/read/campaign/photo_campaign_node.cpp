@@ -1,7 +1,6 @@
 #include "photo_campaign_node.hpp"
 
 #include "artifacts/camera_artifact.hpp"
-#include "artifacts/input_files_text.hpp"
 #include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -144,9 +143,7 @@ void ReadPhotoCampaign::run(Context& context) {
     survey.commit(readings);
     control.commit(to_artifact(known.points));
   }
-  const InputFilesT read = site.inputs(description.images.size(), readings);
-  context.info("read: " + what_took_part(read) + " of the folder");
-  inputs.commit(read);
+  inputs.commit(site.inputs(context, description.images.size(), readings));
   unread.commit(site.unread());
 }
 
