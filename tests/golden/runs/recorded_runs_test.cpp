@@ -100,9 +100,9 @@ class RecordedRuns : public testing::Test {
     static const std::set<std::string> endings{".xlsx", ".bcf", ".png", ".jpg"};
     return endings.count(file.extension()) > 0;
   }
-  /// Without what another version or folder would change.
+  /// Without what another version, folder or place of the checkout would change.
   std::string told(std::string text) const {
-    for (const std::string& own : {version_, program_.folder.path().string()})
+    for (const std::string& own : {version_, program_.folder.path().string(), std::string(source_dir())})
       for (std::size_t at = 0; (at = text.find(own, at)) != std::string::npos;) text.replace(at, own.size(), "-");
     return text;
   }
