@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <tuple>
 
 #include "base/text/words.hpp"
 #include "show/bench/pairing.hpp"
@@ -199,8 +200,10 @@ Alike alike_of(const std::vector<Breakdown>& found, const Breakdown& first, doub
   Alike alike;
   for (const Breakdown& b : found)
     if (b.variable == first.variable && b.place == first.place && b.tolerance == tolerance) alike.push_back(&b);
+  // Those of which the same is to be said stand side by side.
+  const auto how_far = [](const Breakdown* b) { return std::tuple(b->median, b->at_most, b->upper, b->lower); };
   std::stable_sort(alike.begin(), alike.end(),
-                   [](const Breakdown* a, const Breakdown* b) { return a->median > b->median; });
+                   [&](const Breakdown* a, const Breakdown* b) { return how_far(a) > how_far(b); });
   return alike;
 }
 

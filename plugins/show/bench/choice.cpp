@@ -180,11 +180,59 @@ void add_unbeaten(const Field& field, const Standings& standings, std::vector<st
                         " beaten nowhere, and of use in fewer than half of the cells");
 }
 
-void add_choice(const Bench& bench, const Field& field, const Standings& standings,
+/// "where tags is 1 take a or b, where it is 2 or 4 take c": what the reader has is a value, not a mean over all of
+/// them. Nothing where the same is to be taken at each value.
+void add_by_value(const Bench& bench, const Field& field, const Standings& standings,
+                  std::vector<std::string>& sentences) {
+  for (const Variable& variable : bench.variables) {
+    std::map<std::string, std::set<std::string>>
+        values_at;  // by place; it has one value, but if the bench says otherwise
+    for (const Cell& cell : bench.cells) values_at[cell.place].insert(cell.values.at(variable.name));
+    SaidOf said;
+    for (const std::string& value : variable.values) {
+      const auto is_of_value = [&](const std::string& place) { return values_at[place].count(value) > 0; };
+      std::vector<std::string> taken;
+      for (const std::string& name : field.ran) {
+        const Standing& s = standings.at(name);
+        if (s.compared && 2 * (s.useless + s.failed) <= s.cells &&
+            std::none_of(s.beaten_on.begin(), s.beaten_on.end(), is_of_value) &&
+            std::none_of(s.untried.begin(), s.untried.end(), is_of_value))
+          taken.push_back(name);
+      }
+      said.add(value, taken.empty() ? "each is beaten by another" : "take " + text::enumerate(taken, " or "));
+    }
+    if (said.all().size() < 2) continue;
+    std::vector<std::string> parts;
+    for (const auto& [what, values] : said.all())
+      parts.push_back((parts.empty() ? "where " + variable.name + " is " : "where it is ") +
+                      text::enumerate(values, " or ") + " " + what);
+    sentences.push_back(text::enumerate(parts, "; ", "; "));
+  }
+}
+
+/// Two that are both to be taken and were never set against each other: "take a or b" does not say that they are alike.
+void add_never_compared(const Field& field, const std::vector<Pairing>& pairs, std::vector<std::string>& sentences) {
+  SaidOf said;
+  for (const Pairing& pair : pairs) {
+    const auto is_taken = [&](const std::string& name) {
+      return std::find(field.unbeaten.begin(), field.unbeaten.end(), name) != field.unbeaten.end();
+    };
+    if (is_taken(pair.first()) && is_taken(pair.second()) &&
+        std::all_of(pair.places.begin(), pair.places.end(),
+                    [](const Duel* duel) { return duel->refused.empty() && duel->errors.verdict == Verdict::too_few; }))
+      said.add(pair.second(), pair.first());
+  }
+  for (const auto& [first, others] : said.all())
+    sentences.push_back(first + " and " + text::enumerate(others, " or ") +
+                        " have nowhere trials enough in common to be compared with each other");
+}
+
+void add_choice(const Bench& bench, const Field& field, const std::vector<Pairing>& pairs, const Standings& standings,
                 std::vector<std::string>& sentences) {
   const std::size_t places = bench.places().size();
   if (!field.unbeaten.empty()) {
     add_unbeaten(field, standings, sentences);
+    add_never_compared(field, pairs, sentences);
   } else if (places < 2) {
     sentences.push_back("each of " + text::enumerate(field.beaten) + " is beaten by another");
     return;
@@ -206,6 +254,7 @@ void add_choice(const Bench& bench, const Field& field, const Standings& standin
     if (!best.empty())
       sentences.push_back("over all places, " + bench.weights_text + ", nothing beats " +
                           text::enumerate(best, " or "));
+    add_by_value(bench, field, standings, sentences);
   }
   add_beaten(bench, field.beaten, standings, sentences);
 }
@@ -297,7 +346,7 @@ std::string choice_of(const Bench& bench, const Group& group, const Analysis& an
     sentences.push_back("nothing separates " + text::enumerate(field.unbeaten) + ": they gave the same in every trial");
     sentences.push_back("what they do differently does not reach what is measured here");
   } else if (const auto opposed = opposed_in_words(bench, field, pairs); field.any_winner || !opposed.empty()) {
-    if (field.any_winner) add_choice(bench, field, standings, sentences);
+    if (field.any_winner) add_choice(bench, field, pairs, standings, sentences);
     sentences.insert(sentences.end(), opposed.begin(), opposed.end());
     if (!field.any_winner && field.unbeaten.size() > 2)
       sentences.push_back("nothing else separates " + text::enumerate(field.unbeaten));

@@ -241,6 +241,60 @@ TEST(Choice, WhatWasNotTriedEverywhereIsSecondAndSaysWhere) {
 }
 
 /// Once "take Gut or X. Gut is beaten by 6.76 mm.", of gut.
+/// One place for each value of a variable; errors [m] by value and alternative, nan: not tried there with anything that
+/// the others were tried with.
+Bench bench_by_tags(const std::map<std::string, std::map<std::string, double>>& errors) {
+  Bench bench;
+  bench.rope = 0.001;
+  bench.groups = {{"solver", {}, {"poses"}, false}};
+  bench.variables = {{"tags", {}}};
+  for (const auto& [name, error] : errors.begin()->second) bench.groups[0].alternatives.push_back(name);
+  for (const auto& [value, of] : errors) {
+    bench.variables[0].values.push_back(value);
+    for (std::size_t seed = 0; seed < 24; ++seed)
+      for (const auto& [name, error] : of) {
+        Cell cell;
+        cell.place = "tags=" + value;
+        cell.values["tags"] = value;
+        cell.choices["solver"] = name;
+        cell.seed = seed;
+        cell.status = "done";
+        cell.measures["error"] = error + 1e-5 * static_cast<double>((seed * 7 + name.size() * seed) % 5);
+        bench.cells.push_back(cell);
+      }
+  }
+  return bench;
+}
+
+TEST(Choice, WhereNoneIsBestEverywhereEachValueHasItsOwn) {
+  const std::string said = choice(bench_by_tags({{"1", {{"ippe", 0.1}, {"sqpnp", 0.3}, {"upnp", 0.3}}},
+                                                 {"2", {{"ippe", 0.3}, {"sqpnp", 0.1}, {"upnp", 0.3}}},
+                                                 {"4", {{"ippe", 0.3}, {"sqpnp", 0.05}, {"upnp", 0.05}}}}));
+  EXPECT_THAT(said, HasSubstr("none is best everywhere")) << said;
+  EXPECT_THAT(said, HasSubstr("Where tags is 1 take ippe; where it is 2 take sqpnp; where it is 4 take sqpnp or upnp."))
+      << said;
+  EXPECT_THAT(choice(bench_by_tags({{"1", {{"ippe", 0.1}, {"sqpnp", 0.3}}}, {"2", {{"ippe", 0.1}, {"sqpnp", 0.3}}}})),
+              Not(HasSubstr("Where tags")));
+}
+
+TEST(Choice, TwoThatAreTakenAndWereNeverComparedAreSaidToBe) {
+  Bench bench = bench_by_tags({{"1", {{"ceres", 0.1}, {"colmap", 0.1}, {"schur", 0.3}}}});
+  bench.groups.push_back({"fusion", {"(5)", "(6)"}, {"fusion"}, false});
+  std::vector<Cell> cells;  // colmap knows (6) alone, ceres (5) alone, schur both
+  for (Cell cell : bench.cells)
+    for (const char* fusion : {"(5)", "(6)"}) {
+      const std::string& name = cell.choices.at("solver");
+      if ((name == "colmap" && fusion == std::string("(5)")) || (name == "ceres" && fusion == std::string("(6)")))
+        continue;
+      cell.choices["fusion"] = fusion;
+      cells.push_back(cell);
+    }
+  bench.cells = cells;
+  const std::string said = choice(bench);
+  EXPECT_THAT(said, HasSubstr("take ceres or colmap, beaten nowhere")) << said;
+  EXPECT_THAT(said, HasSubstr("have nowhere trials enough in common to be compared with each other")) << said;
+}
+
 TEST(Choice, NamesStayAsTheyAreWritten) {
   const Bench bench = trials_of({""}, 12, {"Gut", "gut"}, [](const std::string& name, std::size_t, std::size_t seed) {
     return (name == "gut" ? 0.006 : 0.001) * (1 + 0.2 * noise(name[0], seed));
