@@ -1,5 +1,6 @@
 """usage: test_driving.py PLUMBLINE PYTHON     What `import plumbline` does where the program refuses, where it is interrupted, and with what lies there
 from another time. Needs nothing but Python."""
+import importlib.util
 import os
 import pathlib
 import signal
@@ -9,6 +10,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 import warnings
 
 PROGRAM = os.path.abspath(sys.argv.pop(1))
@@ -78,6 +80,25 @@ class Driving(unittest.TestCase):
         self.assertEqual(plumbline._text([1, 2.5, True, None]), "[1, 2.5, true, ~]")
         with self.assertRaisesRegex(plumbline.UsageError, "both kinds of quotes"):
             plumbline._text(["it's \"x\""])
+
+    def table(self):
+        pathlib.Path("points.csv").write_text("name,E,N,H,sigma\nA,1,2,3.5,0.001\nB,4,5,6.25,0.002\n")
+        return plumbline.run("p.yaml", out="o").table("points.points", "points")
+
+    @unittest.skipUnless(importlib.util.find_spec("pandas"), "python3-pandas is not installed")
+    def test_a_table_is_a_data_frame_where_pandas_is(self):
+        import pandas
+        table = self.table()
+        self.assertIsInstance(table, pandas.DataFrame)
+        self.assertEqual((list(table["id"]), table.loc[table.id == "B", "position_z"].item()), (["A", "B"], 6.25))
+        self.assertEqual((str(table.dtypes["position_z"]), table["sigma_x"].max()), ("float64", 0.002))
+
+    @unittest.skipUnless(importlib.util.find_spec("numpy"), "python3-numpy is not installed")
+    def test_a_table_is_arrays_by_name_without_pandas(self):
+        with unittest.mock.patch.dict(sys.modules, {"pandas": None}):
+            table = self.table()
+        self.assertIsInstance(table, dict)
+        self.assertEqual((list(table["id"]), table["position_z"].tolist()), (["A", "B"], [3.5, 6.25]))
 
     def test_what_is_not_there_is_told_by_its_name(self):
         with self.assertRaisesRegex(plumbline.UsageError, "there is no run in nowhere: give the output folder"):
