@@ -1,9 +1,11 @@
 """docs/measured.md: short tables, notes folded out below them."""
 import pathlib
+import re
 
 from . import rows as data
 
 PAGE = data.ROOT / "docs/measured.md"
+LONGEST_LINE = 380  # of a table
 NOTE = "<!-- Made by scripts/measured from measured.toml: change that. -->"
 HEAD = """# What was measured
 
@@ -41,12 +43,24 @@ def figure(value):
     return label + written(value["value"]) + (f" ± {written(value['tolerance'])}" if value["tolerance"] else "") + unit
 
 
+def folded(text, width=140):
+    """In lines, as a list item has them. No line begins with what would be a list, a heading, a quotation or a table of its own."""
+    lines = [""]
+    for word in text.split():
+        begins = re.match(r"[-+*>#|=~]|\d+[.)]$|<", word)
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width and not begins:
+            lines.append("  " + word)
+        else:
+            lines[-1] += (" " if lines[-1] else "") + word
+    return "\n".join(lines)
+
+
 def cell(text):
     return text.replace("|", "\\|").replace("\n", " ")
 
 
-def lines_of(row, bracket):
-    """A line for each command, so that no cell is long."""
+def lines_of(row, bracket, aside):
+    """A line for each command, so that no cell is long; where a line would be, its command goes to the list `aside`, with its number."""
     for number, check in enumerate(data.checks(row)):
         command = f"{MARKS[data.mark(check)][0]} `{data.command(check)}`"
         if "before" in check:
@@ -57,14 +71,18 @@ def lines_of(row, bracket):
         on = row["on"] if not number else ""
         if "here" in check:
             on += f" ($HERE: `{check['here']}`)"
-        yield [row["claim"] + bracket if not number else "", on, "; ".join(map(figure, data.values(check))), command]
+        line = [row["claim"] + bracket if not number else "", on, "; ".join(map(figure, data.values(check))), command]
+        if sum(map(len, line)) > LONGEST_LINE:
+            aside.append(command)
+            line[3] = f"{command[0]} [command {len(aside)}](#command-{len(aside)})"
+        yield line
 
 
 def page(parts):
     kinds = [data.mark(check) for row in data.rows(parts) for check in data.checks(row)]
     lines = [HEAD.rstrip(), "", NOTE, "", f"{len(data.rows(parts))} claims, {len(kinds)} commands:", ""]
     lines += [f"- {mark} {kinds.count(name)} {what}" for name, (mark, what) in MARKS.items()] + [""]
-    notes, number = [], 0
+    notes, number, aside = [], 0, []
     for part in parts:
         if "heading" in part:
             lines += ["## " + part["heading"], ""]
@@ -78,16 +96,17 @@ def page(parts):
             if "note" in row:
                 number += 1
                 bracket = f" [({number})](#note-{number})"
-                notes.append(f'- <a id="note-{number}"></a>**({number})** {row["claim"]}: {row["note"]}')
-            lines += ["| " + " | ".join(map(cell, line)) + " |" for line in lines_of(row, bracket)]
+                notes.append(f'- <a id="note-{number}"></a>' + folded(f'**({number})** {row["claim"]}: {row["note"]}'))
+            lines += ["| " + " | ".join(map(cell, line)) + " |" for line in lines_of(row, bracket, aside)]
         lines.append("")
-    return "\n".join([*lines, "## Notes", "", *notes]) + "\n"
+    long = [f'- <a id="command-{n}"></a>**{n}** {command}' for n, command in enumerate(aside, 1)]
+    return "\n".join([*lines, "## Notes", "", *notes, "", "## Long commands", "", *long]) + "\n"
 
 
 def too_long(parts):
     """Cells that are longer than a table's should be."""
     for row in data.rows(parts):
-        for line in lines_of(row, ""):
+        for line in lines_of(row, "", []):
             for text in line:
                 if len(text) > data.LONGEST:
                     yield f"'{row['claim']}': a cell of {len(text)} characters, at most {data.LONGEST} are a table: {text[:60]}…"
