@@ -12,7 +12,6 @@
 #include "building/ifc/bcf_changes.hpp"
 #include "building/ifc/bcf_shifts.hpp"
 #include "building/ifc/bcf_topic.hpp"
-#include "building/ifc/doubt_words.hpp"
 #include "building/ifc/limit_words.hpp"
 #include "building/ifc/surface_words.hpp"
 #include "plumbline/stop.hpp"
@@ -132,46 +131,14 @@ std::vector<Issue> surface_issues(const BcfOptions& options, ToleranceVerdict wa
   return issues;
 }
 
-/// What was asked for and not judged: an issue of the whole, without a component.
-Issue issue_of(const JudgementRequestT& request) {
-  Issue issue;
-  issue.guid = "not judged: " + request.asked;
-  issue.title = "Not judged: " + request.asked;
-  issue.description = "Asked for and not judged: " + request.asked + ": " + request.not_judged +
-                      ". Nothing is ready to install before it is.";
-  issue.verdict = ToleranceVerdict::undecided;
-  return issue;
-}
-
-/// Why the measurement proves nothing: an issue of the whole, before all others.
-Issue issue_of(const MeasurementDoubtT& doubt) {
-  Issue issue;
-  issue.guid = "doubt: " + in_words(doubt);
-  issue.title = std::string("Measurement not to be trusted: ") + name_of(doubt.part);
-  issue.description =
-      "Not to be trusted, " + in_words(doubt) + ". Nothing is decided, and no order is given, before it is mended.";
-  issue.verdict = ToleranceVerdict::undecided;
-  return issue;
-}
-
-/// Why all of it is less certain: nothing to mend on the site, and what every figure below rests on.
-Issue issue_of_misfit(const MeasurementDoubtT& misfit) {
-  Issue issue;
-  issue.guid = std::string("misfit: ") + name_of(misfit.part) + ": " + without_figures(misfit.reason);
-  issue.title = std::string("Measurement less certain: ") + name_of(misfit.part);
-  issue.description = "Less certain, " + in_words(misfit);
-  issue.verdict = ToleranceVerdict::undecided, issue.state = "LESS CERTAIN";
-  return issue;
-}
-
 }  // namespace
 
 std::string write_bcf(const DeviationT& deviation, const std::vector<const AnchorDeviationT*>& anchors,
                       const std::vector<const PanelDeviationT*>& panels, const BcfOptions& options) {
   std::vector<Issue> issues;
-  for (const auto& doubt : deviation.doubts) issues.push_back(issue_of(*doubt));
-  for (const auto& misfit : deviation.misfits) issues.push_back(issue_of_misfit(*misfit));
-  for (Issue& issue : shift_issues(deviation)) issues.push_back(std::move(issue));
+  const std::vector<Finding> findings = findings_of(deviation);
+  for (const Finding& finding : findings)
+    if (finding.kind != "request") issues.push_back(issue_of(finding));
   const bool facades = deviation.facades.size() > 1;
   const auto add = [&](Issue issue, const std::unique_ptr<FacadeFrameT>& frame) {
     if (facades && frame && !frame->facade.empty()) issue.facade = "Facade " + frame->facade;
@@ -181,14 +148,14 @@ std::string write_bcf(const DeviationT& deviation, const std::vector<const Ancho
     for (const AnchorDeviationT* anchor : anchors)
       if (anchor->verdict == wanted && anchor->guid.size() == 22) {
         add(issue_of(*anchor), anchor->facade);
-        issues.back().description += shared_by(deviation, *anchor);
+        issues.back().description += shared_by(findings, *anchor);
       }
     for (const PanelDeviationT* panel : panels)
       if (panel->verdict == wanted && panel->guid.size() == 22) add(issue_of(*panel), panel->facade);
     for (Issue& issue : surface_issues(options, wanted)) issues.push_back(std::move(issue));
   }
-  for (const auto& request : deviation.requests)
-    if (!request->not_judged.empty()) issues.push_back(issue_of(*request));
+  for (const Finding& finding : findings)
+    if (finding.kind == "request") issues.push_back(issue_of(finding));
   if (options.changes) add_changes(deviation, options, issues);
   BcfFile file(options, deviation.design_file, issues.size());
   const BcfSurroundings surroundings(deviation, options.elements);

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "artifacts/as_built_changes.hpp"
+#include "building/ifc/bcf_shifts.hpp"
 #include "building/ifc/former_guids.hpp"
 
 namespace plumbline::ifc {
@@ -129,11 +130,54 @@ std::map<std::string, BcfIssue> places_of(const DeviationT& deviation) {
   return places;
 }
 
+/// "2026-05: found; 2026-06: not found any more."
+BcfComment comment_on(const FindingChangeT& change, const BcfOptions& options) {
+  const AsBuiltChangesT& all = *options.changes;
+  const auto name = [](const std::string& epoch, const char* otherwise) { return epoch.empty() ? otherwise : epoch; };
+  const bool again = change.change == ChangeKind::opened_again;
+  const std::string now = change.change == ChangeKind::settled  ? "not found any more"
+                          : change.change == ChangeKind::unseen ? "nothing says that it is gone (" + change.note + ")"
+                                                                : "found";
+  BcfComment comment{options.date, options.author, ""};
+  comment.text = name(all.before, "campaign before") + std::string(again ? ": not found any more; " : ": found; ") +
+                 name(all.after, "this campaign") + ": " + now + ".";
+  comment.key = comment.date + "/" + comment.text;
+  return comment;
+}
+
+/// Of a finding that this campaign has not: where the anchors are that shared it.
+BcfIssue earlier_issue(const FindingChangeT& change, const DeviationT& deviation, const BcfComment& comment) {
+  Finding finding{change.kind, change.topic, change.title, comment.text, change.floor, change.facade};
+  const std::set<std::string> shared(change.anchors.begin(), change.anchors.end());
+  for (const auto& anchor : deviation.anchors)
+    if (shared.contains(anchor->guid)) finding.anchors.push_back(anchor.get());
+  BcfIssue issue = issue_of(finding);
+  issue.closed = change.change == ChangeKind::settled, issue.verdict = ToleranceVerdict::undecided;
+  issue.title += issue.closed ? ": not found any more" : ": was found, and nothing says that it is gone";
+  if (issue.closed) issue.state.clear();
+  issue.comments.push_back(comment);
+  return issue;
+}
+
+/// The same of findings, which are no element's.
+void add_findings(const DeviationT& deviation, const BcfOptions& options,
+                  const std::map<std::string, std::size_t>& open, std::vector<BcfIssue>& issues) {
+  for (const auto& change : options.changes->findings) {
+    if (change->change == ChangeKind::opened) continue;
+    const BcfComment comment = comment_on(*change, options);
+    if (const auto known = open.find(change->topic); known != open.end())
+      issues[known->second].comments.push_back(comment);
+    else
+      issues.push_back(earlier_issue(*change, deviation, comment));
+  }
+}
+
 }  // namespace
 
 void add_changes(const DeviationT& deviation, const BcfOptions& options, std::vector<BcfIssue>& issues) {
   std::map<std::string, std::size_t> open;
   for (std::size_t i = 0; i < issues.size(); ++i) open.try_emplace(issues[i].key(), i);
+  add_findings(deviation, options, open, issues);
   const std::map<std::string, BcfIssue> places = places_of(deviation);
   std::vector<std::string> keys;  // in the order of the changes
   std::map<std::string, Said> topics;

@@ -18,12 +18,11 @@ inline std::vector<std::string> shift_words(const DeviationT& deviation) {
   return words;
 }
 
-/// The sentence without how many share it and what to do: "Floor 2 hangs 12.0 mm ± 0.9 mm low".
-inline std::string shift_in_short(const std::string& words) {
-  const std::size_t end = words.find(": ");
-  const std::string told = words.substr(0, end);
-  const std::size_t bracket = told.rfind(" (");
-  return bracket != std::string::npos && told.ends_with(')') ? told.substr(0, bracket) : told;
+/// The sentence without how many share it and what to do: "Floor 2 hangs 12.0 mm ± 0.9 mm low"; an older record has the
+/// whole of it alone. `Shift`: CommonShiftT or GroupShiftT.
+template <class Shift>
+const std::string& shift_in_short(const Shift& shift) {
+  return shift.finding.empty() ? shift.words : shift.finding;
 }
 
 }  // namespace plumbline::ifc

@@ -127,8 +127,7 @@ Fit robust_fit(const Motion& motion, const Eigen::VectorXd& d) {
   return fit;
 }
 
-/// `passing`: anchors that pass as they are; nothing where no anchor can pass.
-std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
+std::string finding_of(const CommonShiftT& shift) {
   const auto mm = [](double metres) { return fmt::format("{:+.1f} mm", 1e3 * metres); };
   std::string words = std::to_string(shift.following) + " of " + std::to_string(shift.anchors) +
                       " anchors are shifted together by " + mm(shift.shift.x()) + " in x, " + mm(shift.shift.y()) +
@@ -138,7 +137,13 @@ std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
         fmt::format(", and turned by {:.3f} mrad about ({:.2f} {:.2f} {:.2f})", 1e3 * shift.rotation.norm(),
                     shift.rotation.normalized().x(), shift.rotation.normalized().y(), shift.rotation.normalized().z());
   }
-  words +=
+  return words;
+}
+
+/// `passing`: anchors that pass as they are; nothing where no anchor can pass.
+std::string words_of(const CommonShiftT& shift, std::optional<int> passing) {
+  std::string words =
+      shift.finding +
       ": the survey and the design do not share their datum, or the building stands elsewhere. Check control points "
       "and grid lines before any anchor is mended";
   if (passing)
@@ -196,6 +201,9 @@ std::unique_ptr<CommonShiftT> common_shift(
                      out->largest_effect >= 0.5 * smallest_tolerance;
   if (!out->significant) return out;
   if (would_pass) out->would_pass = would_pass(corrected);
+  for (Index i = 0; i < n; ++i)
+    if (fit.weights[i] > 0) out->members.push_back(static_cast<int>(i));
+  out->finding = finding_of(*out);
   out->words = words_of(*out, would_pass ? std::optional<int>(would_pass(deviations)) : std::nullopt);
   return out;
 }

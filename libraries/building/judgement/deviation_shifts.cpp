@@ -96,12 +96,19 @@ void tell_shifts(const DeviationInputs& inputs, const DeviationOptions& options,
     const bool groups_tell =
         alone > 0 && alone < 1 + sentences(then) && !find_common_shift(work, remainder)->significant;
     if (groups_tell)
-      common.significant = false, common.words.clear();
+      common.significant = false, common.words.clear(), common.finding.clear(), common.members.clear();
     else
       out.group_shifts = std::move(then), out.warnings.push_back(common.words);
   }
-  for (const auto& group : out.group_shifts)
+  // They are numbered among the measured ones so far.
+  const auto number = [&](std::vector<int>& members) {
+    for (int& member : members) member = static_cast<int>(differences.anchors[static_cast<std::size_t>(member)]);
+  };
+  if (out.common_shift) number(out.common_shift->members);
+  for (const auto& group : out.group_shifts) {
+    number(group->members);
     if (group->significant) out.warnings.push_back(group->words);
+  }
 }
 
 }  // namespace plumbline::judgement

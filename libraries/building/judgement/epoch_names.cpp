@@ -65,6 +65,9 @@ void find_again(const DeviationT& after, EpochRecord& before, const DesignElemen
     }
     item.open_joints = std::move(joints);
   }
+  for (EpochFinding& finding : before.findings)
+    for (std::string& anchor : finding.anchors)
+      if (const auto found = renamed.find(anchor); found != renamed.end()) anchor = found->second;
 }
 
 }  // namespace plumbline::judgement

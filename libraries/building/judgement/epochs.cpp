@@ -11,6 +11,7 @@
 #include "base/text/text.hpp"
 #include "building/ifc/former_guids.hpp"
 #include "building/ifc/surface_words.hpp"
+#include "building/judgement/epoch_findings.hpp"
 #include "building/judgement/epoch_movements.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/kept_open.hpp"
@@ -319,6 +320,7 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
   if (before)
     for (const EpochItem& item : before->items)
       if (!met.contains(&item) && (item.open() || !has_left(item, design))) record.items.push_back(item);
+  record.findings = findings_kept(deviation, before, changes);
   return record;
 }
 

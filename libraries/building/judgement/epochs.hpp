@@ -32,11 +32,20 @@ struct EpochItem {
   bool open() const { return verdict == ToleranceVerdict::fail || verdict == ToleranceVerdict::undecided; }
 };
 
+/// What a campaign found that is no anchor's or panel's own (ifc/findings.hpp).
+struct EpochFinding {
+  std::string topic, title, kind, facade;  ///< as in FindingChange
+  int floor = 0;
+  std::vector<std::string> anchors = {};  ///< that share a shift: GlobalIds, of what has none its id
+  bool open = true;                       ///< false: some campaign before this one found it
+};
+
 /// What a later campaign needs to know of this one.
 struct EpochRecord {
   std::string epoch, design_file;
   double tau = std::numeric_limits<double>::quiet_NaN(), risk = tau;
   std::vector<EpochItem> items;
+  std::vector<EpochFinding> findings = {};
 };
 
 /// What the design of a campaign has: without it nothing is known to have left the building.
@@ -53,7 +62,8 @@ void find_again(const DeviationT& after, EpochRecord& before, const DesignElemen
 /// because its neighbour was not measured. What the campaign did not measure keeps the verdict that `before` knew
 /// (null: no campaign before), so that nothing open is lost in a campaign that looked at one floor only; and places of
 /// a measurement that is not to be trusted are left to `before`: nothing is compared with them.
-/// What the design no longer has is forgotten unless it was open, and a joint to it is no joint.
+/// What the design no longer has is forgotten unless it was open, and a joint to it is no joint. Findings of `before`
+/// are kept by what compare_findings says of them, those that are settled too, so that one that comes back is known.
 /// `changes`: what compare_epochs found between the two: what it keeps open though it passes is left so.
 EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, const EpochRecord* before = nullptr,
                       const DesignElements* design = nullptr, const AsBuiltChangesT* changes = nullptr);
@@ -67,6 +77,11 @@ EpochRecord record_of(const DeviationT& deviation, const std::string& epoch, con
 /// that was open is not judged again, unless the design has the neighbour no more.
 AsBuiltChangesT compare_epochs(const EpochRecord& before, const DeviationT& after, const std::string& epoch,
                                const DesignElements* design = nullptr);
+
+/// Adds to `changes` what became of the findings of the campaign before. One that is there no more is settled; a shift
+/// only where the measurement can be trusted, did not move as a whole, and has at least four and half of the anchors
+/// that shared it. Called when `after` has all of its requests (leave_open).
+void compare_findings(const EpochRecord& before, const DeviationT& after, AsBuiltChangesT& changes);
 
 /// "3 mended, 1 opened again, 2 still open, 1 not measured again"; what does not occur is left out; "nothing has
 /// changed".

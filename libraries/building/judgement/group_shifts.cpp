@@ -287,10 +287,12 @@ std::vector<std::unique_ptr<GroupShiftT>> group_shifts(const std::vector<GroupMe
       const Vector3d corrected = left[i] - strongest.vector;
       row->would_pass += would_pass && !would_pass(i, left[i]) && would_pass(i, corrected);
       left[i] = corrected;
+      row->members.push_back(static_cast<int>(i));
     }
-    row->words = row->name + (row->kind.starts_with("floor") ? " hangs " : " stands ") +
-                 way_of(group, strongest, samples[best]) + " (" + std::to_string(row->following) + " of its " +
-                 std::to_string(row->anchors) + " anchors share it" +
+    row->finding =
+        row->name + (row->kind.starts_with("floor") ? " hangs " : " stands ") + way_of(group, strongest, samples[best]);
+    row->words = row->finding + " (" + std::to_string(row->following) + " of its " + std::to_string(row->anchors) +
+                 " anchors share it" +
                  (row->would_pass > 0 ? "; without it " + std::to_string(row->would_pass) + " more would pass" : "") +
                  "): one cause to look for, before single anchors are reset.";
     told[best] = std::move(row);

@@ -15,9 +15,10 @@ namespace {
 
 std::string text_of(const flatbuffers::String* text) { return text ? text->str() : std::string(); }
 
-MeasurementDoubtT finding(MeasurementPart part, DoubtGrade grade, std::string reason) {
+/// `about`: which test says it, of what, without figures: by that another campaign knows the finding again.
+MeasurementDoubtT finding(MeasurementPart part, DoubtGrade grade, std::string about, std::string reason) {
   MeasurementDoubtT found;
-  found.part = part, found.grade = grade, found.reason = std::move(reason);
+  found.part = part, found.grade = grade, found.about = std::move(about), found.reason = std::move(reason);
   return found;
 }
 
@@ -72,7 +73,7 @@ std::optional<MeasurementDoubtT> doubt_of_control_as_a_whole(const SurveyNetwork
   if (!network.findings()) return std::nullopt;
   for (const auto* f : *network.findings())
     if (text_of(f->subject()) == "control")
-      return finding(MeasurementPart::survey, DoubtGrade::doubt, text_of(f->text()));
+      return finding(MeasurementPart::survey, DoubtGrade::doubt, "control", text_of(f->text()));
   return std::nullopt;
 }
 
@@ -128,7 +129,7 @@ std::optional<MeasurementDoubtT> doubt_of_what_was_left_out(const SurveyNetwork&
     const std::vector<std::string> alike = left_out_alike(network, *worst);
     if (alike.size() < holding(network, is_of_height(*worst))) continue;
     MeasurementDoubtT doubt =
-        finding(MeasurementPart::survey, DoubtGrade::doubt,
+        finding(MeasurementPart::survey, DoubtGrade::doubt, "known points left out",
                 "known points that were left out contradict it, and are as many as those that hold it: " +
                     text::join(alike, 4) + "; as measured minus as known: " + words_of(*worst));
     doubt.mend_note = kFindOut;
@@ -154,7 +155,7 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
   const std::string worst = text_of(wrong.front()->id());
   const std::vector<std::string> out = left_out_alike(network, *wrong.front());
   MeasurementDoubtT doubt = finding(
-      MeasurementPart::survey, DoubtGrade::doubt,
+      MeasurementPart::survey, DoubtGrade::doubt, "known points",
       "known points contradict it and each other, as measured minus as known: " + words_of(*wrong.front()) +
           (others.empty() ? ""
                           : "; as much, and the test does not tell which of them is wrong: " + text::join(others, 4)) +
@@ -185,25 +186,26 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     const double factor =
         tested && !network->scaled_with_sigma0() ? std::max(std::pow(statistics->sigma0(), 2), 1.0) : 1;
     if (!tested || !std::isfinite(factor)) {
-      trust.doubts.push_back(finding(MeasurementPart::survey, DoubtGrade::doubt, reason));
+      trust.doubts.push_back(finding(MeasurementPart::survey, DoubtGrade::doubt, "network", reason));
       if (network->without_readings() && !tested) {
         trust.doubts.back().mend = "network.with.coordinates=tested";
         trust.doubts.back().mend_note = "if another program adjusted and tested them";
       }
     } else if (factor > 1 || trust.doubts.empty())  // known points that contradict it are doubted already
-      take_misfit(finding(MeasurementPart::survey, DoubtGrade::misfit, reason), factor, trust);
+      take_misfit(finding(MeasurementPart::survey, DoubtGrade::misfit, "network", reason), factor, trust);
   }
   if (!block || !block->tests()) return trust;
   for (const auto* test : *block->tests()) {
     if (test->passed()) continue;
     const std::string reason = text_of(test->words() ? test->words() : test->group());
+    const std::string about = EnumNameBlockTestKind(test->kind()) + ("/" + text_of(test->group()));
     // A group of observations that contradicts the rest proves the block wrong. What the camera model leaves out does
     // so where nobody knows by how much: no factor makes up for it.
     if (test->kind() == BlockTestKind::observations || !std::isfinite(test->variance_factor())) {
-      trust.doubts.push_back(finding(MeasurementPart::image_block, DoubtGrade::doubt, reason));
+      trust.doubts.push_back(finding(MeasurementPart::image_block, DoubtGrade::doubt, about, reason));
       continue;
     }
-    MeasurementDoubtT misfit = finding(MeasurementPart::image_block, DoubtGrade::misfit, reason);
+    MeasurementDoubtT misfit = finding(MeasurementPart::image_block, DoubtGrade::misfit, about, reason);
     say_what_mends(*test, misfit);
     take_misfit(std::move(misfit), std::max(1.0, test->variance_factor()), trust);
   }
@@ -226,7 +228,7 @@ std::optional<FittedDatumT> fitted_datum(const Points& model, const Transform* d
 std::optional<MeasurementDoubtT> doubt_of_datum(const FittedDatumT& datum) {
   if (std::isfinite(datum.datum_sigma)) return std::nullopt;
   MeasurementDoubtT doubt =
-      finding(MeasurementPart::datum, DoubtGrade::doubt,
+      finding(MeasurementPart::datum, DoubtGrade::doubt, "fitted to the design",
               "the measurement was " + datum.origin +
                   "; these are to be judged, and a shift or turn of all of them together cannot be seen");
   doubt.mend = "frames.with.datum_sigma=SIGMA";

@@ -40,6 +40,19 @@ Json to_json(const EpochItem& item) {
   return out;
 }
 
+Json to_json(const EpochFinding& finding) {
+  return {{"topic", finding.topic},   {"title", finding.title},     {"kind", finding.kind}, {"floor", finding.floor},
+          {"facade", finding.facade}, {"anchors", finding.anchors}, {"open", finding.open}};
+}
+
+Json to_json(const FindingChangeT& change) {
+  return {{"topic", change.topic},
+          {"title", change.title},
+          {"kind", change.kind},
+          {"change", EnumNameChangeKind(change.change)},
+          {"note", change.note}};
+}
+
 Json to_json(const AsBuiltChangeT& change) {
   return {{"kind", change.kind},
           {"id", change.id},
@@ -54,6 +67,13 @@ Json to_json(const AsBuiltChangeT& change) {
           {"moved", change.moved},
           {"movement", list(change.movement)},
           {"u", change.u}};
+}
+
+template <class Items, class ToJson>
+Json list_of(const Items& items, const ToJson& to_json_of) {
+  Json all = Json::array();
+  for (const auto& item : items) all.push_back(to_json_of(item));
+  return all;
 }
 
 double number(const nlohmann::json& value) {
@@ -82,6 +102,15 @@ ToleranceVerdict verdict_of(const nlohmann::json& from, const std::string& id) {
        {ToleranceVerdict::not_measured, ToleranceVerdict::pass, ToleranceVerdict::undecided, ToleranceVerdict::fail})
     if (word == EnumNameToleranceVerdict(verdict)) return verdict;
   throw std::runtime_error("the verdict of '" + id + "' is '" + word + "'");
+}
+
+EpochFinding finding_of(const nlohmann::json& from) {
+  EpochFinding finding;
+  finding.topic = from.at("topic").get<std::string>(), finding.title = from.value("title", finding.topic);
+  finding.kind = from.value("kind", ""), finding.facade = from.value("facade", "");
+  finding.floor = from.value("floor", 0), finding.open = from.value("open", true);
+  finding.anchors = from.value("anchors", std::vector<std::string>());
+  return finding;
 }
 
 EpochItem item_of(const nlohmann::json& from) {
@@ -116,7 +145,8 @@ std::string epoch_json(const EpochRecord& record, const AsBuiltChangesT& changes
              {"in_words", words_of_changes(changes)},
              {"moved_together", list(changes.together)},
              {"warnings", changes.warnings},
-             {"changes", all}};
+             {"changes", all},
+             {"findings", list_of(changes.findings, [](const auto& change) { return to_json(*change); })}};
   }
   const Json document = {{"format", kFormat},
                          {"epoch", record.epoch},
@@ -124,6 +154,7 @@ std::string epoch_json(const EpochRecord& record, const AsBuiltChangesT& changes
                          {"tolerance", record.tau},
                          {"risk", record.risk},
                          {"units", {{"length", "m"}, {"covariance", "m2"}}},
+                         {"findings", list_of(record.findings, [](const auto& finding) { return to_json(finding); })},
                          {"items", place_of_list("items")},
                          {"since", since}};
   std::string text = document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -146,8 +177,11 @@ EpochRecord read_epoch(const std::string& path) {
                        document.value("design_file", ""),
                        number(document.value("tolerance", nlohmann::json())),
                        number(document.value("risk", nlohmann::json())),
+                       {},
                        {}};
     for (const auto& item : document.at("items")) record.items.push_back(item_of(item));
+    for (const auto& finding : document.value("findings", nlohmann::json::array()))  // older records have none
+      record.findings.push_back(finding_of(finding));
     return record;
   } catch (const std::exception& error) {
     throw BadInput("parameter 'before': " + path + " is damaged: " + error.what());

@@ -31,6 +31,7 @@ void EvaluateEpochs::run(Context& context) {
   if (earlier) result = compare_epochs(*earlier, judged, *epoch, built);
   for (const std::string& warning : result.warnings) context.warn(warning);
   for (const std::string& warning : leave_open(result, judged)) context.warn(warning);
+  if (earlier) compare_findings(*earlier, judged, result);
   if (judged.not_judged > deviation->not_judged()) context.metric("invalid", 1, "1");
   if (earlier)
     context.info("since " + (earlier->epoch.empty() ? "the campaign before" : earlier->epoch) + ": " +

@@ -375,6 +375,54 @@ TEST(Bcf, WhatWasMendedIsClosedAndWhatNobodyMeasuredAgainStaysOpen) {
   EXPECT_NE(comment(next.at(topic_of.at("11vctVUKr0kugbFTf53O9L") + "/markup.bcf")), comment(mended));
 }
 
+/// What is no element's own: a doubt of this campaign, and a shift that the one before had.
+TEST(Bcf, FindingsKeepTheirTopicsAndAreClosedWhenTheyAreGone) {
+  const Design design = read_design(step::File(test::small_building("IFC4"), "t.ifc"), {});
+  std::map<std::string, Eigen::Vector3d> deviations;
+  for (const Element& element : design.elements)
+    if (element.is_anchor) deviations[element.guid] = Eigen::Vector3d(0.001, 0, 0.009);
+  auto doubt = test::doubt("known points contradict it: P1 E +5.0 mm");
+  doubt.about = "known points";
+  DeviationT deviation = test::judged(design, deviations, Eigen::Vector3d::Constant(1e-4), {1, 0, 0}, {}, {doubt});
+  deviation.common_shift.reset(), deviation.group_shifts.clear();
+  auto shift = std::make_unique<GroupShiftT>();
+  shift->kind = "axis", shift->name = "Axis 3", shift->significant = true, shift->members = {0, 2};
+  shift->shift.setZero(), shift->u.setZero(), shift->spread.setZero();
+  shift->finding = "Axis 3 stands 9.0 mm ± 0.1 mm high", shift->words = shift->finding + " (2 of its 2 share it).";
+  deviation.group_shifts.push_back(std::move(shift));
+  BcfOptions options;
+  options.project_guid = design.project_guid;
+  const auto topics = [&](const DeviationT& judged) {  // topic and markup, by the first words of its title
+    std::map<std::string, std::pair<std::string, std::string>> found;
+    const auto files = unzipped(write_bcf(judged, judgement::worst_first(judged), {}, options));
+    for (const auto& [name, content] : files) {
+      if (!name.ends_with("markup.bcf")) continue;
+      const std::string title = content.substr(content.find("<Title>") + 7, 6), id = name.substr(0, name.find('/'));
+      const auto view = files.find(id + "/viewpoint.bcfv");
+      found[title] = {id, content + (view != files.end() ? view->second : "")};
+    }
+    return found;
+  };
+  auto before = topics(deviation);
+  for (const std::size_t member : {0, 2})
+    EXPECT_NE(before["Axis 3"].second.find("IfcGuid=\"" + deviation.anchors[member]->guid), std::string::npos)
+        << "the anchors of a grid axis are selected";
+  EXPECT_EQ(before["Axis 3"].second.find("IfcGuid=\"" + deviation.anchors[1]->guid), std::string::npos);
+  deviation.doubts[0]->reason = "known points contradict it: P1 E +6.5 mm";
+  EXPECT_EQ(topics(deviation)["Measur"].first, before["Measur"].first) << "its figures are others";
+  AsBuiltChangesT changes;
+  changes.compared = true, changes.before = "May", changes.after = "June", changes.together.setZero();
+  auto gone = std::make_unique<FindingChangeT>();
+  gone->topic = "shift of Axis 3", gone->kind = "shift", gone->title = deviation.group_shifts[0]->finding;
+  gone->change = ChangeKind::settled, gone->anchors = {deviation.anchors[0]->guid, deviation.anchors[2]->guid};
+  changes.findings.push_back(std::move(gone));
+  options.changes = &changes, deviation.group_shifts.clear();
+  auto after = topics(deviation);
+  EXPECT_EQ(after["Axis 3"].first, before["Axis 3"].first);
+  EXPECT_NE(after["Axis 3"].second.find("TopicStatus=\"Closed\""), std::string::npos) << after["Axis 3"].second;
+  EXPECT_NE(after["Axis 3"].second.find("<Comment>May: found; June: not found any more.</Comment>"), std::string::npos);
+}
+
 /// A topic of a surface is closed when all that was open of it was measured again and keeps its limits.
 TEST(Bcf, TopicsOfSurfacesAndJointsAreClosedByMeasuringAgain) {
   const std::string panel = "3avctVUKr0kugbFTf53O9L";

@@ -159,6 +159,7 @@ TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
   auto misfit = std::make_unique<MeasurementDoubtT>();
   misfit->part = MeasurementPart::image_block, misfit->grade = DoubtGrade::misfit, misfit->factor = 1.34;
   misfit->reason = "the images have principal points of their own, 1.7 px apart";
+  misfit->about = "principal_points/one principal point";
   c.deviation.misfits.push_back(std::move(misfit));
   auto shift = std::make_unique<GroupShiftT>();
   shift->kind = "floor", shift->name = "Floor 1", shift->floor = 1, shift->significant = true;
@@ -166,6 +167,9 @@ TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
   shift->words =
       "Floor 1 hangs 12.0 mm ± 0.9 mm low (4 of its 4 anchors share it): one cause to look for, before single anchors "
       "are reset.";
+  shift->finding = "Floor 1 hangs 12.0 mm ± 0.9 mm low";
+  for (std::size_t i = 0; i < c.deviation.anchors.size(); ++i)
+    if (c.deviation.anchors[i]->floor == 1) shift->members.push_back(static_cast<int>(i));
   c.deviation.group_shifts.insert(c.deviation.group_shifts.begin(), std::move(shift));
   c.deviation.warnings.push_back(c.deviation.group_shifts[0]->words);
   AnchorDeviationT* first = nullptr;
@@ -199,6 +203,7 @@ TEST(Agreement, MisfitsAndShiftsAreInEveryOutput) {
             topic_of_misfit(bcf))
       << "another campaign's figures are no other topic";
   const std::size_t topic = bcf.find("<Title>Floor 1 hangs 12.0 mm ± 0.9 mm low</Title>");
+  EXPECT_NE(bcf.substr(topic, 400).find("<Labels>Floor 1</Labels>"), std::string::npos) << bcf.substr(topic, 400);
   EXPECT_LT(topic, bcf.find("<Title>Anchor ")) << "the one cause, before single anchors";
   EXPECT_NE(bcf.find("It has this in common with others: Floor 1 hangs 12.0 mm ± 0.9 mm low; look for that one cause"),
             std::string::npos);

@@ -2,8 +2,11 @@
 #include "building/judgement/epochs.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "build/evaluate/epoch_json.hpp"
@@ -15,6 +18,15 @@ namespace plumbline::judgement {
 namespace epochs_test {
 
 using namespace test;
+
+/// As the next campaign reads it.
+EpochRecord read_back(const EpochRecord& record) {
+  const auto path = std::filesystem::temp_directory_path() / ("epochs_test_" + std::to_string(getpid()) + ".json");
+  std::ofstream(path) << epoch_json(record, {});
+  const EpochRecord read = read_epoch(path.string());
+  std::filesystem::remove(path);
+  return read;
+}
 
 TEST(AsBuiltEpochs, EveryWayFromOneVerdictToAnotherHasItsName) {
   struct Case {
@@ -312,6 +324,65 @@ TEST(AsBuiltEpochs, OtherLimitsOfARuleAreTold) {
   EXPECT_EQ(of(changes, "A").change, ChangeKind::settled) << "nobody mended it";
   EXPECT_EQ(of(changes, "A").note, "a limit is wider than in the campaign before")
       << "which one it passes by is not known";
+}
+
+/// A campaign of six anchors whose last five share a shift, or not; the last `unmeasured` of them are not measured.
+DeviationT with_shift(bool shifted, int unmeasured = 0) {
+  std::vector<std::unique_ptr<AnchorDeviationT>> anchors;
+  for (int i = 0; i < 6; ++i) {
+    const ToleranceVerdict verdict = i >= 6 - unmeasured ? kNone : shifted && i > 0 ? kFail : kPass;
+    anchors.push_back(anchor("A" + std::to_string(i), verdict, kThere));
+    anchors.back()->deviation = anchors.back()->as_built - anchors.back()->design;
+  }
+  DeviationT deviation = campaign(std::move(anchors));
+  auto shift = std::make_unique<GroupShiftT>();
+  shift->kind = "batch", shift->name = "Print batch 7", shift->significant = shifted;
+  shift->shift.setZero(), shift->u.setZero(), shift->spread.setZero();
+  if (shifted) shift->members = {1, 2, 3, 4, 5}, shift->finding = "Print batch 7 stands 8.1 mm ± 0.4 mm high";
+  if (shifted) shift->words = shift->finding + " (5 of its 6 anchors share it).";
+  deviation.group_shifts.push_back(std::move(shift));
+  return deviation;
+}
+
+ChangeKind finding_of(const AsBuiltChangesT& changes, const std::string& topic) {
+  for (const auto& change : changes.findings)
+    if (change->topic == topic) return change->change;
+  throw std::runtime_error("no finding " + topic);
+}
+
+/// Shifts, doubts and what was less certain had topics that nothing ever closed.
+TEST(AsBuiltEpochs, FindingsOfTheCampaignBeforeAreSettledWhenTheyAreGone) {
+  DeviationT may = with_shift(true);
+  auto misfit = test::doubt("principal points, 1.7 px", MeasurementPart::image_block);
+  misfit.about = "principal_points/one principal point";
+  may.misfits.push_back(std::make_unique<MeasurementDoubtT>(misfit));
+  may.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("station 3 contradicts itself")));
+  const std::string shift = "shift of Print batch 7",
+                    block = "misfit: image_block/principal_points/one principal point",
+                    station = "doubt: survey/station 3 contradicts itself";
+  const EpochRecord first = read_back(record_of(may, "May"));
+  const auto compared = [](const EpochRecord& before, const DeviationT& after) {
+    AsBuiltChangesT changes = compare_epochs(before, after, "June");
+    compare_findings(before, after, changes);
+    return changes;
+  };
+  const AsBuiltChangesT gone = compared(first, with_shift(false));
+  for (const std::string& topic : {shift, block, station}) EXPECT_EQ(finding_of(gone, topic), ChangeKind::settled);
+  DeviationT still = with_shift(true);
+  misfit.reason = "principal points, 1.8 px";
+  still.misfits.push_back(std::make_unique<MeasurementDoubtT>(misfit));
+  EXPECT_EQ(finding_of(compared(first, still), shift), ChangeKind::still_open);
+  EXPECT_EQ(finding_of(compared(first, still), block), ChangeKind::still_open) << "its figures are others";
+  const DeviationT in_part = with_shift(false, 3);
+  const AsBuiltChangesT unseen = compared(first, in_part);
+  EXPECT_EQ(finding_of(unseen, shift), ChangeKind::unseen) << "two of its five anchors were measured";
+  EXPECT_EQ(finding_of(unseen, block), ChangeKind::settled);
+  const EpochRecord second = read_back(record_of(in_part, "June", &first, nullptr, &unseen));
+  EXPECT_EQ(finding_of(compared(second, with_shift(false)), shift), ChangeKind::settled) << "open since May";
+  EXPECT_EQ(finding_of(compared(second, still), block), ChangeKind::opened_again);
+  DeviationT doubted = with_shift(false);
+  doubted.doubts.push_back(std::make_unique<MeasurementDoubtT>(test::doubt("station 3 contradicts itself")));
+  EXPECT_EQ(finding_of(compared(first, doubted), shift), ChangeKind::unseen) << "what proves nothing closes nothing";
 }
 
 TEST(AsBuiltEpochs, AMeasurementInDoubtLeavesNoPlaceToCompareWith) {

@@ -62,6 +62,9 @@ TEST(GroupShifts, AFloorThatHangsLowIsOneSentence) {
   EXPECT_EQ(floor.would_pass, 5);
   EXPECT_NE(floor.words.find("Floor 2 hangs 1"), std::string::npos) << floor.words;
   EXPECT_NE(floor.words.find(" low"), std::string::npos) << floor.words;
+  EXPECT_EQ(floor.words.find(floor.finding + " (5 of its 5 anchors share it"), 0u) << floor.finding;
+  ASSERT_EQ(floor.members.size(), 5u);
+  for (const int member : floor.members) EXPECT_EQ(result.anchors.at(static_cast<std::size_t>(member))->floor, 2);
   for (std::size_t i = 1; i < result.group_shifts.size(); ++i) EXPECT_FALSE(result.group_shifts[i]->significant);
 }
 
