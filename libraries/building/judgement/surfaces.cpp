@@ -294,9 +294,10 @@ class Judge {
 
   static std::string hidden_in(const PanelSurfaceFiguresT& panel) {
     return fmt::format(
-        "its limit is kept by the means of cells of {:.0f} mm, and within one its points scatter beyond their stated "
-        "noise as on waves of {:.1f} mm from valley to crest: grooves, a dent or a corrugation smaller than the cells, "
-        "or 'noise' is larger than stated; with a smaller 'cell' of surface.panels it shows",
+        "its limit is kept by the means of cells of {:.0f} mm, and within one its points scatter beyond their noise as "
+        "on waves of {:.1f} mm from valley to crest: grooves, a dent or a corrugation smaller than the cells, or noise "
+        "that neighbouring points share or that is larger than stated; with a smaller 'cell' of surface.panels it "
+        "shows",
         1e3 * panel.cell, 1e3 * panel.hidden);
   }
 

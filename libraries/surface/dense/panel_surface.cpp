@@ -13,16 +13,12 @@
 #include <map>
 
 #include "geometry/median.hpp"
+#include "surface/dense/hidden_waves.hpp"
+#include "surface/dense/panel_samples.hpp"
 #include "surface/dense/straightedge.hpp"
 
 namespace plumbline::surface {
 namespace {
-
-struct Sample {
-  double u, v, h, sigma;
-  size_t tile;
-  Eigen::Vector3d arm;  ///< from the tile's centre [m]
-};
 
 std::vector<Sample> own_samples(const PanelFace& face, const std::vector<MeasuredTile>& tiles,
                                 const PanelOptions& options) {
@@ -39,14 +35,6 @@ std::vector<Sample> own_samples(const PanelFace& face, const std::vector<Measure
     }
   return samples;
 }
-
-Vector6 base_at(double x, double y) {
-  Vector6 base;
-  base << 1, x, y, 1 - x * x, 1 - y * y, x * y;
-  return base;
-}
-
-Vector6 base_of(const PanelFace& face, const Sample& s) { return base_at(2 * s.u / face.width, 2 * s.v / face.height); }
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
@@ -154,22 +142,6 @@ std::string at_the_border(const PanelFace& face, const std::vector<Sample>& samp
       "{:.1f} mm, and it is looked for within {:.0f} mm; look further with 'search' and 'reach'",
       1e3 * furthest, 1e3 * sigma, 1e3 * border);
 }
-
-/// How the face is divided into cells.
-struct Division {
-  double across, up;
-  int columns, rows;
-  Division(const PanelFace& face, const PanelOptions& options)
-      : across(face.width - 2 * options.border),
-        up(face.height - 2 * options.border),
-        columns(std::max(1, static_cast<int>(across / options.cell))),
-        rows(std::max(1, static_cast<int>(up / options.cell))) {}
-  size_t cell_of(const Sample& s) const {
-    const int c = std::clamp(static_cast<int>((s.u / across + 0.5) * columns), 0, columns - 1);
-    const int r = std::clamp(static_cast<int>((s.v / up + 0.5) * rows), 0, rows - 1);
-    return static_cast<size_t>(r) * columns + c;
-  }
-};
 
 /// Cells where most points do not count and agree with each other: a dent, or something in front of the panel.
 struct OutlyingCells {
@@ -364,33 +336,6 @@ double together(const PanelFace& face, const std::vector<Sample>& samples, const
     if (found > 1 + sure * std::sqrt(2 / freedom)) factor = std::max(factor, found);
   }
   return factor;
-}
-
-/// What the points of a cell scatter by beyond their noise, as the height of a wave from valley to crest: the cells'
-/// means show nothing of it. Of the cell with most; 0 if none scatters more than noise does.
-double hidden_in_cells(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<char>& counts,
-                       const Vector6& form, const PanelOptions& options) {
-  constexpr double least = 16, sure = 6;  // points in a cell; standard deviations of their mean square
-  struct Cell {
-    double count = 0, sum = 0, squares = 0, noise = 0;
-  };
-  const Division division(face, options);
-  std::vector<Cell> cells(static_cast<size_t>(division.columns) * division.rows);
-  for (size_t i = 0; i < samples.size(); ++i) {
-    if (!counts[i]) continue;
-    Cell& cell = cells[division.cell_of(samples[i])];
-    const double off = samples[i].h - base_of(face, samples[i]).dot(form);
-    ++cell.count, cell.sum += off, cell.squares += off * off, cell.noise += samples[i].sigma * samples[i].sigma;
-  }
-  double hidden = 0;
-  for (const Cell& cell : cells) {
-    if (cell.count < least) continue;
-    const double noise = cell.noise / cell.count,
-                 found = (cell.squares - cell.sum * cell.sum / cell.count) / (cell.count - 1);
-    if (found > noise * (1 + sure * std::sqrt(2 / cell.count)))
-      hidden = std::max(hidden, 2 * std::sqrt(2 * (found - noise)));
-  }
-  return hidden;
 }
 
 }  // namespace

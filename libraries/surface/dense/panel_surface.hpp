@@ -31,6 +31,8 @@ struct PanelOptions {
   double most_scatter = 5;  ///< points that scatter more than so many times their sigmas and more than `least_scatter`
   double least_scatter = 0.0005;                   ///< are no surface: glass, a mirror, something else in front [m]
   std::vector<double> straightedges = {0.1, 1.0};  ///< lengths to look under [m]
+  /// Whether neighbouring points have errors of their own, as a scanner's have; facets of photographs share pixels.
+  bool independent = false;
   /// How far from the design's face the points were collected, if they know no better themselves [m].
   double search = std::numeric_limits<double>::infinity();
 };
@@ -77,8 +79,8 @@ struct PanelSurface {
   Vector6 form = Vector6::Zero();
   Eigen::Matrix<double, 6, 6> form_random = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, Eigen::Dynamic> form_factor;  ///< of the systematic part, by the cloud's z
-  /// Waves, grooves or dents smaller than the cells that flatness takes the means of, valley to crest: what points
-  /// scatter by within one beyond their noise, if that is known rightly [m].
+  /// Waves, grooves or dents smaller than the cells that flatness takes the means of, valley to crest
+  /// (hidden_in_cells()) [m].
   double hidden = 0;
   double half_width = 0, half_height = 0;  ///< of the panel: x = u / half_width, y = v / half_height
   /// How far the surface as it is lies off that form at the left, right, lower and upper edge, rms beyond what noise

@@ -42,7 +42,7 @@ void in_parallel(Context& context, size_t count, const Work& work) {
 }
 
 struct Panels : Node {
-  static constexpr Info info{"surface.panels", "", 3,
+  static constexpr Info info{"surface.panels", "", 4,
                              "Planes, bow, twist and flatness of panels from points, with their covariance"};
   In<SurfacePoints> points{"surface", frame("frame=?F"), "the points and the faces that they lie on"};
   Param<double> border{"border", 0.02, "m", between(0, 1),
@@ -79,6 +79,7 @@ struct Panels : Node {
     PanelOptions options;
     options.border = *border, options.reach = *reach, options.cell = *cell, options.least_coverage = *least_coverage;
     options.straightedges = *straightedges;
+    options.independent = given.source == "scan";
     if (std::isfinite(given.search)) options.search = given.search;
     SurfacesT result;
     result.rank = given.rank, result.warnings = given.warnings, result.place_doubt = given.place_doubt;

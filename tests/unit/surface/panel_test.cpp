@@ -143,5 +143,37 @@ TEST(Panel, WhatIsSmallerThanACellIsSeenInItsScatter) {
   EXPECT_EQ(measure_panel(kFace, {points_at([](double, double) { return 0.0; })}, {}).hidden, 0);
 }
 
+/// A scanner of 0.1 mm for which 2 mm are stated, as nobody who states nothing says otherwise.
+TEST(Panel, ANoiseThatIsStatedTooLargeHidesNoWave) {
+  PanelOptions scan;
+  scan.independent = true;
+  const auto stated = [&](const std::function<double(double, double)>& height) {
+    auto tile = points_at(height);
+    for (MeasuredPoint& point : tile.points) point.sigma = 2e-3f;
+    return tile;
+  };
+  // Along a valley neighbours differ by their noise alone.
+  const auto wavy = [](double u, double) { return 0.00275 * std::sin(2 * M_PI * u / 0.035); };
+  EXPECT_NEAR(measure_panel(kFace, {stated(wavy)}, scan).hidden, 0.0055, 0.0012);
+  EXPECT_EQ(measure_panel(kFace, {stated([](double, double) { return 0.0; })}, scan).hidden, 0);
+  EXPECT_EQ(measure_panel(kFace, {stated(wavy)}, {}).hidden, 0) << "facets share pixels: what is stated counts";
+  auto twice = stated([](double, double) { return 0.0; });
+  const auto once = twice.points;
+  twice.points.insert(twice.points.end(), once.begin(), once.end());
+  EXPECT_EQ(measure_panel(kFace, {twice}, scan).hidden, 0) << "a point that stands there twice is no neighbour";
+}
+
+/// Grooves of 12 mm every 0.1 m are fewer than half of a cell: they do not count in the surface, and are of the panel.
+TEST(Panel, GroovesThatTheSurfaceLeavesOutAreHiddenInIt) {
+  PanelOptions scan;
+  scan.independent = true;
+  const auto face = [](double u, double) { return std::fmod(u + 10, 0.1) < 0.012 ? -0.006 : 0.0; };
+  EXPECT_NEAR(measure_panel(kFace, {points_at(face)}, scan).hidden, 0.006, 2e-4);
+  const auto bolts = [](double u, double v) {
+    return std::hypot(std::fmod(u + 10, 0.1) - 0.05, std::fmod(v + 10, 0.1) - 0.05) < 0.012 ? 0.006 : 0.0;
+  };
+  EXPECT_EQ(measure_panel(kFace, {points_at(bolts)}, scan).hidden, 0) << "what stands before a panel is not its own";
+}
+
 }  // namespace panel_test
 }  // namespace plumbline::surface
