@@ -82,7 +82,9 @@ class ControlCauses {
     if (seen_.size() < 3) return of_two_points();
     const auto as_it_is = fit_with([](const Vector3d& p) { return p; });
     if (as_it_is && as_it_is->agree == static_cast<int>(seen_.size())) return {};
-    if (!as_it_is || 2 * as_it_is->agree <= static_cast<int>(seen_.size())) of_all(as_it_is ? as_it_is->agree : 0);
+    // Two of any figure agree with it, also of three.
+    if (!as_it_is || as_it_is->agree <= std::max(2, static_cast<int>(seen_.size() / 2)))
+      of_all(as_it_is ? as_it_is->agree : 0);
     if (found_.empty()) of_distances(as_it_is ? as_it_is->agree : 0);
     if (found_.empty() && as_it_is && as_it_is->agree >= 2) of_some(*as_it_is);
     return std::move(found_);

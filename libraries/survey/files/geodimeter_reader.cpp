@@ -1,6 +1,8 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "base/text/text.hpp"
@@ -43,7 +45,8 @@ class GeodimeterReader {
   char angle_unit_ = '2';  // as label 23 has it: 1 gon, 2 D.MMSS, 3 decimal degrees, 4 mil
   bool has_units_ = false, has_angles_ = false;
   Target target_;
-  std::string point_;  // that coordinates belong to
+  std::string point_;               // that coordinates belong to
+  std::set<std::string> measured_;  // targets that have readings
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kNotGiven);
   /// What the circle read, or was set to, at a reference object (62, 21); its azimuth follows from coordinates.
   struct Reference {
@@ -83,6 +86,7 @@ void GeodimeterReader::read_units(std::string_view value) {
     return builder_.skip(line_, 1, value,
                          "the units of label 23, e.g. 1112: 1 gon, 2 D.MMSS, 3 degrees, 4 mil; 1 m, 2 ft");
   angle_unit_ = value[0];
+  if (value[1] != '1' && value[1] != '2') builder_.skip(line_, 1, value, "1 (m) or 2 (ft) as the second digit");
   metres_ = value[1] == '2' ? kFoot : 1.0;
   has_units_ = true;
   builder_.survey.info.angles_in_degrees = angle_unit_ != '1';
@@ -109,7 +113,7 @@ void GeodimeterReader::add_face(double circle, double zenith, int face, bool wit
       builder_.skip(target_.source.line, 1, target_.name, "a distance between 0 and 100 km");
       *distance = kNotGiven;
     }
-  builder_.add(sighting);
+  if (builder_.add(sighting)) measured_.insert(target_.name);
 }
 
 // The mean (7, 8) repeats what the faces have; alone it is the reading.
@@ -147,7 +151,13 @@ void GeodimeterReader::orient_set_ups() {
 }
 
 void GeodimeterReader::finish_point() {
-  if (!point_.empty() && !at_.array().isNaN().all()) builder_.give_coordinates(point_, at_, builder_.at(line_, 1));
+  // Behind readings they are what came out; alone, and of a station, they were keyed in.
+  if (!point_.empty() && !at_.array().isNaN().all()) {
+    if (measured_.contains(point_))
+      builder_.give_coordinates(point_, at_, builder_.at(line_, 1));
+    else
+      builder_.know_coordinates(point_, at_, builder_.at(line_, 1));
+  }
   at_.setConstant(kNotGiven);
 }
 

@@ -90,7 +90,9 @@ void IdxReader::read_units(std::string_view key, std::string_view value) {
     builder_.survey.info.angles_in_degrees = !gon_;
     if (!gon_ && !degrees_ && unit != "dms") builder_.skip(line_, 1, value, "the angular unit DMS, GON or DEC");
   } else if (key == "LINEAR") {
-    metres_ = unit.starts_with("met") ? 1.0 : unit.find("us") != std::string::npos ? kUsSurveyFoot : kFoot;
+    const bool metric = unit == "m" || unit.starts_with("met");
+    if (!metric && unit.find('f') == std::string::npos) builder_.skip(line_, 1, value, "the linear unit METER or FEET");
+    metres_ = metric ? 1.0 : unit.find("us") != std::string::npos ? kUsSurveyFoot : kFoot;
   }
 }
 

@@ -45,6 +45,7 @@ class NikonReader {
   bool east_first_ = false, has_units_ = false;
   std::string station_, backsight_;
   double azimuth_ = kNotGiven, circle_ = kNotGiven;  // of the backsight
+  double azimuth_origin_ = 0;                        // half a circle where azimuths count from the south
   std::string last_target_;
   double last_height_ = kNotGiven;   // of it [m]
   double current_zero_ = kNotGiven;  // orientation of the set-up that sightings go to now
@@ -80,11 +81,16 @@ void NikonReader::read_comment(std::string_view text) {
   };
   if (const std::string v = value_of("dist units:"); !v.empty()) {
     has_units_ = true;
+    if (v.find("f") == std::string::npos && v.find("met") == std::string::npos)
+      builder_.skip(line_, 1, text, "the unit Metres, Feet or US Feet");
     metres_ = v.find("us") != std::string::npos && v.find("f") != std::string::npos ? kUsSurveyFoot
               : v.find("f") != std::string::npos                                    ? kFoot
                                                                                     : 1.0;
   }
   if (const std::string v = value_of("angle units:"); !v.empty()) {
+    const auto is_one_of = [&](auto... names) { return ((v.find(names) != std::string::npos) || ...); };
+    if (!is_one_of("gon", "dec", "mil", "ddd", "dms", "deg"))
+      builder_.skip(line_, 1, text, "the unit Gons, DecDeg, MIL or DDDMMSS");
     unit_ = v.find("gon") != std::string::npos   ? AngleUnit::gon
             : v.find("dec") != std::string::npos ? AngleUnit::degrees
             : v.find("mil") != std::string::npos ? AngleUnit::mil
@@ -96,6 +102,11 @@ void NikonReader::read_comment(std::string_view text) {
       zero_ = v.find("hor") != std::string::npos   ? VerticalZero::horizon
               : v.find("com") != std::string::npos ? VerticalZero::compass
                                                    : VerticalZero::zenith;
+  if (const std::string v = value_of("zero azimuth:"); !v.empty()) {
+    const auto origin = text::trim(v);
+    azimuth_origin_ = origin.starts_with("s") ? std::numbers::pi : 0;
+    if (!origin.starts_with("s") && !origin.starts_with("n")) builder_.skip(line_, 1, text, "North or South");
+  }
   if (const std::string v = value_of("coord order:"); !v.empty()) east_first_ = text::trim(v).starts_with("enz");
   if (const std::string v = value_of("instrument:"); !v.empty() && builder_.survey.info.instrument.empty())
     builder_.survey.info.instrument = std::string(text::trim(text.substr(text.find(':') + 1)));
@@ -113,7 +124,7 @@ void NikonReader::read_station(const Parts& parts) {
   if (station_.empty()) return builder_.skip(line_, 1, "ST", "the name of the station");
   backsight_ = std::string(part(parts, 3));
   instrument_height_ = length(part(parts, 5), "an instrument height");
-  azimuth_ = angle(part(parts, 6), "an azimuth");
+  azimuth_ = angle(part(parts, 6), "an azimuth") + azimuth_origin_;
   circle_ = angle(part(parts, 7), "a circle reading");
   // Without a backsight the zero is where somebody set it.
   begin(station_, backsight_.empty() ? kNotGiven : wrap_to_circle(azimuth_ - circle_));

@@ -84,6 +84,11 @@ void Sdr33Reader::read_header(const text::CharacterLine& line) {
   const std::string units = field(line, 40, 6).text;
   const auto digit = [&](std::size_t i) { return i < units.size() ? units[i] : '?'; };
   if (units.size() < 5) builder_.warn("the header gives no units; degrees, metres and north-east order are assumed");
+  const auto is_one_of = [&](std::size_t i, std::string_view known) {
+    return known.find(digit(i)) != std::string::npos;
+  };
+  if (units.size() >= 5 && (!is_one_of(0, "124") || !is_one_of(1, "123")))
+    builder_.skip(line_, 41, units, "units such as 111121: 1 degrees, 2 gon, 4 mil; 1 metres, 2 feet, 3 US feet");
   radians_ = digit(0) == '2' ? std::numbers::pi / 200 : digit(0) == '4' ? std::numbers::pi / 3200 : radians_;
   metres_ = digit(1) == '2' ? kFoot : digit(1) == '3' ? kUsSurveyFoot : 1.0;
   east_first_ = digit(4) == '2';

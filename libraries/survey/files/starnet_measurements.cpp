@@ -171,6 +171,11 @@ void StarNetReader::read_traverse(std::string_view code, const Parts& parts) {
   if (code == "TB" && !ends_at(parts, 2, "TB has the backsight alone")) return;
   if (code == "TE" && !ends_at(parts, 4, "TE has a station, an angle and where it closes")) return;
   if (code == "TB") {
+    const bool names_an_angle = std::count(station.begin(), station.end(), '-') == 2;
+    if (separator_ == '-' && names_an_angle && bearing(station))
+      return reject(station,
+                    "the name of a backsight: a bearing or azimuth in its place is not read; give it as a line "
+                    "'B first-second bearing' and the first angle by a backsight that has coordinates");
     backsight_ = station;
     at_.clear();
     pending_.clear();

@@ -29,6 +29,10 @@ std::optional<double> StarNetReader::angle(std::string_view text) const {
     const auto value = text::parse_number(text);
     return value ? std::optional(gon_to_rad(*value)) : std::nullopt;
   }
+  if (text.size() > 1 && text.front() == '-') {  // counted against the clock
+    const auto size = angle(text.substr(1));
+    return size && *size >= 0 ? std::optional(-*size) : std::nullopt;
+  }
   const auto parts = text::split(text, '-');
   if (parts.size() == 3 && !parts[0].empty()) {
     const auto d = text::parse_number(parts[0]), m = text::parse_number(parts[1]), s = text::parse_number(parts[2]);
@@ -53,7 +57,11 @@ std::optional<double> StarNetReader::bearing(std::string_view text) const {
 
 std::optional<double> StarNetReader::value_of(std::string_view text, ObservationKind kind) const {
   if (kind == azimuth) return bearing(text);
-  if (is_angle_kind(kind)) return angle(text);
+  if (is_angle_kind(kind)) {
+    const auto value = angle(text);
+    if (!value || *value >= 0) return value;
+    return kind == zenith_angle ? std::nullopt : std::optional(wrap_to_circle(*value));
+  }
   const auto value = text::parse_number(text);
   return value ? std::optional(*value * metres_) : std::nullopt;
 }
@@ -141,6 +149,11 @@ void StarNetReader::read_units(const std::vector<std::string>& words) {
                                                                        {"dms", AngleUnit::dms},
                                                                        {"dd", AngleUnit::degrees},
                                                                        {"degrees", AngleUnit::degrees}};
+  has_units_ = true;
+  if (words.empty())
+    return reject(
+        line_text_,
+        "units: alone it says those of the project, which this file does not have; such as .UNITS FeetUS DMS");
   for (const std::string& word : words) {
     if (const auto length = lengths.find(word); length != lengths.end())
       metres_ = length->second;
@@ -304,6 +317,10 @@ SurveyObservations StarNetReader::read() {
         " values are freed by '*' and take no part, not in approximate coordinates either: where the network "
         "cannot be adjusted without them, give these, or let the values take part with a large standard deviation");
   if (off_since_ > 0) builder_.warn("from line " + std::to_string(off_since_) + " on the file is off by .DATA OFF");
+  if (!has_units_ && (used_order_ || used_angles_))
+    builder_.warn(
+        "the file has no .UNITS: metres and degrees-minutes-seconds are taken; say such as .UNITS FeetUS DMS if the "
+        "project had others");
   if (used_order_ && !has_order_)
     builder_.warn("the file has no .ORDER: coordinates are taken as N, E; say .ORDER EN if they are E, N");
   if (used_angles_ && !has_order_) builder_.warn("the file has no .ORDER: angles are taken as At-From-To");

@@ -75,7 +75,7 @@ class StarNetReader {
   char separator_ = '-';                 // between the names of stations
   std::size_t records_ = 0, freed_ = 0;  ///< lines; values that '*' frees
   int off_since_ = 0;                    // line of .DATA OFF; 0: on
-  bool used_order_ = false, used_angles_ = false;
+  bool used_order_ = false, used_angles_ = false, has_units_ = false;
 };
 
 }  // namespace plumbline::survey

@@ -25,6 +25,10 @@ void StarNetReader::read_gps_option(const Parts& parts) {
 void StarNetReader::read_vector(std::string_view code, const Parts& parts) {
   if (code == "G0" || code == "G1") finish_vector();
   if (code == "G0") return;
+  if (metres_ != 1)
+    return reject(parts[0],
+                  "a job in metres: whether vectors are in its units or in metres, as receivers give them, nobody says "
+                  "here; put '.UNITS Meters' before them and the job's units behind them if they are in metres");
   std::vector<std::string> ids;
   if (code == "G1" && (parts.size() < 2 || !names(parts[1], 2, ids))) return;
   const std::size_t first = code == "G1" ? 2 : 1;

@@ -202,7 +202,8 @@ void SurveyColumns::place(const std::string& name, std::size_t index, const std:
     columns_[name] = {index, ""};
     return;
   }
-  if (angle && unit.empty() && options_.angle_unit.empty()) {
+  // "Grad" is a degree in German and a gon in French: the readings tell, as where nobody says a unit.
+  if (angle && (unit.empty() || unit == "grad") && options_.angle_unit.empty()) {
     columns_[name] = {index, ""};
     untold_.push_back(name);
     return;
@@ -212,6 +213,7 @@ void SurveyColumns::place(const std::string& name, std::size_t index, const std:
     throw SurveyReadError(builder_.at(unit.empty() ? 0 : table_.header_line, unit.empty() ? 0 : 1),
                           "the unit " + text::quoted(used) + " of column " + name,
                           angle ? "gon, deg, dms or rad" : "m, cm, mm, ft or usft");
+  if (!angle) (unit.empty() ? lengths_untold_ : lengths_told_).push_back(name);
   columns_[name] = {index, used};
 }
 

@@ -25,6 +25,11 @@ class SurveyColumns {
 
   /// Angle columns whose unit neither header nor options say; their values cannot be read before `set_angle_unit`.
   const std::vector<std::string>& untold() const { return untold_; }
+  const std::string& length_unit() const { return options_.length_unit; }
+  /// Columns of lengths that have no unit in a table that names none for any.
+  std::vector<std::string> untold_lengths() const {
+    return lengths_told_.empty() ? lengths_untold_ : std::vector<std::string>();
+  }
   void set_angle_unit(const std::string& unit);
 
   bool has(const std::string& column) const { return columns_.contains(column); }
@@ -78,7 +83,7 @@ class SurveyColumns {
   const text::CsvRow* row_ = nullptr;
   bool failed_ = false;
   bool of_points_ = false;  ///< a table of points, whose columns of accuracies are those of control
-  std::vector<std::string> untold_;
+  std::vector<std::string> untold_, lengths_told_, lengths_untold_;
 };
 
 }  // namespace plumbline::survey

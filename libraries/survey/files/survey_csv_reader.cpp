@@ -85,6 +85,9 @@ SurveyObservations TableReader::read() {
   if (!records) columns_.refuse_thousands();
   if (sightings && !records) check_sightings(table_, columns_, builder_);
   if (sightings && !records && !columns_.untold().empty()) tell_unit_of_angles();
+  if (sightings && !records && !columns_.untold_lengths().empty())
+    builder_.warn("the table names no unit for " + columns_.untold_lengths().front() + " and other lengths: " +
+                  columns_.length_unit() + " is taken; a unit in the header, such as 'sd [ft]', says it");
   for (const text::CsvRow& row : table_.rows) {
     columns_.select(row);
     records ? read_record() : sightings ? read_sighting() : read_point();

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
+#include <string>
 
 #include "base/text/text.hpp"
 #include "survey/files/field_books.hpp"
@@ -33,7 +35,9 @@ class Gts7Reader {
   int line_ = 0;
   double metres_ = 1;
   bool gon_ = false, has_units_ = false;
-  std::string place_of_;  // point that an XYZ belongs to
+  std::string place_of_;            // point that an XYZ belongs to
+  bool is_target_ = false;          // it is sighted, not the station or its backsight
+  std::set<std::string> measured_;  // targets that have readings
   std::string target_, code_;
   double target_height_ = kNotGiven;
   std::size_t records_ = 0;
@@ -79,6 +83,7 @@ void Gts7Reader::read_measured(std::string_view key, const Parts& values) {
       *distance = kNotGiven;
     }
   if (!builder_.add(sighting)) return builder_.skip(line_, 1, key, "at least one measured value");
+  measured_.insert(target_);
   Point& point = builder_.point(target_, sighting.source);
   if (point.code.empty()) point.code = code_;
 }
@@ -86,7 +91,13 @@ void Gts7Reader::read_measured(std::string_view key, const Parts& values) {
 void Gts7Reader::read_place(const Parts& values) {
   const Eigen::Vector3d at(length(values, 0, "E"), length(values, 1, "N"), length(values, 2, "H"));
   if (place_of_.empty() || at.array().isNaN().all()) return;
-  builder_.give_coordinates(place_of_, at, builder_.at(line_, 1));
+  // Of a station and its backsight they were keyed in; of a target they are what came out.
+  if (is_target_ || measured_.contains(place_of_)) {
+    builder_.compute_coordinates(place_of_);
+    builder_.give_coordinates(place_of_, at, builder_.at(line_, 1));
+  } else {
+    builder_.know_coordinates(place_of_, at, builder_.at(line_, 1));
+  }
 }
 
 void Gts7Reader::read_record(std::string_view key, const Parts& values) {
@@ -95,21 +106,26 @@ void Gts7Reader::read_record(std::string_view key, const Parts& values) {
   if (key == "UNITS") {
     has_units_ = true;
     const std::string length_unit = name();
+    if (length_unit != "M" && length_unit != "F" && length_unit != "U" && length_unit != "I")
+      builder_.skip(line_, 1, length_unit, "the unit M, F, U or I of lengths");
+    const std::string angle_unit(values.size() > 1 ? text::trim(values[1]) : std::string_view());
+    if (angle_unit != "G" && angle_unit != "D" && !angle_unit.empty())
+      builder_.skip(line_, 1, angle_unit, "the unit G (gon) or D (D.MMSS) of angles");
     metres_ = length_unit == "F" ? kFoot : length_unit == "U" || length_unit == "I" ? kUsSurveyFoot : 1.0;
     gon_ = values.size() > 1 && text::trim(values[1]) == "G";
     builder_.survey.info.angles_in_degrees = !gon_;
   } else if (key == "STN") {
-    place_of_ = name();
+    place_of_ = name(), is_target_ = false;
     if (place_of_.empty()) return builder_.skip(line_, 1, key, "the name of the station");
     builder_.start_set_up(place_of_, length(values, 1, "an instrument height"), builder_.at(line_, 1));
     target_.clear();
   } else if (key == "BKB") {
-    place_of_ = name();
+    place_of_ = name(), is_target_ = false;
     const double azimuth = angle(values, 1, "an azimuth"), reading = angle(values, 2, "a circle reading");
     if (builder_.current_set_up() >= 0 && !std::isnan(azimuth) && !std::isnan(reading))
       builder_.survey.set_ups[builder_.current_set_up()].stated_orientation = wrap_to_circle(azimuth - reading);
   } else if (key == "BS" || key == "FS" || key == "SS") {
-    place_of_ = target_ = name();
+    place_of_ = target_ = name(), is_target_ = true;
     target_height_ = length(values, 1, "a target height");
     code_ = values.size() > 2 ? std::string(text::trim(values[2])) : "";
     if (target_.empty()) builder_.skip(line_, 1, key, "the name of the target");

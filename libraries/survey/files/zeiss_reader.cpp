@@ -42,7 +42,7 @@ class ZeissReader {
   void read_level(const Record& record);
   void read_station(const Record& record);
   void read_polar(const Record& record);
-  bool read_coordinates(const Record& record, const std::string& id);
+  bool read_coordinates(const Record& record, const std::string& id, bool keyed);
   double length(const Record& record, std::string_view type);
   double angle(const Record& record, std::string_view type);
   SetUp* current() {
@@ -57,6 +57,8 @@ class ZeissReader {
   double instrument_height_ = kNotGiven, target_height_ = kNotGiven;
   std::vector<std::pair<Record, int>> before_station_;  // backsights read before the station is named, with their lines
   bool orienting_ = false;                              // between the station and POLAR
+  bool station_given_ = false;                          // of that orientation
+  bool free_station_ = false;                           // its coordinates were computed from its sights
   std::size_t records_ = 0;
   bool line_is_read_ = false;  // a staff of this levelling line
 };
@@ -137,12 +139,16 @@ double ZeissReader::angle(const Record& record, std::string_view type) {
   return kNotGiven;
 }
 
-bool ZeissReader::read_coordinates(const Record& record, const std::string& id) {
+bool ZeissReader::read_coordinates(const Record& record, const std::string& id, bool keyed) {
   const bool mathematical = record.find("E") || record.find("N");
   const Eigen::Vector3d at(length(record, mathematical ? "E" : "Y"), length(record, mathematical ? "N" : "X"),
                            length(record, "Z"));
   if (at.array().isNaN().all() || id.empty()) return false;
-  builder_.give_coordinates(id, at, builder_.at(line_, 1));
+  // Of a station that was computed from its sights they are no more than that.
+  if (keyed)
+    builder_.know_coordinates(id, at, builder_.at(line_, 1));
+  else
+    builder_.give_coordinates(id, at, builder_.at(line_, 1));
   return true;
 }
 
@@ -163,6 +169,7 @@ void ZeissReader::read_message(const Record& record) {
   } else if (has("station repeated") || has("standpunkt wiederholt")) {
     level_.drop_position();
   } else if (text.find("stat") != std::string::npos || has("or.coor") || has("or.")) {
+    if (has("stat")) station_given_ = false, free_station_ = has("un stat") || has("un.stat") || has("free");
     orienting_ = true;
   }
   if (const double om = angle(record, "Om"); !std::isnan(om) && current()) {
@@ -210,12 +217,12 @@ void ZeissReader::read_level(const Record& record) {
 
 void ZeissReader::read_station(const Record& record) {
   if (const SetUp* set_up = current(); set_up && set_up->station == record.point && !record.find("Hz")) {
-    read_coordinates(record, record.point);  // its height, given behind its position
+    read_coordinates(record, record.point, !free_station_);  // its height, given behind its position
     return;
   }
   builder_.start_set_up(record.point, kNotGiven, builder_.at(line_, 1));
-  orienting_ = true;
-  read_coordinates(record, record.point);
+  orienting_ = station_given_ = true;
+  read_coordinates(record, record.point, !free_station_);
   for (const auto& [sight, line] : before_station_) {
     const int here = line_;
     line_ = line;
@@ -260,14 +267,15 @@ void ZeissReader::read_record(const Record& record) {
   if (record.is_level) return read_level(record);
   const bool measured = record.find("Hz") || record.find("SD") || record.find("V1");
   if (record.code == "S" && !measured) return read_station(record);
-  if (record.code == "A" && measured && orienting_) {
+  // A backsight may stand before its station or behind it.
+  if (record.code == "A" && measured && orienting_ && !station_given_) {
     before_station_.push_back({record, line_});
     return;
   }
   if (measured) return read_polar(record);
   // Coordinates behind a polar point were computed from it.
   if (builder_.has_point(record.point) && current()) return;
-  if (!read_coordinates(record, record.point) && !record.values.empty() && !record.find("Z"))
+  if (!read_coordinates(record, record.point, true) && !record.values.empty() && !record.find("Z"))
     builder_.warn("line " + std::to_string(line_) + ": a record of " + record.values.front().type + " is not read");
 }
 
@@ -283,6 +291,8 @@ SurveyObservations ZeissReader::read() {
       builder_.skip(line_, 1, text, "a record 'For M5|...', 'For R5|...' or 'For R4|...'");
   }
   level_.finish();
+  for (const auto& [sight, line] : before_station_)
+    builder_.skip(line, 1, sight.info, "a station (code S) behind the backsights of its orientation");
   return builder_.finish(std::to_string(records_) + " records without sightings, staff readings or coordinates",
                          records_ == 0 ? understood_formats() : "records with Hz, V1, SD, with Rb and Rf, or Y, X, Z");
 }

@@ -156,6 +156,14 @@ TEST(Causes, ControlWithExchangedAxes) {
   EXPECT_NE(all.words().find("E and N of the known points are exchanged"), std::string::npos) << all.words();
 }
 
+/// Two of three mirrored points always agree with what is seen.
+TEST(Causes, ThreeKnownPointsWithEastAndNorthExchangedAreNamed) {
+  Job three;
+  three.know([](size_t, const Eigen::Vector3d& p) { return Eigen::Vector3d(p.y(), p.x(), p.z()); });
+  three.survey.coordinates.resize(3);
+  EXPECT_NE(three.words().find("E and N of the known points are exchanged"), std::string::npos) << three.words();
+}
+
 TEST(Causes, ControlOfAnotherLevelZoneOrUnit) {
   Job level, zone, feet;
   level.know([](size_t i, const Eigen::Vector3d& p) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <tuple>
 
 #include "survey/files/gsi.hpp"
@@ -61,6 +62,69 @@ TEST(Nikon, AControlPointIsASightingWithASecondName) {
   EXPECT_DOUBLE_EQ(value(s, 0, slope_distance), 150);
   EXPECT_DOUBLE_EQ(observation(s, 0, direction).target_height, 2);
   EXPECT_TRUE(s.skipped.empty());
+}
+
+TEST(Nikon, AzimuthsMayCountFromTheSouth) {
+  const auto read = [](const std::string& origin) {
+    return read_nikon("CO,Dist Units: Metres\nCO,Angle Units: DDDMMSS\nCO,Zero azimuth: " + origin +
+                          "\nST,S,,A,,1.5,31.0000,0.0000\nSS,P,1.5,100.0,10.0000,90.0000,08:31:00,\n",
+                      "z.raw");
+  };
+  EXPECT_NEAR(read("North").set_ups.at(0).stated_orientation, 31 * kDegree, 1e-9);
+  EXPECT_NEAR(read("South").set_ups.at(0).stated_orientation, 211 * kDegree, 1e-9);
+  EXPECT_TRUE(skipped(read("Magnetic"), 3, 1, "North or South"));
+}
+
+/// Another unit taken for one that is not known is a point in another place.
+TEST(FieldBooks, AUnitThatNobodyKnowsIsNotAnother) {
+  const std::string seen = "ST,S,,,,1.5,0.0000,0.0000\nSS,P,1.5,100.0,10.0000,90.0000,08:31:00,\n";
+  EXPECT_TRUE(
+      skipped(read_nikon("CO,Dist Units: Chains\nCO,Angle Units: Gons\n" + seen, "n.raw"), 1, 1, "Metres, Feet"));
+  EXPECT_TRUE(skipped(read_nikon("CO,Dist Units: Metres\nCO,Angle Units: Points\n" + seen, "n.raw"), 2, 1, "DDDMMSS"));
+  const std::string gts7 = fixture("topcon.gts7");
+  const std::size_t units = gts7.find("UNITS");
+  const auto with_units = [&](const std::string& text) {
+    return std::string(gts7).replace(units, gts7.find('\n', units) - units, "UNITS   " + text);
+  };
+  const int line =
+      static_cast<int>(std::count(gts7.begin(), gts7.begin() + static_cast<std::ptrdiff_t>(units), '\n')) + 1;
+  EXPECT_TRUE(skipped(read_topcon_gts7(with_units("M,M"), "t.gts7"), line, 1, "of angles"));
+  EXPECT_TRUE(skipped(read_topcon_gts7(with_units("C,D"), "t.gts7"), line, 1, "of lengths"));
+  EXPECT_TRUE(skipped(read_geodimeter("23=1312\n2=K\n5=B\n7=33.99\n8=99.99\n9=50\n", "g.job"), 1, 1, "second digit"));
+}
+
+/// Once the known station moved by 20 mm, and every detail point with it.
+TEST(FieldBooks, WhatIsKeyedInOfStationAndBacksightIsKnown) {
+  const std::array<bool, 3> all{true, true, true}, none{};
+  const auto gts7 = read_topcon_gts7(
+      "TopSURV v1\nUNITS   M,G\nSTN     S,1.5,\nXYZ     5000,1000,100\nBKB     B,0.0,0.0\nXYZ     5000,1100,100\n"
+      "BS      B,1.5\nSD      0.0,100.0,100.04\nSS      P,1.5,\nSD      50.0,100.0,50.0\nXYZ     5035,1035,100\n",
+      "k.gts7");
+  const auto job = read_geodimeter(
+      "23=1112\n5=S\n37=1000\n38=5000\n39=100\n5=B\n37=1100\n38=5000\n39=100\n2=S\n3=1.5\n62=B\n21=0\n"
+      "5=B\n6=1.5\n7=0\n8=100\n9=100.04\n5=P\n6=1.5\n7=50\n8=100\n9=50\n37=1035\n38=5035\n39=100\n",
+      "k.job");
+  for (const SurveyObservations& s : {gts7, job}) {
+    EXPECT_EQ(point(s, "S").known, all) << s.info.format;
+    EXPECT_EQ(point(s, "B").known, all) << s.info.format;
+    EXPECT_EQ(point(s, "P").known, none) << "it came out: " << s.info.format;
+  }
+}
+
+TEST(Zeiss, ABacksightMayStandBehindItsStation) {
+  const std::string station =
+      "For M5|Adr 00001|TI   KN STAT                   |                      |                      |               "
+      "       | \nFor M5|Adr 00002|PI1           S            S100|Y         5000.000 m  |X         1000.000 m  |Z     "
+      "  "
+      "   100.000 m  | \n";
+  const std::string sight =
+      "For M5|Adr 00003|PI1           A            B101|SD       100.0400 m  |Hz         0.0000 gon|V1       100.0000 "
+      "gon| \n";
+  const auto s = read_zeiss(station + sight, "b.m5");
+  EXPECT_EQ(s.observations.size(), 3u);
+  EXPECT_EQ(point(s, "S100").known, (std::array<bool, 3>{true, true, true}));
+  const std::string begun = station.substr(0, station.find('\n') + 1);
+  EXPECT_TRUE(skipped(read_zeiss(station + sight + begun + sight, "b.m5"), 5, 1, "a station (code S)"));
 }
 
 TEST(Nikon, TheSecondFaceHasTheTargetHeightOfTheFirst) {

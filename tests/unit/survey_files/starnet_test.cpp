@@ -11,6 +11,33 @@ namespace starnet_test {
 using namespace test_help;
 using enum ObservationKind;
 
+TEST(StarNetUnits, AreSaidWhereTheFileHasNoneAndRefusedWhereTheyAreTheProjects) {
+  const std::string job = ".ORDER EN ATFROMTO\nC A 0 0 0 ! ! !\nD A-B 100\n";
+  const auto without = read_starnet(job, "u.dat");
+  ASSERT_EQ(without.warnings.size(), 1u);
+  EXPECT_NE(without.warnings[0].find("no .UNITS: metres"), std::string::npos) << without.warnings[0];
+  EXPECT_TRUE(read_starnet(".UNITS Meters DMS\n" + job, "u.dat").warnings.empty());
+  EXPECT_TRUE(skipped(read_starnet(".UNITS FeetUS\n.UNITS\n" + job, "u.dat"), 2, 1, "those of the project"));
+  const std::string vector = "G1 A-B 100 200 50\nG2 1 1 1\n";
+  EXPECT_TRUE(skipped(read_starnet(".UNITS FeetUS DMS\n" + vector + job, "v.dat"), 2, 1, "a job in metres"));
+  EXPECT_EQ(read_starnet(".UNITS Meters DMS\n" + vector, "v.dat").vectors.size(), 1u);
+}
+
+/// As the manual's sample traverses count them.
+TEST(StarNetAngles, AgainstTheClockAreNegative) {
+  const auto s = read_starnet(".2D\nA 3-2-4 -102-34-12.5\nA 3-2-5 257-25-47.5\n", "a.dat");
+  ASSERT_EQ(s.observations.size(), 2u);
+  EXPECT_NEAR(s.observations[0].value, s.observations[1].value, 1e-12);
+  EXPECT_TRUE(s.skipped.empty());
+  EXPECT_TRUE(skipped(read_starnet("V A-B -5-00-00\nV A-C 85-00-00\n", "v.dat"), 1, 1, "an angle"))
+      << "no zenith angle is";
+}
+
+TEST(StarNetTraverse, ABearingInPlaceOfABacksightIsNoPoint) {
+  EXPECT_TRUE(skipped(read_starnet(".2D\nTB S30-42-15W\nT 1 90-00-00 274.00\nTE 2\nD 1-3 100\n", "t.dat"), 2, 1,
+                      "the name of a backsight"));
+}
+
 /// L with a length and a standard deviation, as in the levelling job of a public repository (lines 42 and 43).
 TEST(StarNetLevelling, AStandardDeviationBehindTheLengthCounts) {
   const auto s = read_starnet(
@@ -98,7 +125,7 @@ TEST(StarNetFlags, WhatIsFreedTakesNoPartAndIsSaid) {
       "f");
   EXPECT_EQ(survey.observations.size(), 3u) << "without the zenith angle";
   ASSERT_FALSE(survey.warnings.empty());
-  EXPECT_TRUE(survey.warnings.back().starts_with("1 values are freed by '*'")) << survey.warnings.back();
+  EXPECT_TRUE(survey.warnings.front().starts_with("1 values are freed by '*'")) << survey.warnings.front();
 }
 
 /// With ON the centring of the instrument is added to what is written, not to what is held or left to it.

@@ -82,7 +82,7 @@ TEST(SurveyCsv, SightingsHaveNoColumnThatIsPassedOverInSilence) {
             std::string::npos);
   // Coordinates that the instrument computed, and a height of the point beside the pole's, are no readings.
   const auto computed =
-      read("station,target,hz [gon],v [gon],sd,th,e,n,h,sigma [mm],nr,set\nS1,A,0,100,10,1.5,1,2,3,2,7,1\n");
+      read("station,target,hz [gon],v [gon],sd [m],th,e,n,h,sigma [mm],nr,set\nS1,A,0,100,10,1.5,1,2,3,2,7,1\n");
   EXPECT_DOUBLE_EQ(computed.observations[0].target_height, 1.5);
   ASSERT_EQ(computed.warnings.size(), 1u);
   EXPECT_EQ(
@@ -92,10 +92,31 @@ TEST(SurveyCsv, SightingsHaveNoColumnThatIsPassedOverInSilence) {
   EXPECT_NO_THROW(read("station,target,hz [gon],v [gon],sd,th,h\nS1,A,0,100,10,1.5,3\n"));
 }
 
+/// A degree in German, a gon in French: taken for gon, a point of 50 m away stood 15 m too high.
+TEST(SurveyCsv, GradIsWhatTheReadingsSay) {
+  const auto read = [](const std::string& rows) {
+    return read_survey_csv("Standpunkt;Zielpunkt;Hz [Grad];V [Grad];Schr\u00e4gstrecke [m]\n" + rows, "g.csv");
+  };
+  EXPECT_NE(error_of([&] { read("S1;P1;0,0;90,0;100,0\nS1;P2;45,5;89,0;50,0\n"); }).find("angles without a unit"),
+            std::string::npos);
+  const auto gon = read("S1;P1;399,5;100,0;100,0\nS1;P2;45,5;99,0;50,0\n");
+  EXPECT_NEAR(value(gon, 1, zenith_angle), 99 * kGon, 1e-12);
+}
+
+TEST(SurveyCsv, ATableThatNamesNoUnitOfLengthsIsTold) {
+  const auto warned = [](const std::string& header) {
+    const auto s = read_survey_csv(header + "\nS1,A,0,100,10,1.5\n", "l.csv");
+    return !s.warnings.empty() &&
+           s.warnings[0].find("no unit for slope_distance and other lengths: m is") != std::string::npos;
+  };
+  EXPECT_TRUE(warned("station,target,hz [gon],v [gon],sd,th"));
+  EXPECT_FALSE(warned("station,target,hz [gon],v [gon],sd [m],th")) << "one column says it";
+}
+
 TEST(SurveyCsv, AHeightThatOtherRowsHaveIsNotZero) {
   const auto read = [](const std::string& text) { return read_survey_csv(text, "s.csv"); };
   const auto refused = [&](const std::string& text) { return error_of([&] { read(text); }); };
-  const std::string head = "station,target,hz [gon],v [gon],sd,ih,th\n";
+  const std::string head = "station,target,hz [gon],v [gon],sd [m],ih,th\n";
   const std::string gap = refused(head + "S1,K1,0,100,10,1.55,1.5\nS1,A,10,100,10,1.55,\nS1,B,20,100,10,1.55,\n");
   EXPECT_NE(gap.find("s.csv:3:1: found no 'th' of 'A' and 1 more in a column that has it in 1 of 3 rows"),
             std::string::npos)
