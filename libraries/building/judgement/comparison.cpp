@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "building/judgement/drift.hpp"
-#include "building/judgement/factor_in_place.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/spectral_coordinates.hpp"
+#include "building/judgement/tested_directions.hpp"
 #include "building/judgement/tolerance.hpp"
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
@@ -120,68 +119,29 @@ Eigen::VectorXd of_cluster(const Eigen::VectorXd& difference, const BlockCovaria
   return own;
 }
 
-/// d' C⁻¹ d by conjugate gradients with the lower factor of C - limit I in `factor`: those two are the same but where
-/// eigenvalues come near the limit, so a few steps do. Nothing where many would be needed.
-std::optional<double> by_gradients(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
-                                   const Eigen::MatrixXd& factor) {
-  constexpr int most = 40;
-  constexpr double enough = 1e-13;  // of the statistic
-  const auto half_solved = [&](const Eigen::VectorXd& r) -> Eigen::VectorXd {
-    return factor.triangularView<Eigen::Lower>().solve(r);
-  };
-  const auto solved = [&](const Eigen::VectorXd& r) -> Eigen::VectorXd {
-    return factor.triangularView<Eigen::Lower>().transpose().solve(half_solved(r));
-  };
-  Eigen::VectorXd residual = difference, z = solved(residual), direction = z;
-  double size = residual.dot(z), statistic = 0;  // size: not less than what is missing of the statistic
-  for (int step = 0; step < most; ++step) {
-    if (!(size > enough * statistic)) return statistic;
-    const Eigen::VectorXd image = covariance.selfadjointView<Eigen::Upper>() * direction;
-    const double length = size / direction.dot(image);
-    statistic += length * size;  // what this step adds to d' C⁻¹ d
-    residual -= length * image;
-    z = solved(residual);
-    const double next = residual.dot(z);
-    direction = z + next / size * direction;
-    size = next;
-  }
-  return std::nullopt;
-}
-
-/// d' C⁻¹ d, where every eigenvalue of C is above `limit`; nothing where one is not. By Cholesky, a tenth of the time
-/// of eigenvalues: C - limit I has a factor if and only if no eigenvalue is at or below it.
-std::optional<double> statistic_above(const Eigen::VectorXd& difference, const Eigen::MatrixXd& covariance,
-                                      double limit) {
-  Eigen::MatrixXd factor = covariance;
-  factor.diagonal().array() -= limit;
-  if (!factor_in_place(factor)) return std::nullopt;
-  constexpr Eigen::Index many = 300;  // below it a second factor costs nothing
-  if (covariance.rows() > many)
-    if (const auto statistic = by_gradients(difference, covariance, factor)) return statistic;
-  restore_lower(covariance.diagonal(), factor);
-  if (!factor_in_place(factor)) return std::nullopt;
-  return factor.triangularView<Eigen::Lower>().solve(difference).squaredNorm();
-}
-
 /// Directions in which a difference is known to better than 0.02 mm are those where a control anchor follows its
 /// survey: what is left there is rounding and the small variances that adjustments add, not errors to be tested.
-double least_tested(double largest_eigenvalue) { return std::max(1e-6 * largest_eigenvalue, 4e-10); }
+constexpr double kLeastVariance = 4e-10;
+double least_tested(double largest_eigenvalue) { return std::max(1e-6 * largest_eigenvalue, kLeastVariance); }
 
-/// False where a direction may be one that is not tested.
-bool test_every_direction(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
-                          ErrorConsistencyT& out) {
+/// False where eigenvalues are needed to tell which directions are not tested.
+bool test_by_factors(const Eigen::VectorXd& difference, const BlockCovariance& covariance, ErrorConsistencyT& out) {
   double bound = 0;  // of the largest eigenvalue: the row sum norm
   for (const BlockCovariance::Cluster& cluster : covariance.clusters())
     bound = std::max(bound, cluster.matrix.cwiseAbs().rowwise().sum().maxCoeff());
+  const double limit = least_tested(bound);
+  // Above the least one the limit follows from the largest eigenvalue itself, of which a bound only is known here.
+  const bool is_known = limit == kLeastVariance;
   double statistic = 0;
+  Eigen::Index number = 0;
   for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
     stop_point();
     const Eigen::VectorXd own = of_cluster(difference, cluster, covariance.step());
-    const auto all = statistic_above(own, cluster.matrix, least_tested(bound));
-    if (!all) return false;
-    statistic += *all;
+    const auto tested = tested_directions(own, cluster.matrix, limit, is_known);
+    if (!tested) return false;
+    statistic += tested->statistic, number += tested->number;
   }
-  out.statistic = statistic, out.degrees_of_freedom = static_cast<int>(difference.size());
+  out.statistic = statistic, out.degrees_of_freedom = static_cast<int>(number);
   return true;
 }
 
@@ -209,7 +169,7 @@ std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference
                                                double confidence) {
   if (covariance.size() == 0 || difference.size() == 0) return nullptr;
   auto out = std::make_unique<ErrorConsistencyT>();
-  if (!test_every_direction(difference, covariance, *out)) test_known_directions(difference, covariance, *out);
+  if (!test_by_factors(difference, covariance, *out)) test_known_directions(difference, covariance, *out);
   if (out->degrees_of_freedom == 0) return nullptr;
   out->lower = chi_squared_quantile(0.5 - 0.5 * confidence, out->degrees_of_freedom);
   out->upper = chi_squared_quantile(0.5 + 0.5 * confidence, out->degrees_of_freedom);

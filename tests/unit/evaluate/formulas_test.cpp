@@ -4,7 +4,9 @@
 #include "building/judgement/comparison.hpp"
 #include "building/judgement/drift.hpp"
 #include "building/judgement/spectral_coordinates.hpp"
+#include "building/judgement/tested_directions.hpp"
 #include "building/judgement/tolerance.hpp"
+#include "geometry/linear_algebra/lower_factor.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -355,6 +357,76 @@ TEST(Formulas, TheTestOfManyPointsIsThatOfASolution) {
     const auto chi = consistency(d, {s, 1}, 0.95);
     EXPECT_EQ(chi->degrees_of_freedom, n);
     EXPECT_NEAR(chi->statistic, expected, 1e-9 * expected);
+  }
+}
+
+/// Of control that the model follows in a few directions these are left out without eigenvalues of the whole: as by
+/// eigenvectors. 60 of them, too.
+TEST(Formulas, AFewDirectionsThatAreNotTestedAreTakenOutOfMany) {
+  test::Normal normal(13);
+  const Eigen::Index n = 420;
+  Eigen::MatrixXd a(n, n);
+  for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = normal();
+  const Eigen::MatrixXd turned = Eigen::HouseholderQR<Eigen::MatrixXd>(a).householderQ();
+  for (const Eigen::Index few : {1, 7, 24, 60}) {
+    Eigen::VectorXd variances(n), along(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      variances[i] = i < few ? 4e-12 * static_cast<double>(i) : 1e-7 * (1 + static_cast<double>(i % 17));
+      along[i] = std::sqrt(variances[i]) * normal();
+    }
+    const Eigen::MatrixXd s = turned * variances.asDiagonal() * turned.transpose();
+    const double expected = (along.array().square() / variances.array()).tail(n - few).sum();
+    const auto tested = tested_directions(turned * along, s, 4e-10, true);
+    ASSERT_TRUE(tested.has_value()) << few;
+    EXPECT_EQ(tested->number, n - few);
+    EXPECT_NEAR(tested->statistic, expected, 1e-8 * expected);
+    EXPECT_FALSE(tested_directions(turned * along, s, 4e-10, false).has_value());
+    const auto chi = consistency(turned * along, {s, 1}, 0.95);
+    EXPECT_EQ(chi->degrees_of_freedom, n - few);
+    EXPECT_NEAR(chi->statistic, expected, 1e-8 * expected);
+  }
+}
+
+/// Most of the variances lie about the limit: eigenvalues tell.
+TEST(Formulas, ManyDirectionsThatAreNotTestedAreToldByEigenvalues) {
+  test::Normal normal(14);
+  const Eigen::Index n = 320;
+  Eigen::MatrixXd s = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd d(n);
+  for (Eigen::Index i = 0; i < n; ++i) s(i, i) = 1e-10 * (1 + static_cast<double>(i % 8)), d[i] = 1e-5 * normal();
+  double expected = 0;
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (i % 8 > 3) expected += d[i] * d[i] / s(i, i);
+  for (Eigen::Index i = 1; i < n; ++i) s(i, i - 1) = s(i - 1, i) = 1e-20;  // one cluster
+  EXPECT_FALSE(tested_directions(d, s, 4e-10 + 1e-15, true).has_value());
+  const auto chi = consistency(d, {s + 1e-15 * Eigen::MatrixXd::Identity(n, n), 1}, 0.95);
+  EXPECT_EQ(chi->degrees_of_freedom, n / 8 * 5);
+}
+
+/// The factor that uses wide vectors: the same bits with all of them, as Eigen's to rounding, nothing above the
+/// diagonal touched; sizes that no tile divides.
+TEST(LowerFactor, HasTheSameBitsWithVectorsOfEveryWidth) {
+  using linear_algebra::Vectors;
+  test::Normal normal(15);
+  for (const Eigen::Index n : {1, 5, 16, 130, 391}) {
+    Eigen::MatrixXd a(n, 9);
+    for (Eigen::Index i = 0; i < a.size(); ++i) a.data()[i] = normal();
+    Eigen::MatrixXd s = a * a.transpose() + 2 * Eigen::MatrixXd::Identity(n, n);
+    s(0, n - 1) = n > 1 ? 77 : s(0, 0);  // not read
+    Eigen::MatrixXd narrow = s;
+    ASSERT_TRUE(linear_algebra::lower_factor(narrow.data(), n, Vectors::of_two));
+    const Eigen::MatrixXd eigen = Eigen::LLT<Eigen::MatrixXd>(s).matrixL();
+    EXPECT_LT((Eigen::MatrixXd(narrow.triangularView<Eigen::Lower>()) - eigen).cwiseAbs().maxCoeff(), 1e-12) << n;
+    EXPECT_TRUE(Eigen::MatrixXd(narrow.triangularView<Eigen::StrictlyUpper>()) ==
+                Eigen::MatrixXd(s.triangularView<Eigen::StrictlyUpper>()));
+    for (const Vectors vectors : {Vectors::of_four, Vectors::of_eight}) {
+      if (vectors > linear_algebra::widest_vectors()) continue;
+      Eigen::MatrixXd wide = s;
+      ASSERT_TRUE(linear_algebra::lower_factor(wide.data(), n, vectors));
+      EXPECT_TRUE(wide == narrow) << n;
+    }
+    s(n - 1, n - 1) = -1;
+    EXPECT_FALSE(linear_algebra::lower_factor(s.data(), n));
   }
 }
 
