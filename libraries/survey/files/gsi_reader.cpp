@@ -175,7 +175,7 @@ void GsiReader::read_info(const GsiBlock& block) {
   };
   NetworkInfo& info = builder_.survey.info;
   take(12, info.instrument_serial);
-  take(13, info.instrument);
+  if (const GsiWord* word = block.find(13)) builder_.use_instrument(std::string(word->text()));
   take(913, info.title);
   take(914, info.operator_name);
 }

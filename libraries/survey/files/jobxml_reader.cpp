@@ -288,7 +288,7 @@ void JobXmlReader::read_record(pugi::xml_node record) {
     atmospheres_[last_atmosphere_] =
         child_text(record, "ApplyPPMToRawDistances") == "false" ? kNotGiven : number(record, "PPM");
   } else if (kind == "InstrumentRecord") {
-    if (info.instrument.empty()) info.instrument = child_text(record, "Model");
+    builder_.use_instrument(child_text(record, "Model"));
     if (info.instrument_serial.empty()) info.instrument_serial = child_text(record, "Serial");
   }
 }

@@ -221,7 +221,7 @@ void Sdr33Reader::read_record(const text::CharacterLine& line) {
     if (!std::isnan(value)) target_height_ = value;
   } else if (type == "01") {
     NetworkInfo& info = builder_.survey.info;
-    info.instrument = field(line, 5, 16).text;
+    builder_.use_instrument(field(line, 5, 16).text);
     info.instrument_serial = field(line, 21, 6).text;
     from_horizon_ = line.size() > 50 && line.at(50) == '2';
   } else if (type == "10") {

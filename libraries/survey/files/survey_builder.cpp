@@ -122,6 +122,19 @@ int SurveyBuilder::instrument(const std::string& name) {
   return index;
 }
 
+void SurveyBuilder::use_instrument(const std::string& name) {
+  std::string& first = survey.info.instrument;
+  if (name.empty() || (instrument_ < 0 && (first.empty() || first == name))) {
+    if (first.empty()) first = name;
+    return;
+  }
+  if (instrument_ < 0) {
+    const int of_first = instrument(first);
+    for (Observation& o : survey.observations) o.instrument = of_first;
+  }
+  instrument_ = instrument(name);
+}
+
 void SurveyBuilder::know_coordinates(const std::string& id, const Eigen::Vector3d& coordinates,
                                      const SourcePosition& source) {
   give_coordinates(id, coordinates, source);
@@ -143,6 +156,7 @@ void SurveyBuilder::add_kind(const Sighting& sighting, ObservationKind kind, dou
                              const std::vector<std::string>& corrections) {
   Observation observation;
   observation.kind = kind;
+  observation.instrument = instrument_;
   observation.set_up = current_;
   observation.pointing = pointings_;
   observation.from = survey.set_ups[current_].station;

@@ -79,6 +79,9 @@ class SurveyBuilder {
 
   /// Index of the instrument called so, made when it is new.
   int instrument(const std::string& name);
+  /// Observations that follow are of the instrument called so. As long as a file names one alone it is that of the file
+  /// (NetworkInfo::instrument); with a second, observations say which is theirs.
+  void use_instrument(const std::string& name);
 
   /// Adds what `sighting` has, as observations of one pointing from the current set-up. A distance of zero is none.
   /// Returns false when there is nothing in it.
@@ -100,6 +103,7 @@ class SurveyBuilder {
   int current_ = -1;
   int pointings_ = 0;
   int unnamed_ = 0;
+  int instrument_ = -1;  // of use_instrument() where the file names several
   std::size_t skipped_beyond_cap_ = 0;
   std::unordered_map<std::string, std::size_t> points_;
   std::unordered_map<std::string, int> occupations_;

@@ -1,12 +1,15 @@
 #include "survey/model/repeated_readings.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
 #include <unordered_map>
 #include <vector>
 
+#include "base/text/text.hpp"
+#include "base/text/words.hpp"
 #include "survey/model/rounded_readings.hpp"
 
 namespace plumbline::survey {
@@ -150,6 +153,26 @@ void find_rounded(const std::vector<SurveyObservations>& surveys, const std::vec
       }
 }
 
+/// Known points that a copy has elsewhere than the original, as "K3 (E 540.000 m and 540.050 m)".
+std::vector<std::string> known_elsewhere(const SurveyObservations& original, const SurveyObservations& copy) {
+  constexpr double kSame = 0.001;  // [m]
+  std::unordered_map<std::string, const Point*> points;
+  for (const Point& p : original.points) points[p.id] = &p;
+  std::vector<std::string> found;
+  for (const Point& p : copy.points) {
+    const auto at = points.find(p.id);
+    for (int k = 0; k < 3 && at != points.end(); ++k) {
+      const Point& first = *at->second;
+      const auto axis = static_cast<size_t>(k);
+      if (!p.known[axis] || !first.known[axis] || !(std::abs(p.coordinates[k] - first.coordinates[k]) > kSame))
+        continue;
+      found.push_back(p.id + " (" + "ENH"[k] + " " + text::format_fixed(first.coordinates[k], 3) + " m and " +
+                      text::format_fixed(p.coordinates[k], 3) + " m)");
+    }
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservations>& surveys) {
@@ -192,6 +215,14 @@ std::vector<std::string> take_out_repeated_readings(std::vector<SurveyObservatio
     sentences.push_back(std::to_string(readings) + " readings of " + mine + " stand " +
                         (files.first == files.second ? "in it a second time" : "in " + other + " too") + set_ups +
                         ": they are the same readings and count once; take one of the two out");
+  }
+  for (const auto& [files, list] : repeats) {
+    const auto elsewhere = known_elsewhere(surveys[files.second], surveys[files.first]);
+    if (files.first == files.second || elsewhere.empty()) continue;
+    const std::string other = name_of(surveys[files.second], files.second);
+    sentences.push_back("known points are keyed in with other coordinates in " + other + " than in " +
+                        name_of(surveys[files.first], files.first) + ", whose readings are the same: " +
+                        text::join(elsewhere, 8) + "; those of " + other + " hold. Give the right ones as control");
   }
   // Which files go is found while all of them are there: the groups of one are compared with those of another.
   std::vector<bool> goes(surveys.size());

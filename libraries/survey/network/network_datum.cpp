@@ -115,6 +115,41 @@ void drop_repeated_control(NetworkModel& m, const ControlPoints& control) {
                           repeated});
 }
 
+/// What survey files have as known beside the control does not hold: where it contradicts the control somebody is to
+/// know, and where the control does not have it, too.
+void tell_keyed_in_beside(NetworkModel& m, const ControlPoints& control) {
+  constexpr double kSame = 0.001;  // [m]
+  std::vector<std::string> others, other_ids, unused;
+  for (const Point& p : m.survey.points) {
+    const auto at = std::find(control.ids.begin(), control.ids.end(), p.id) - control.ids.begin();
+    const bool is_control = at < static_cast<std::ptrdiff_t>(control.ids.size());
+    bool held = true;
+    for (int k = 0; k < 3; ++k) {
+      if (!is_known(m, p, k)) continue;
+      const auto row = static_cast<Eigen::Index>(3 * at + k);
+      const double value = is_control ? control.coordinates[row] : kNotGiven;
+      const double sigma = is_control && control.covariance.size() > 0 ? std::sqrt(control.covariance(row, row)) : 0;
+      held &= std::isfinite(value);
+      if (!(std::abs(p.coordinates[k] - value) > std::max(kSame, 3 * sigma))) continue;
+      others.push_back(p.id + " (" + "ENH"[k] + " " + fixed_digits(p.coordinates[k], 3) + " m, in the control " +
+                       fixed_digits(value, 3) + " m)");
+      if (other_ids.empty() || other_ids.back() != p.id) other_ids.push_back(p.id);
+    }
+    if (!held) unused.push_back(p.id);
+  }
+  if (!others.empty())
+    m.findings.push_back({Finding::Severity::warning,
+                          "known points are keyed into the survey files with other coordinates than the control has: " +
+                              join(others) + "; those of the control count. Mend the one that is wrong",
+                          other_ids});
+  if (!unused.empty())
+    m.findings.push_back({Finding::Severity::note,
+                          "the survey files have " + join(unused) +
+                              " as known, wholly or in part, and the control does not: they are approximate values "
+                              "beside a control. Give them as control if they are to hold",
+                          unused});
+}
+
 /// Control points that take part, with their part of the covariance, as observed coordinates.
 void add_weighted_control(NetworkModel& m, const ControlPoints& control) {
   if (control.covariance.size() == 0)
@@ -153,6 +188,7 @@ void apply_datum(NetworkModel& m, const AdjustOptions& options, const ControlPoi
         m.initial[at->second][k] = value;
   }
   m.datum = choose_datum(m, options, control);
+  if (!control.ids.empty()) tell_keyed_in_beside(m, control);
   using R = CoordinateRole;
   if (m.datum == DatumMode::inner || m.datum == DatumMode::weighted)
     for (auto& roles : m.roles)

@@ -81,7 +81,7 @@ void Merger::refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t 
 void Merger::compare_coordinates(size_t a, size_t b) {
   std::map<std::string, const Point*> known;
   for (const Point& p : surveys_[a].points) known[name_in(a, p.id)] = &p;
-  std::vector<std::string> different, keyed;
+  std::vector<std::string> different, keyed, approximate;
   size_t shared = 0;
   double largest = 0;
   for (const Point& p : surveys_[b].points) {
@@ -95,33 +95,39 @@ void Merger::compare_coordinates(size_t a, size_t b) {
     if (std::isnan(worst)) continue;
     ++shared;
     largest = std::max(largest, worst);
-    if (worst > kSamePlace) different.push_back(at->first);
-    for (int k = 0; k < 3 && worst <= kSamePlace; ++k) {
+    const size_t before = keyed.size();
+    for (int k = 0; k < 3; ++k) {
       const auto axis = static_cast<size_t>(k);
       if (!p.known[axis] || !at->second->known[axis] || !(std::abs(d[k]) > kFixedContradiction)) continue;
       keyed.push_back(at->first + " (" + "ENH"[k] + " " + in_metres(at->second->coordinates[k]) + " and " +
                       in_metres(p.coordinates[k]) + ")");
     }
+    if (worst > kSamePlace) (keyed.size() > before ? different : approximate).push_back(at->first);
+  }
+  const size_t beside = different.size();  // known in both files
+  different.insert(different.end(), approximate.begin(), approximate.end());
+  const auto differ = [&](const std::vector<std::string>& ids) {
+    return "the coordinates of " + text::join(ids, most_named) + " in " + files_[b] + " differ from those in " +
+           files_[a] + " by up to " + in_metres(largest);
+  };
+  // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
+  if (!different.empty() && 2 * different.size() >= shared && largest > kOtherFrame) {
+    drop_coordinates_[b] = 1;
+    find(Finding::Severity::warning,
+         differ(different) + ": the files are in different frames. The coordinates of " + files_[b] +
+             " are not used, its points are computed from the observations",
+         different);
+    return;
   }
   if (!keyed.empty())
     find(Finding::Severity::warning,
          "known points are keyed in with other coordinates in " + files_[a] + " than in " + files_[b] + ": " +
              text::join(keyed, most_named) + "; those of " + files_[a] + " hold. Give the right ones as control",
-         {});
-  if (different.empty()) return;
-  const std::string what = "the coordinates of " + text::join(different, most_named) + " in " + files_[b] +
-                           " differ from those in " + files_[a] + " by up to " + in_metres(largest);
-  // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
-  if (2 * different.size() >= shared && largest > kOtherFrame) {
-    drop_coordinates_[b] = 1;
+         {different.begin(), different.begin() + static_cast<std::ptrdiff_t>(beside)});
+  drop_points_[b].insert(different.begin(), different.end());
+  if (!approximate.empty())
     find(Finding::Severity::warning,
-         what + ": the files are in different frames. The coordinates of " + files_[b] +
-             " are not used, its points are computed from the observations",
-         different);
-    return;
-  }
-  for (const std::string& id : different) drop_points_[b].insert(id);
-  find(Finding::Severity::warning, what + "; those of " + files_[a] + " are taken as approximate values", different);
+         differ(approximate) + "; those of " + files_[a] + " are taken as approximate values", approximate);
 }
 
 void Merger::compare_coordinates() {

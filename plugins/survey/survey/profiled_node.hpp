@@ -23,6 +23,10 @@ struct ProfiledNode : Node {
   }
   /// `instrument` as the observations name it, or ""; `remark`: what the user should know about the choice, or "".
   InstrumentProfile chosen_profile(const std::string& instrument, std::string& remark) const {
+    // A file of one instrument names it once; `instruments` of a profile_file may have it all the same.
+    const auto own = further_instruments({instrument});
+    if (const auto found = own.find(instrument); !profile_file->path.empty() && found != own.end())
+      return found->second;
     return choose_profile(*profile, profile_file->path, instrument, remark);
   }
 

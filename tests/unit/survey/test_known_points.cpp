@@ -1,9 +1,12 @@
 // What was keyed in as known holds, what an instrument computed does not, and the difference is said first.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "simulated_network.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/files/survey_format.hpp"
+#include "survey/start/merge_surveys.hpp"
 
 namespace plumbline::survey {
 namespace test_known_points {
@@ -50,6 +53,40 @@ TEST(KnownPoints, ThatFitAreSaidToo) {
   EXPECT_EQ(r.validity, Validity::sound) << r.verdict;
   EXPECT_EQ(r.findings.at(0).severity, Finding::Severity::note);
   EXPECT_TRUE(known(r, "B101").stands());
+}
+
+/// Beside a control they do not hold; somebody is to know where they say something else, or more.
+TEST(KnownPoints, BesideAControlThatSaysSomethingElseAreTold) {
+  AdjustOptions options;
+  options.profile = built_in_profile("ics50_assumed");
+  ControlPoints control;
+  control.ids = {"S100", "B101"};
+  control.coordinates = Eigen::VectorXd(6);
+  control.coordinates << 5000, 1000, 100, 5000, 1100, 100;
+  control.covariance = 1e-6 * Eigen::MatrixXd::Identity(6, 6);
+  const auto says = [&](const ControlPoints& with, const char* text) {
+    const NetworkResult r = adjust_network(read_survey(polar_job("100001"), "p.gsi"), options, with);
+    return std::any_of(r.findings.begin(), r.findings.end(),
+                       [&](const Finding& f) { return f.text.find(text) != std::string::npos; });
+  };
+  EXPECT_FALSE(says(control, "keyed into the survey files")) << "the same";
+  ControlPoints elsewhere = control;
+  elsewhere.coordinates[4] += 0.05;
+  EXPECT_TRUE(says(elsewhere, "B101 (N 1100.000 m, in the control 1100.050 m); those of the control count"));
+  elsewhere.coordinates[5] = kNotGiven;
+  elsewhere.coordinates[4] -= 0.05;
+  EXPECT_TRUE(says(elsewhere, "the survey files have B101 as known, wholly or in part, and the control does not"));
+}
+
+/// A corrected copy of a file has the same readings and another known point: the readings count once, and it is told.
+TEST(KnownPoints, OfACopyThatSaysSomethingElseAreTold) {
+  std::string other = polar_job("100001");
+  other.replace(other.find("0000000001100000"), 16, "0000000001100050");
+  const MergedSurvey merged = merge_surveys({read_survey(polar_job("100001"), "a.gsi"), read_survey(other, "b.gsi")});
+  EXPECT_EQ(merged.survey.observations.size(), 6u);
+  EXPECT_TRUE(std::any_of(merged.findings.begin(), merged.findings.end(), [](const Finding& f) {
+    return f.text.find("B101 (N 1100.000 m and 1100.050 m)") != std::string::npos;
+  }));
 }
 
 TEST(KnownPoints, AreIgnoredInAFreeNetworkAndHoldByTheSigmaThatIsStated) {

@@ -14,6 +14,26 @@ namespace gsi_test {
 using namespace test_help;
 using enum ObservationKind;
 
+/// A second name is another instrument: its readings had the accuracy of the first.
+TEST(Gsi, ReadingsAreOfTheInstrumentThatIsNamedBeforeThem) {
+  const auto named = [](const std::string& name) {
+    return "*110001+000000000000JOB1 13....+000000000000" + name + " \n";
+  };
+  const std::string station =
+                        "*110002+00000000000000S1 84..10+0000000000500000 85..10+0000000001000000 86..10+"
+                        "0000000000050000 88..10+0000000000001552 \n",
+                    sight =
+                        "*110004+00000000000000P1 21.322+0000000006530541 22.322+0000000009911398 31..00+"
+                        "0000000000082470 87..10+0000000000001500 \n";
+  const auto two = read_gsi(named("TS16") + station + sight + named("TM50") + station + sight, "two.gsi");
+  ASSERT_EQ(two.instruments, (std::vector<std::string>{"TS16", "TM50"}));
+  EXPECT_EQ(two.observations.front().instrument, 0);
+  EXPECT_EQ(two.observations.back().instrument, 1);
+  const auto one = read_gsi(named("TS16") + station + sight + named("TS16") + station + sight, "one.gsi");
+  EXPECT_EQ(one.info.instrument, "TS16");
+  EXPECT_TRUE(one.instruments.empty());
+}
+
 TEST(Gsi, ReadsGsi8WithStationCoordinatesAndAllUnits) {
   const auto survey = read_gsi(fixture("station_coordinates.gsi"), "a.gsi");
   ASSERT_EQ(survey.set_ups.size(), 2u);
