@@ -3,7 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numeric>
 
 namespace plumbline::surface {
 namespace {
@@ -93,6 +95,25 @@ std::vector<double> stated_sigmas(const std::vector<const Facet*>& facets, doubl
                          : 0);
   }
   return sigmas;
+}
+
+std::vector<double> sigmas_within(const std::vector<const Facet*>& facets, double most) {
+  std::vector<const Facet*> left = facets;
+  std::vector<size_t> numbers(facets.size());
+  std::iota(numbers.begin(), numbers.end(), size_t{0});
+  std::vector<double> sigmas(facets.size(), std::numeric_limits<double>::infinity());
+  for (;;) {
+    const std::vector<double> found = stated_sigmas(left);
+    const double worst = found.empty() ? 0 : *std::max_element(found.begin(), found.end());
+    if (!(worst > most)) {
+      for (size_t i = 0; i < left.size(); ++i) sigmas[numbers[i]] = found[i];
+      return sigmas;
+    }
+    size_t kept = 0;
+    for (size_t i = 0; i < left.size(); ++i)
+      if (!(found[i] > std::max(most, 0.5 * worst))) left[kept] = left[i], numbers[kept++] = numbers[i];
+    left.resize(kept), numbers.resize(kept);
+  }
 }
 
 }  // namespace plumbline::surface

@@ -32,4 +32,9 @@ ViewScatter view_scatter(const std::vector<const Facet*>& facets);
 /// comes the square of `uneven`.
 std::vector<double> stated_sigmas(const std::vector<const Facet*>& facets, double others = 8);
 
+/// The same without facets whose standard deviation comes out above `most` [m]: those are infinite. They go from the
+/// worst on, since one whose photographs contradict each other (at the border of something before the facade) makes the
+/// average of all larger.
+std::vector<double> sigmas_within(const std::vector<const Facet*>& facets, double most);
+
 }  // namespace plumbline::surface

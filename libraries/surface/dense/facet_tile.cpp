@@ -104,7 +104,7 @@ std::vector<double> starts_of(const std::vector<std::vector<double>>& found, int
 
 FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
                   const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
-                  const OrientationCovariance& orientations) {
+                  const OrientationCovariance& orientations, double max_sigma) {
   FacetTile tile;
   tile.place = 0.5 * (area.low + area.high);
   tile.measured.centre = plane.world({tile.place.x(), tile.place.y(), 0});
@@ -112,11 +112,12 @@ FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
   TileSensitivity sensitivity;
   std::vector<const Facet*> all;
   for (const auto& [at, facet] : facets) all.push_back(&facet);
-  const std::vector<double> sigmas = stated_sigmas(all);
+  const std::vector<double> sigmas = sigmas_within(all, max_sigma);
   for (size_t i = 0; i < facets.size(); ++i) {
     const auto& [at, facet] = facets[i];
-    ++tile.outcomes[static_cast<size_t>(facet.outcome)];
-    if (facet.outcome != FacetOutcome::measured) continue;
+    const FacetOutcome outcome = std::isinf(sigmas[i]) ? FacetOutcome::no_agreement : facet.outcome;
+    ++tile.outcomes[static_cast<size_t>(outcome)];
+    if (outcome != FacetOutcome::measured) continue;
     const Eigen::Vector3d place(at.x(), at.y(), facet.height);
     tile.measured.points.push_back(
         {(plane.world(place) - tile.measured.centre).cast<float>(), static_cast<float>(sigmas[i])});
@@ -140,7 +141,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
   const int columns = std::max(1, static_cast<int>(size.x() / pitch)),
             rows = std::max(1, static_cast<int>(size.y() / pitch));
   if (static_cast<int>(views.size()) < options.facet.min_views) {
-    FacetTile tile = tile_of(plane, area, {}, views, orientations);
+    FacetTile tile = tile_of(plane, area, {}, views, orientations, options.facet.max_sigma);
     tile.outcomes[static_cast<size_t>(FacetOutcome::too_few_views)] = columns * rows;
     return tile;
   }
@@ -182,7 +183,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
       facets.emplace_back(at, std::move(best));
     }
   }
-  return tile_of(plane, area, facets, views, orientations);
+  return tile_of(plane, area, facets, views, orientations, options.facet.max_sigma);
 }
 
 Eigen::MatrixXd reduced_factor(const Eigen::MatrixXd& rows, const OrientationCovariance& orientations, double lost) {

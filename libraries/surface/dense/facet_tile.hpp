@@ -37,10 +37,10 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
                        const OrientationCovariance& orientations, const TileOptions& options);
 
 /// A tile of facets, each at its place (u, v), with the share of the orientations in their heights; standard deviations
-/// as stated_sigmas says.
+/// as sigmas_within says: what comes out less sure than `max_sigma` [m] is a hole, as its photographs disagree.
 FacetTile tile_of(const FacadePlane& plane, const Rectangle& area,
                   const std::vector<std::pair<Eigen::Vector2d, Facet>>& facets, const std::vector<FacetView>& views,
-                  const OrientationCovariance& orientations);
+                  const OrientationCovariance& orientations, double max_sigma);
 
 /// `rows`, derivatives of lengths by the orientations, times a root of their joint covariance: F with F Fᵀ = rows Σ
 /// rowsᵀ, in as few columns as hold all but `lost` of the variance. Throws as add_systematic_part().

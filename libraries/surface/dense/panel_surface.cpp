@@ -192,6 +192,9 @@ std::string stands_before(const PanelFace& face, const std::vector<Sample>& samp
       100 * static_cast<double>(behind.size()) / static_cast<double>(cells.filled), 1e3 * upper_median(behind));
 }
 
+/// Cells known so many times less surely than the panel's median say nothing of its form that the others do not.
+constexpr double kUnsure = 5;
+
 /// Cells of the face with the mean of their points: for coverage and straightedges.
 HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, const std::vector<MeasuredTile>& tiles,
                    const std::vector<char>& counts, double widened, const PanelOptions& options) {
@@ -213,6 +216,7 @@ HeightGrid grid_of(const PanelFace& face, const std::vector<Sample>& samples, co
     }
     grid.add({s.u, s.v}, s.h, s.sigma * widened, common);
   }
+  grid.leave_out_unsure(kUnsure);
   return grid;
 }
 
@@ -265,26 +269,46 @@ struct CellMisfit {
 };
 
 /// Of the cells along one edge: the median of each and of the one behind it, carried on to the edge by a straight line.
+/// Where one of the two lies off by more than any bent edge, something stands before the panel (a tag's plate, a
+/// clamp): that says nothing of the panel's edge, unless it is so along half of it.
 class AtTheEdge {
  public:
   AtTheEdge(double border, double size) : further_(border / size + 0.5) {}
   void add(const CellMisfit& outer, const CellMisfit& inner) {
     if (outer.residuals.empty() || inner.residuals.empty()) return;
-    const double off = (1 + further_) * upper_median(outer.residuals) - further_ * upper_median(inner.residuals);
-    squares_ += off * off, ++count_;
-    noise_ += std::pow(1 + further_, 2) * outer.variance() + std::pow(further_, 2) * inner.variance();
+    constexpr double something_else = 0.01;  // [m]
+    const double here = upper_median(outer.residuals), behind = upper_median(inner.residuals);
+    Sums& sums = std::max(std::abs(here), std::abs(behind)) > something_else ? before_ : own_;
+    sums.squares += std::pow((1 + further_) * here - further_ * behind, 2), ++sums.count;
+    sums.noise += std::pow(1 + further_, 2) * outer.variance() + std::pow(further_, 2) * inner.variance();
   }
   /// Rms beyond what noise makes; none where it may be noise (two standard deviations of a mean of squares).
   double rms() const {
     constexpr double least = 4, sure = 2;
-    if (count_ < least) return 0;
-    const double excess = (squares_ - noise_) / count_;
-    return excess > sure * std::sqrt(2 / count_) * noise_ / count_ ? std::sqrt(excess) : 0;
+    const bool all = before_.count > own_.count;
+    const double count = own_.count + (all ? before_.count : 0), noise = own_.noise + (all ? before_.noise : 0);
+    if (count < least) return 0;
+    const double excess = (own_.squares + (all ? before_.squares : 0) - noise) / count;
+    return excess > sure * std::sqrt(2 / count) * noise / count ? std::sqrt(excess) : 0;
   }
 
  private:
-  double further_, squares_ = 0, noise_ = 0, count_ = 0;
+  struct Sums {
+    double squares = 0, noise = 0, count = 0;
+  };
+  double further_;
+  Sums own_, before_;
 };
+
+/// What is known so much less surely than the rest along the edges says nothing of them.
+void leave_out_unsure(std::vector<CellMisfit>& cells, double times) {
+  std::vector<double> weights;
+  for (const CellMisfit& cell : cells)
+    if (cell.weight > 0) weights.push_back(cell.weight);
+  const double least = upper_median(weights) / (times * times);
+  for (CellMisfit& cell : cells)
+    if (cell.weight < least) cell = {};
+}
 
 /// Of all points, also those that the fit left out: what is bent far off lies there together.
 Eigen::Vector4d edge_misfit(const PanelFace& face, const std::vector<Sample>& samples, const Vector6& form,
@@ -299,6 +323,7 @@ Eigen::Vector4d edge_misfit(const PanelFace& face, const std::vector<Sample>& sa
     cells[cell].residuals.push_back(sample.h - base_of(face, sample).dot(form));
     cells[cell].weight += 1 / std::pow(widened * sample.sigma, 2);
   }
+  leave_out_unsure(cells, kUnsure);
   const auto cell = [&](int c, int r) -> const CellMisfit& { return cells[static_cast<size_t>(r) * columns + c]; };
   const double wide = division.across / columns, high = division.up / rows;
   AtTheEdge left(options.border, wide), right = left, below(options.border, high), above = below;

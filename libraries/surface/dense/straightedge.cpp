@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::surface {
 
 HeightGrid::HeightGrid(int columns, int rows, const Eigen::Vector2d& size)
@@ -25,6 +27,16 @@ const HeightGrid::Cell* HeightGrid::filled(int column, int row) const {
   if (column < 0 || column >= columns_ || row < 0 || row >= rows_) return nullptr;
   const Cell& cell = cells_[static_cast<size_t>(row) * columns_ + column];
   return cell.weight > 0 ? &cell : nullptr;
+}
+
+void HeightGrid::leave_out_unsure(double times) {
+  std::vector<double> weights;
+  for (const Cell& cell : cells_)
+    if (cell.weight > 0) weights.push_back(cell.weight);
+  if (weights.empty()) return;
+  const double least = upper_median(weights) / (times * times);
+  for (Cell& cell : cells_)
+    if (cell.weight < least) cell = Cell();
 }
 
 double HeightGrid::coverage() const {

@@ -16,6 +16,10 @@ class HeightGrid {
   /// `common`: the systematic error of the height by the cloud's z [m]. Places outside are left out.
   void add(const Eigen::Vector2d& place, double height, double sigma, const Eigen::VectorXd& common);
 
+  /// Cells whose mean is known `times` less surely than the cells' median become empty: of a cell with one point that
+  /// is hardly known, that point would be the whole height.
+  void leave_out_unsure(double times);
+
   double coverage() const;  ///< share of the cells that have points
 
   /// Straightedges along rows, columns and both diagonals, from every cell; the largest gap, and the largest ones of

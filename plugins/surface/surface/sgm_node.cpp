@@ -59,7 +59,7 @@ void SemiGlobal::measure_face(Context& context, const Photographs& photographs, 
       for (const auto& of_pair : heights) said.push_back(of_pair[cell]);
       facets.emplace_back(at, agreed_facet(grid, cell, found, said, views, options.pair));
     }
-    tiles.push_back(tile_of(face.plane, part, facets, views, photographs.orientations()));
+    tiles.push_back(tile_of(face.plane, part, facets, views, photographs.orientations(), *max_sigma));
     kept.save(tiles.size() - 1, tiles.back());
   }
 }

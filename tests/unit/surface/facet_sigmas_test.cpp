@@ -7,6 +7,9 @@
 #include <cmath>
 #include <random>
 
+#include "geometry/median.hpp"
+#include "surface/dense/facet_tile.hpp"
+
 namespace plumbline::surface {
 namespace facet_sigmas_test {
 
@@ -105,6 +108,30 @@ TEST(FacetSigmas, OfFewPhotographsOrNoneItIsNotKnown) {
   EXPECT_EQ(view_scatter(both).apart, (std::vector<double>{1, 1}));
   EXPECT_NEAR(stated_sigmas(both)[0], 4e-4, 1e-12) << "by its neighbouring places alone";
   EXPECT_EQ(stated_sigmas(both)[1], 0);
+}
+
+/// One whose photographs contradict each other, at the border of a plate before the facade, is a hole and leaves the
+/// others as sure as they are.
+TEST(FacetSigmas, WhatComesOutWorseThanAskedForIsAHole) {
+  std::vector<Facet> facets = MovedPatterns(5).facets(40, 0, 1e-4);
+  std::vector<const Facet*> all;
+  for (const Facet& facet : facets) all.push_back(&facet);
+  const double usual = upper_median(stated_sigmas(all));
+  for (FacetPull& pull : facets[7].pulls) pull.height *= 1e3, pull.moved *= 1e3;
+  EXPECT_LT(facets[7].sigma, 0.002);
+  std::vector<std::pair<Eigen::Vector2d, Facet>> placed;
+  for (size_t i = 0; i < facets.size(); ++i)
+    placed.emplace_back(Eigen::Vector2d(0.02 * static_cast<double>(i), 0), facets[i]);
+  const FacadePlane plane = facade_plane({0, 0, 0}, {0, -1, 0});
+  View away;  // it sees none of it, so that nothing is said of orientations
+  away.cam_from_world.translation = {0, 0, -100};
+  const std::vector<FacetView> views(kViews, FacetView{&away, nullptr});
+  const FacetTile tile = tile_of(plane, {{0, 0}, {0.8, 0.02}}, placed, views, {}, 0.002);
+  EXPECT_EQ(tile.measured.points.size(), 39U);
+  EXPECT_EQ(tile.outcomes[static_cast<size_t>(FacetOutcome::no_agreement)], 1);
+  std::vector<double> sigmas;
+  for (const MeasuredPoint& point : tile.measured.points) sigmas.push_back(static_cast<double>(point.sigma));
+  EXPECT_NEAR(upper_median(sigmas), usual, 0.3 * usual);
 }
 
 }  // namespace facet_sigmas_test

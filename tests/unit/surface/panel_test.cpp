@@ -111,6 +111,37 @@ TEST(Panel, AStepAtAnEdgeThatIsBentSharplyIsUnsure) {
   EXPECT_LT(panel.edge_misfit(0), 1e-4);
 }
 
+/// A tag's plate 30 mm before the panel at a part of its edge is no bent edge.
+TEST(Panel, WhatStandsBeforeAPartOfAnEdgeLeavesItsHeightSure) {
+  const auto plated = [](double u, double v) { return u > 0.46 && std::abs(v) < 0.1 ? 0.03 : 0.0; };
+  const PanelSurface panel = measure_panel(kFace, {points_at(plated)}, {});
+  ASSERT_EQ(panel.not_measured, "");
+  EXPECT_LT(panel.edge_misfit(1), 1e-4);
+  const auto covered = [](double u, double v) { return u > 0.46 && std::abs(v) < 0.35 ? 0.03 : 0.0; };
+  EXPECT_GT(measure_panel(kFace, {points_at(covered)}, {}).edge_misfit(1), 0.005) << "nobody knows the rest of it";
+}
+
+/// Where a cell has one point that is hardly known, the point would be the whole cell.
+TEST(Panel, PointsThatAreHardlyKnownAreNoUnevenness) {
+  MeasuredTile tile;
+  const MeasuredTile all = points_at([](double, double) { return 0.0; });
+  const auto in = [](const Eigen::Vector3d& at, double u, double v) {
+    return std::abs(at.x() - u) < 0.06 && std::abs(at.y() - v) < 0.06;
+  };
+  tile.centre = all.centre;
+  for (const MeasuredPoint& point : all.points) {
+    const Eigen::Vector3d at = kFace.plane.local(all.centre + point.offset.cast<double>());
+    if (!in(at, 0.1, 0) && !in(at, 0.54, 0.2)) tile.points.push_back(point);
+  }
+  for (const auto& [u, v] : {std::pair{0.1, 0.0}, {0.12, 0.03}, {0.57, 0.2}, {0.57, 0.24}})
+    tile.points.push_back({(kFace.plane.world({u, v, -0.009}) - tile.centre).cast<float>(), 0.0019F});
+  const PanelSurface panel = measure_panel(kFace, {tile}, {});
+  ASSERT_EQ(panel.not_measured, "");
+  EXPECT_GT(panel.coverage, 0.9);
+  for (const Gap& gap : panel.flatness) EXPECT_LT(gap.gap, 0.0005) << gap.length;
+  EXPECT_LT(panel.edge_misfit.maxCoeff(), 1e-4);
+}
+
 /// Waves of a sheet, or a scanner's own errors, are the same for many neighbouring points.
 TEST(Panel, WhatIsOffTogetherDoesNotAverageOutPointByPoint) {
   double of_bow = 0, flat = 0;
