@@ -477,8 +477,19 @@ class Judge {
     if (verdict->verdict == ToleranceVerdict::undecided && asked.limit.quantity == SurfaceQuantity::shift &&
         is_beyond(places, asked.limit))
       verdict->verdict = ToleranceVerdict::fail;
+    if (verdict->verdict == ToleranceVerdict::pass) name_extreme(places, asked.limit.quantity, *verdict);
     if (verdict->verdict == ToleranceVerdict::pass) doubt(joint, asked.limit, *verdict);
     return verdict;
+  }
+
+  /// Where all places keep the limit, the narrowest (widest) place is the narrowest one, and not the one known least
+  /// surely.
+  static void name_extreme(const std::vector<PlaceValue>& places, SurfaceQuantity quantity, SurfaceVerdictT& verdict) {
+    if (quantity != SurfaceQuantity::narrowest && quantity != SurfaceQuantity::widest) return;
+    const auto less = [](const PlaceValue& a, const PlaceValue& b) { return a.value < b.value; };
+    const auto at = quantity == SurfaceQuantity::narrowest ? std::min_element(places.begin(), places.end(), less)
+                                                           : std::max_element(places.begin(), places.end(), less);
+    verdict.value = at->value, verdict.sigma = at->sigma, verdict.along = at->along;
   }
 
   /// What passes where it was measured, and is not known where it was not.

@@ -27,11 +27,11 @@ std::optional<GapEdges> fit_gap(const std::vector<double>& samples, double first
   const int count = to - from + 1;
   if (count < 12 || !(second > first)) return std::nullopt;
   const auto at = [&](int i) { return samples[i]; };
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Unknowns = Eigen::Matrix<double, 6, 1>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   // Levels of the left, the middle and the right, both places, blur.
   const int middle = static_cast<int>(std::lround(0.5 * (first + second)));
-  Vector6 x;
+  Unknowns x;
   x << 0.5 * (at(from) + at(from + 1)), at(middle), 0.5 * (at(to) + at(to - 1)), first, second, 2.0;
   Matrix6 normal;
   double squares = 0;
@@ -39,12 +39,12 @@ std::optional<GapEdges> fit_gap(const std::vector<double>& samples, double first
   const auto density = [](double t) { return std::exp(-0.5 * t * t) / std::sqrt(2 * M_PI); };
   for (int step = 0; step < 40; ++step) {
     normal.setZero();
-    Vector6 right = Vector6::Zero();
+    Unknowns right = Unknowns::Zero();
     squares = 0;
     for (int i = from; i <= to; ++i) {
       const double s = (i - x(3)) / x(5), t = (i - x(4)) / x(5);
       const double a = phi(s), b = phi(t), da = density(s), db = density(t);
-      Vector6 row;
+      Unknowns row;
       row << 1 - a, a - b, b, -(x(1) - x(0)) * da / x(5), -(x(2) - x(1)) * db / x(5),
           -((x(1) - x(0)) * da * s + (x(2) - x(1)) * db * t) / x(5);
       const double residual = at(i) - x(0) * (1 - a) - x(1) * (a - b) - x(2) * b;
@@ -54,7 +54,7 @@ std::optional<GapEdges> fit_gap(const std::vector<double>& samples, double first
     }
     Matrix6 damped = normal;
     damped.diagonal() *= 1 + 1e-6;
-    Vector6 change = damped.ldlt().solve(right);
+    Unknowns change = damped.ldlt().solve(right);
     if (!change.allFinite()) return std::nullopt;
     change.segment<2>(3) = change.segment<2>(3).cwiseMax(-1.5).cwiseMin(1.5);
     x += change;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 namespace plumbline::surface {
@@ -94,6 +95,28 @@ std::string no_plane(double sag) {
       1e3 * sag);
 }
 
+/// What each panel is called, by its number among the elements: its name, and where panels share one (families of
+/// Revit and Tekla) what tells them apart, their tags, or where those do not their GlobalIds.
+std::vector<std::string> names_of_panels(const DesignT& design, const std::set<std::string>& wholes) {
+  std::map<std::string, std::vector<size_t>> by_name;
+  std::vector<std::string> names(design.elements.size());
+  for (size_t e = 0; e < names.size(); ++e) {
+    const DesignElementT& element = *design.elements[e];
+    if (!element.is_panel || wholes.contains(element.guid)) continue;
+    names[e] = element.name.empty() ? element.guid : element.name;
+    by_name[names[e]].push_back(e);
+  }
+  for (const auto& [name, panels] : by_name) {
+    if (panels.size() < 2) continue;
+    std::set<std::string> tags;
+    for (const size_t e : panels) tags.insert(design.elements[e]->tag);
+    const bool by_tag = tags.size() == panels.size() && !tags.contains("");
+    for (const size_t e : panels)
+      names[e] += " [" + (by_tag ? design.elements[e]->tag : design.elements[e]->guid) + "]";
+  }
+  return names;
+}
+
 }  // namespace
 
 std::set<std::string> wholes_of_panels(const DesignT& design) {
@@ -131,9 +154,11 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from) {
   Faces result;
   const std::set<std::string> wholes = wholes_of_panels(design);
-  for (const auto& element : design.elements) {
+  const std::vector<std::string> names = names_of_panels(design, wholes);
+  for (size_t e = 0; e < names.size(); ++e) {
+    const auto& element = design.elements[e];
     if (!element->is_panel || wholes.contains(element->guid)) continue;
-    const std::string name = element->name.empty() ? element->guid : element->name;
+    const std::string& name = names[e];
     const Eigen::Vector3d size = element->box_high - element->box_low;
     if (!size.allFinite() || !(size.minCoeff() >= 0)) {
       result.left_out.push_back(

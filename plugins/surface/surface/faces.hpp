@@ -44,7 +44,8 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
 /// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
 /// design's one facade; else it is left out, because nobody knows which side is outside. So is one whose outer side the
 /// design itself makes no plane (a curved or folded panel), with by how much, or no rectangle, and of wholes of other
-/// panels nothing is said.
+/// panels nothing is said. Panels that share a name are called "NAME [tag]", where tags tell them apart, else
+/// "NAME [GlobalId]".
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
 /// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.

@@ -5,6 +5,7 @@
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 
@@ -84,7 +85,9 @@ struct Panels : Node {
     SurfacesT result;
     result.rank = given.rank, result.warnings = given.warnings, result.place_doubt = given.place_doubt;
     result.left_out = std::move(given.left_out);
-    if (given.rank == 0)
+    const bool any =
+        std::any_of(given.tiles.begin(), given.tiles.end(), [](const auto& tile) { return tile->points > 0; });
+    if (given.rank == 0 && any)
       context.warn(
           "the points come without systematic errors: what is stated of a panel's place is how well it is measured "
           "among its neighbours, not where it is");

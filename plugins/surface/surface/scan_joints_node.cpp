@@ -9,6 +9,7 @@
 
 #include "panels_node.hpp"
 #include "plumbline/failure.hpp"
+#include "surface/dense/common_place.hpp"
 #include "surface/dense/scan_joint.hpp"
 #include "surface/dense/scan_strips.hpp"
 #include "surface_artifacts.hpp"
@@ -104,6 +105,10 @@ void ScanJoints::run(Context& context) {
     const std::string words = beside_its_place(strips, joints, found);
     if (!words.empty()) context.warn("nothing will be judged: " + words);
     if (result.place_doubt.empty()) result.place_doubt = words;
+  }
+  if (const std::string words = words_of_common_places(common_places(faces, measured, joints, found)); !words.empty()) {
+    context.warn(words);
+    result.warnings.push_back(words);
   }
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {

@@ -145,6 +145,24 @@ TEST(Faces, WhatConsistsOfPanelsIsNoneItself) {
   EXPECT_TRUE(faces.left_out.empty());
 }
 
+/// Families call all their panels alike, and somebody has to find the one that failed.
+TEST(Faces, PanelsOfOneNameAreToldApart) {
+  DesignT design = two_facades(true);
+  for (auto& element : design.elements) element->name = "PANEL";
+  const auto ids = [&] {
+    std::vector<std::string> found;
+    for (const PanelFace& face : faces_of(design, {}).faces) found.push_back(face.id);
+    return found;
+  };
+  EXPECT_EQ(ids(), (std::vector<std::string>{"PANEL [S-guid]", "PANEL [N-guid]"}));
+  design.elements[0]->tag = "17", design.elements[1]->tag = "17";
+  EXPECT_EQ(ids(), (std::vector<std::string>{"PANEL [S-guid]", "PANEL [N-guid]"})) << "one tag for both tells nothing";
+  design.elements[1]->tag = "18";
+  EXPECT_EQ(ids(), (std::vector<std::string>{"PANEL [17]", "PANEL [18]"}));
+  design.elements[1]->name = "OTHER";
+  EXPECT_EQ(ids(), (std::vector<std::string>{"PANEL", "OTHER"}));
+}
+
 TEST(Faces, ThePlaneOfPointsNeedsSomeoneWhoLooksAtIt) {
   PointsT points;
   for (const Eigen::Vector3d& place : {Eigen::Vector3d(0, 0, 0), {2, 0, 0}, {2, 0, 3}, {0, 0.001, 3}}) {

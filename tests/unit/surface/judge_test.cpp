@@ -237,6 +237,20 @@ TEST(JudgeSurfaces, AJointThatIsClosedSomewhereDoesNotPass) {
   }
 }
 
+/// Somebody goes there to look.
+TEST(JudgeSurfaces, TheNarrowestPlaceIsTheNarrowestOneWhereAllKeepTheLimit) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint({0.012, 0.0092, 0.025, 0.020}, 3e-4));
+  what.joints[0]->places[2]->width_sigma = 0.008;
+  const auto result = judged(what, {"*: narrowest=1mm, widest=60mm"});
+  ASSERT_EQ(result.verdicts.size(), 2U);
+  EXPECT_EQ(result.verdicts[0]->verdict, ToleranceVerdict::pass);
+  EXPECT_NEAR(result.verdicts[0]->value, 0.0092, 1e-12);
+  EXPECT_NEAR(result.verdicts[0]->along, 0.02, 1e-12);
+  EXPECT_LT(result.verdicts[0]->probability, 0.9999) << "the probability is of all places";
+  EXPECT_NEAR(result.verdicts[1]->value, 0.025, 1e-12);
+}
+
 TEST(JudgeSurfaces, TheWorstPlaceIsTheFurthestWhereAllFail) {
   SurfacesT what = surfaces();
   what.joints.push_back(joint({0.030, 0.034, 0.031}, 1e-4));
