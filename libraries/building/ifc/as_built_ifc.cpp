@@ -94,6 +94,10 @@ void AsBuiltWriter::write_provenance() {
       set.label(name, value);
   }
   if (options_.image_count >= 0) set.integer("ImageCount", options_.image_count, "Images that took part");
+  if (options_.reading_count >= 0)
+    set.integer("ReadingCount", options_.reading_count, "Readings of the survey that took part");
+  if (options_.reading_count >= 0 && options_.readings_left_out > 0)
+    set.integer("ReadingsLeftOut", options_.readings_left_out, "Readings that were read and left out");
   set.labels("InputSha256", options_.input_hashes, "Files that were read, with their SHA-256");
   set.labels("UnusedSha256", options_.unused_hashes,
              "Photographs and survey files that lay in the folder and were left out on purpose, with their SHA-256");

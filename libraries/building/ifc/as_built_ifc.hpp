@@ -33,6 +33,8 @@ struct AsBuiltIfcOptions {
   std::vector<std::string> input_hashes;   ///< "path sha256" of every file that was read, photographs included
   std::vector<std::string> unused_hashes;  ///< the same of evidence that was set aside
   std::int64_t image_count = -1;           ///< images that took part; below 0: not known
+  std::int64_t reading_count = -1;         ///< readings of the survey that took part; below 0: not known
+  std::int64_t readings_left_out = 0;      ///< and those that were read beside them
   const SurfacesT* surfaces = nullptr;     ///< panels and joints as they were measured; null: they were not
   const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null: they were not judged
 };

@@ -269,6 +269,7 @@ static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const Adj
       model = make_model(rest, options, control, simple_start);
       NetworkResult result = Adjuster(model, options).run(kept);
       result.left_out = left_out;
+      result.readings -= static_cast<int>(oriented.size());  // nobody read what is held of them
       result.findings.insert(result.findings.begin() + result.compares_known_points(), said.begin(), said.end());
       return result;
     } catch (const NetworkError& error) {

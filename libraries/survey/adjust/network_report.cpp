@@ -89,6 +89,7 @@ void Adjuster::report_rows(const Pass& pass, NetworkResult& result) const {
   std::vector<int> position(result.rows.size(), -1);
   for (size_t row = 0; row < result.rows.size(); ++row) {
     if (row < m_.dropped.size() && m_.dropped[row]) continue;
+    if (!result.rows[row].removed) result.readings += result.rows[row].readings;
     position[row] = static_cast<int>(rows.size());
     rows.push_back(std::move(result.rows[row]));
   }

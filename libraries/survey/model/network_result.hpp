@@ -33,6 +33,7 @@ struct ResultRow {
   int group = 0;
   bool removed = false, flagged = false, removable = false;
   int sets = 1;
+  int readings = 0;  ///< of the files that it comes from; 0: none, or counted with the first component
   SourcePosition source;
   std::vector<std::string> corrections;
   std::string external_point;
@@ -133,6 +134,7 @@ struct NetworkResult {
   least_squares::Cofactors cofactors;
   double variance_factor = 1;
   Eigen::MatrixXd null_space;  ///< of the network without datum (unknowns x defect)
+  int readings = 0;            ///< of the files, each face and set by itself, that the result rests on
   int observations = 0, unknowns = 0, defect = 0, degrees_of_freedom = 0, iterations = 0;
   double sum_of_squares = 0;  ///< v' P v
   double sigma0 = 1;          ///< a posteriori, of unit weight

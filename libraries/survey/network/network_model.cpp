@@ -254,6 +254,7 @@ void make_rows(NetworkModel& m) {
     row.detail = o.second_to;
     row.value = o.value;
     row.sets = mean.sets;
+    row.readings = static_cast<int>(mean.members.size());
     row.source = o.source;
     row.corrections = o.corrections;
     row.group = group_of(o.kind);
@@ -272,6 +273,7 @@ void make_rows(NetworkModel& m) {
       for (int axis = 0; axis < 3; ++axis) {
         m.rows.push_back(given_row("vector", g.vectors[k].from, g.vectors[k].to, axis,
                                    g.values[static_cast<Eigen::Index>(3 * k) + axis], g.source, kGiven));
+        m.rows.back().readings = axis == 0;
         if (g.is_geocentric) m.rows.back().detail = std::string(1, "XYZ"[axis]);
       }
   }
@@ -283,6 +285,7 @@ void make_rows(NetworkModel& m) {
           given_row("local_coordinate", set_up.station, c.point, axis, c.position[axis], c.source, kLocalCoordinates);
       row.detail = std::string(1, "xyz"[axis]);
       row.set_up = set_up.id;
+      row.readings = axis == 0;
       row.corrections = c.corrections;
       m.rows.push_back(std::move(row));
     }

@@ -1,4 +1,5 @@
 // bim.read_ifc and bim.write_ifc: the design in, the as-built state out; match.elements between them.
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 
@@ -12,6 +13,7 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
+#include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "building/ifc/as_built_ifc.hpp"
 #include "building/ifc/bcf.hpp"
@@ -98,7 +100,7 @@ struct ReadIfc : Node {
 };
 
 struct WriteIfc : Node {
-  static constexpr Info info{"bim.write_ifc", "bim_writer", 5,
+  static constexpr Info info{"bim.write_ifc", "bim_writer", 6,
                              "Writes (14) and dz into a copy of the design IFC, as property sets and small solids"};
   In<plumbline::File> design_file{"design_file", "the design IFC; its own lines stay as they are"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "what bim.read_ifc read from that file"};
@@ -108,6 +110,8 @@ struct WriteIfc : Node {
                                       "the survey as read: instrument and date of the provenance"};
   Optional<InputFiles> inputs{"inputs", "the files that were read, for their hashes, and what was set aside"};
   Optional<Block> block{"block", frame("frame=?B"), "the adjustment of the images: how many of them took part"};
+  Optional<SurveyNetwork> network{"network", frame("frame=?N"),
+                                  "the adjusted survey: how many of its readings took part"};
   Optional<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints as they were measured"};
   Param<bool> survey_points{"survey_points", true, "an IfcAnnotation at every measured position"};
   Param<bool> solids{"solids", true, "a small solid of the verdict's colour there, and a thin one for every panel"};
@@ -154,6 +158,8 @@ struct WriteIfc : Node {
       }
       if (run.empty()) run = derived_ifc_guid(read.project_guid, all);
       options.image_count = block && block->images() ? block->images()->size() : inputs->images();
+      if (network) options.readings_left_out = network->readings_left_out();
+      options.reading_count = std::max<std::int64_t>(0, inputs->readings() - options.readings_left_out);
     }
     options.provenance = {{"Method", *method},
                           {"Instrument", instrument_name},

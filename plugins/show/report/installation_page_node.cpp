@@ -1,5 +1,6 @@
 #include "show/report/installation_page_node.hpp"
 
+#include "artifacts/input_files_text.hpp"
 #include "show/report/installation_page.hpp"
 #include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
@@ -41,7 +42,8 @@ void ReportInstallation::run(Context&) {
     write_items(html, planned, reached);
     if (network) write_network(html, network_page(network.unpack()), control_check ? &control : nullptr);
     ReportInput run;
-    add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), run);
+    add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(),
+                    used_of(network), run);
     run.provenance.emplace_back("Plan rests on", "measurement " + planned.basis);
     run.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
     add_nodes(*pipeline, run.provenance);

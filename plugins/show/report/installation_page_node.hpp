@@ -15,7 +15,7 @@ namespace plumbline::report {
 
 struct ReportInstallation : Node {
   static constexpr Info info{
-      "report.installation", "", 3,
+      "report.installation", "", 4,
       "One offline HTML file about an execution loop: what to do next by floor and robot, states "
       "over rounds, what was done again and why"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan of the last round"};

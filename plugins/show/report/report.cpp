@@ -104,7 +104,7 @@ void add_nodes(const std::string& pipeline, std::vector<Fact>& facts) {
       facts.emplace_back("Node " + line.substr(0, colon), line.substr(colon + 2));
 }
 
-void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, ReportInput& input) {
+void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, const UsedInputs& used, ReportInput& input) {
   const auto source = [](const InputFileT& file) { return SourceFile{file.path, file.sha256, file.size, file.use}; };
   std::set<std::string> adjusted;
   if (input.block)
@@ -117,10 +117,10 @@ void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, Repor
   }
   for (const auto& file : unread.files) input.unread.push_back(source(*file));
   if (inputs.files.empty()) return;
-  const long used = input.block ? static_cast<long>(adjusted.size()) : -1;
-  const std::string none = inputs.images == 0 && used < 0 ? count(0, "photograph", "photographs") + ", "
-                                                          : "";  // the terminal leaves them out
+  const std::string none = inputs.images == 0 && used.images < 0 ? count(0, "photograph", "photographs") + ", "
+                                                                 : "";  // the terminal leaves them out
   input.provenance.emplace_back("Took part", none + what_took_part(inputs, used) + " of the folder");
+  if (!used.exclusions.empty()) input.provenance.emplace_back("Left out of the readings", few_names(used.exclusions));
 }
 
 void write_provenance(Markup& html, const ReportInput& input) {
@@ -142,7 +142,8 @@ void write_provenance(Markup& html, const ReportInput& input) {
   }
   write_files(html, input.files, "that the run read");
   write_files(html, input.set_aside, "set aside by 'unused' in campaign.yaml");
-  write_files(html, input.unread, "in the folder that were not read");
+  write_files(html, input.unread,
+              input.unread.size() == 1 ? "in the folder that was not read" : "in the folder that were not read");
 }
 
 namespace {

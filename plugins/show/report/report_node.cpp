@@ -117,18 +117,10 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
   }
 }
 
-/// What somebody asked to leave out of the survey, in the words of the parameter `exclude`; `network` is an input.
-std::vector<std::string> exclusions_of(const auto& network) {
-  std::vector<std::string> all;
-  if (network && network->exclusions())
-    for (const auto* text : *network->exclusions()) all.push_back(text->str());
-  return all;
-}
-
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 6,
+  static constexpr Info info{"report.html", "", 7,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -192,9 +184,8 @@ struct ReportHtml : Node {
     input.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
     if (photographs) input.photographs = read_photographs(context, photographs.unpack());
     add_nodes(*pipeline, input.provenance);
-    add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), input);
-    if (const std::string left_out = few_names(exclusions_of(network)); !left_out.empty())
-      input.provenance.emplace_back("Left out of the readings", left_out);
+    add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(),
+                    used_of(network, used_images(block)), input);
     FileT file;
     file.name = "report.html", file.media_type = "text/html";
     const std::string html = render_report(input);
@@ -204,7 +195,7 @@ struct ReportHtml : Node {
 };
 
 struct ReportSummary : Node {
-  static constexpr Info info{"report.summary", "", 4, "Writes the result of an evaluation as a few lines of text"};
+  static constexpr Info info{"report.summary", "", 5, "Writes the result of an evaluation as a few lines of text"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};
   Optional<AsBuiltChanges> changes{"changes", frame("frame=?F"), "what became of anchors since the campaign before"};
@@ -227,10 +218,9 @@ struct ReportSummary : Node {
     std::optional<InputFilesT> read, left;
     if (inputs) read = inputs.unpack();
     if (unread) left = unread.unpack();
-    const long used = block && block->images() ? static_cast<long>(block->images()->size()) : -1;
-    const std::string text =
-        summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
-        spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used, exclusions_of(network)));
+    const std::string text = summary_text(accuracy.unpack(), built ? &*built : nullptr, changed ? &*changed : nullptr) +
+                             spoken_lines(words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr,
+                                                          used_of(network, used_images(block))));
     file.content.assign(text.begin(), text.end());
     out.commit(file);
   }

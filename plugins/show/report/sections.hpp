@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "artifacts/input_files.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/survey_plan.hpp"
 #include "building/judgement/worst_first.hpp"
 #include "show/report/markup.hpp"
@@ -131,7 +132,7 @@ void write_plan(Markup& html, const SurveyPlanT& plan);
 /// A line for each node of the pipeline (as ${pipeline} gives them): two solvers that give the same bits are still two.
 void add_nodes(const std::string& pipeline, std::vector<Fact>& facts);
 /// What was read, what was set aside and what else lay in the folder: files with their hashes, and a fact that counts.
-void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, ReportInput& input);
+void add_input_files(const InputFilesT& inputs, const InputFilesT& unread, const UsedInputs& used, ReportInput& input);
 void write_provenance(Markup& html, const ReportInput& input);
 
 }  // namespace plumbline::report

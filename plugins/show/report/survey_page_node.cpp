@@ -1,5 +1,6 @@
 #include "show/report/survey_page_node.hpp"
 
+#include "artifacts/input_files_text.hpp"
 #include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/sections.hpp"
@@ -33,7 +34,8 @@ void ReportSurvey::run(Context&) {
     if (network) write_network(html, page_of_network(), control_check ? &control : nullptr);
     if (!pipeline->empty() || inputs) {
       ReportInput run;
-      add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(), run);
+      add_input_files(inputs ? inputs.unpack() : InputFilesT(), unread ? unread.unpack() : InputFilesT(),
+                      used_of(network), run);
       run.provenance.emplace_back("Program", std::string("Plumbline ") + PLUMBLINE_BUILD_ID);
       add_nodes(*pipeline, run.provenance);
       write_provenance(html, run);

@@ -13,7 +13,7 @@
 namespace plumbline::report {
 
 struct ReportSurvey : Node {
-  static constexpr Info info{"report.survey", "", 3,
+  static constexpr Info info{"report.survey", "", 4,
                              "One offline HTML file about a survey: plan, network, control points, epochs"};
   Optional<SurveyPlan> plan{"plan", frame("frame=?F"), "a judged plan"};
   Optional<SurveyComparison> epochs{"epochs", frame("frame=?F"), "two epochs compared"};

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "artifacts/fitted_datum.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
@@ -84,6 +85,16 @@ std::vector<std::pair<size_t, size_t>> chosen_pairs(const NetworkResult& r, cons
     pairs.emplace_back(number(a), number(b));
   }
   return pairs;
+}
+
+/// Measured values, as readers count them: what is known of coordinates is none.
+int readings_of(const std::vector<SurveyObservations>& surveys) {
+  size_t n = 0;
+  for (const SurveyObservations& s : surveys) {
+    n += s.observations.size() + s.local_coordinates.size();
+    for (const VectorGroup& group : s.vectors) n += group.vectors.size();
+  }
+  return static_cast<int>(n);
 }
 
 std::string without_joint_covariance(const NetworkResult& r) {
@@ -211,6 +222,10 @@ void AdjustNode::run(Context& context) {
   tables.instrument = instruments_in_words(survey);
   tables.date = survey.info.date;
   tables.files = survey.files, tables.exclusions = *exclude;
+  tables.readings = readings_of(surveys);
+  tables.readings_left_out = std::max(0, tables.readings - result.readings);
+  if (tables.readings_left_out > 0)  // a pipeline without a summary says it, too
+    context.info("took part: " + counted_readings(tables.readings, tables.readings_left_out));
   network.commit(tables);
 }
 

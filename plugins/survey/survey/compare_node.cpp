@@ -201,10 +201,7 @@ void CompareEpochsNode::run(Context& context) {
   const std::vector<std::string> not_followed =
       names_not_followed({{"the first epoch", before.ids}, {"the second epoch", after.ids}});
   for (const std::string& words : not_followed) context.warn(words);
-  if (c.variances.degrees_of_freedom > 0)
-    context.warn(c.variances.text);
-  else
-    context.info(c.variances.text);
+  if (c.variances.degrees_of_freedom > 0) context.warn(c.variances.text);  // else the remark below says it
   SurveyComparisonT out = to_artifact(c, options);
   std::vector<Eigen::Vector3d> places, sigmas;
   for (const Movement& m : c.movements) places.push_back(m.position), sigmas.push_back(m.sigma);

@@ -37,8 +37,13 @@ void TablesNode::run(Context& context) {
   std::optional<InputFilesT> read, left;
   if (inputs) read = inputs.unpack();
   if (unread) left = unread.unpack();
-  verdict.commit(file_of("verdict.txt", "text/plain",
-                         verdict_text(result) + words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr)));
+  const UsedInputs used{-1, result.readings_left_out, result.exclusions};
+  std::string text = verdict_text(result);
+  if (!read && result.readings > 0)
+    text += "Took part: " + counted_readings(result.readings, result.readings_left_out) + ", " +
+            counted(static_cast<long>(result.files.size()), "file", "files") + ".\n";
+  text += words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr, used);
+  verdict.commit(file_of("verdict.txt", "text/plain", text));
   if (*full_covariance && all.covariance.empty())
     throw std::runtime_error(
         "'full_covariance' is wanted, and 'points' has no joint covariance: give covariance=full to the adjustment");

@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct TablesNode : Node {
-  static constexpr Info info{"survey.tables", "", 3,
+  static constexpr Info info{"survey.tables", "", 4,
                              "Writes adjusted coordinates, and what neighbouring markers are known relative to each "
                              "other, as CSV for a spreadsheet"};
   In<Points> points{"points", frame("frame=?S"), "the adjusted points in E, N, H, with covariance"};

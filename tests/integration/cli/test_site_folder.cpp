@@ -1,6 +1,7 @@
 // A site's folder as people have it: with the results of earlier runs in it, with files that nothing names, with what
 // computers leave beside the photographs.
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 
 #include "program.hpp"
@@ -89,7 +90,7 @@ TEST_F(SiteFolder, WhatIsNotReadIsNotProvedRead) {
   EXPECT_TRUE(contains(ifc, "plates.csv "));
   EXPECT_FALSE(contains(ifc, "docx"));
   const std::string page = read_file(plumbline.work() / "with_notes/report.html");
-  EXPECT_TRUE(contains(page, "in the folder that were not read, with SHA-256"));
+  EXPECT_TRUE(contains(page, "file in the folder that was not read, with SHA-256"));
   EXPECT_TRUE(contains(page, "that the run read"));
 }
 
@@ -105,12 +106,23 @@ std::string grey(std::string jpeg) {
   return jpeg;
 }
 
-/// The terminal said "12 of 13 photographs", the page and the IFC counted 13; readings that were excluded "took part".
+/// The number that stands before the first of these words; -1: none.
+long number_before(const std::string& text, const std::string& words) {
+  const std::size_t end = text.find(words);
+  if (end == std::string::npos) return -1;
+  std::size_t at = end;
+  while (at > 0 && std::isdigit(static_cast<unsigned char>(text[at - 1]))) --at;
+  return at == end ? -1 : std::stol(text.substr(at, end - at));
+}
+
+/// The terminal said "12 of 13 photographs", the page and the IFC counted 13; readings that were excluded "took part",
+/// and were not counted.
 TEST_F(SiteFolder, WhatIsLeftOutTakesNoPart) {
   write("images/sky.jpg", grey(read_file(site() / "images/F01-04.jpg")));
   const Answer all = process("all", {"poses.with.on_too_few=skip"});
   ASSERT_TRUE(contains(all.out, "Took part: 4 of 5 photographs, ")) << all.out << all.err;
   EXPECT_FALSE(contains(all.out, "Left out of the readings")) << all.out;
+  const long read = number_before(all.out, " readings, ");
   const std::string page = read_file(plumbline.work() / "all/report.html");
   EXPECT_TRUE(contains(page, "4 of 5 photographs, ")) << page.substr(page.find("Took part"), 200);
   EXPECT_TRUE(contains(page, "photograph, left out"));
@@ -120,7 +132,19 @@ TEST_F(SiteFolder, WhatIsLeftOutTakesNoPart) {
       "fewer", {"poses.with.on_too_few=skip", "language=de", "network.with.exclude=[point F01-C02-R1: knocked]"});
   EXPECT_TRUE(contains(fewer.out, "Von den Ablesungen ausgenommen: point F01-C02-R1: knocked."))
       << fewer.out << fewer.err;
+  // The set-ups' readings are the same, but for those to the point: each is counted, faces and sets by themselves.
+  EXPECT_EQ(number_before(fewer.out, " Ablesungen, "), read);
+  const long used = number_before(fewer.out, " von " + std::to_string(read) + " Ablesungen, ");
+  EXPECT_GT(used, read / 2) << fewer.out;
+  EXPECT_LT(used, read) << fewer.out;
+  EXPECT_EQ((read - used) % 3, 0) << "a direction, a zenith angle and a distance each";
+  const std::string ifc = read_file(plumbline.work() / "fewer/as_built.ifc");
+  EXPECT_TRUE(contains(ifc, "'Readings of the survey that took part',IFCINTEGER(" + std::to_string(used) + ")"));
+  EXPECT_TRUE(contains(ifc, "'Readings that were read and left out',IFCINTEGER(" + std::to_string(read - used) + ")"));
+  EXPECT_TRUE(contains(read_file(plumbline.work() / "fewer/summary.txt"),
+                       std::to_string(used) + " von " + std::to_string(read) + " Ablesungen, "));
   const std::string german = read_file(plumbline.work() / "fewer/report.html");
+  EXPECT_TRUE(contains(german, std::to_string(used) + " von " + std::to_string(read) + " Ablesungen, "));
   EXPECT_TRUE(contains(german, "Von den Ablesungen ausgenommen"));
   EXPECT_TRUE(contains(german, "Foto, nicht beteiligt"));
 }

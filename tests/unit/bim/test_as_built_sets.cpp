@@ -148,6 +148,8 @@ const std::map<std::string, Properties> expected = {
       {"InputSha256", "a 1 b 2"},
       {"Method", "how"},
       {"ObservationTime", "2026-05-12T10:00:00"},
+      {"ReadingCount", "805"},
+      {"ReadingsLeftOut", "35"},
       {"UnusedSha256", "c 3"}}},
     {"F1-C1/ASB_Uncertainty",
      {{"CovarianceUpper_mm2", "0.04 0.01 0.02 0.09 0.03 0.16"},
@@ -262,6 +264,7 @@ TEST(AsBuiltSets, EveryPropertyIsTheFigureOfItsName) {
   AsBuiltIfcOptions options;
   options.provenance = {{"Method", "how"}, {"ObservationTime", "2026-05-12T10:00:00"}};
   options.input_hashes = {"a 1", "b 2"}, options.unused_hashes = {"c 3"}, options.image_count = 12;
+  options.reading_count = 805, options.readings_left_out = 35;
   const AsBuiltIfc result = write_as_built(file, design, deviation, accuracy, options);
   auto found = sets_of(step::File(enriched(file, result), "t.ifc"));
   for (const auto& [set, properties] : expected) EXPECT_EQ(found[set], properties) << set;

@@ -268,6 +268,25 @@ TEST(Exclusions, PointsSetUpsAndLinesWithTheirReason) {
   EXPECT_THROW(parse_exclusion("point M1:  "), std::invalid_argument);
 }
 
+/// Each face and set is a reading, whatever mean it went into; what was excluded, and what tests took out, is none.
+TEST(Exclusions, ReadingsThatTakePartAreCounted) {
+  Field field;
+  const auto all = static_cast<int>(field.survey.observations.size());
+  EXPECT_EQ(field.adjust().readings, all);
+  std::vector<Finding> said;
+  field.options.exclude = {parse_exclusion("point M1: knocked over"), parse_exclusion("line 21: read twice")};
+  const auto rest = without_excluded(field.survey, field.options.exclude, {}, said).observations.size();
+  EXPECT_EQ(field.adjust().readings, static_cast<int>(rest));
+  Field mistaken;
+  mistaken.options.remove_blunders = true;
+  for (Observation& o : mistaken.survey.observations)
+    if (o.kind == ObservationKind::slope_distance && o.to == "M1") {
+      o.value += 0.1;
+      break;
+    }
+  EXPECT_EQ(mistaken.adjust().readings, all - 1);
+}
+
 TEST(Exclusions, CoordinatesVectorsAndLocalCoordinatesGoWithTheirPointAndSetUp) {
   SurveyObservations s = Field().survey;
   CoordinateGroup given;
