@@ -54,18 +54,39 @@ std::string rounds_left_out(const runtime::Graph& graph, const std::vector<runti
          ", are not in this";
 }
 
+/// Reads what lies in files and folders, where the store can take it: a photograph more decides what a run computes.
+runtime::ReadForPlan read_files(const runtime::Graph& graph, const runtime::Registry& registry,
+                                const Options& options) {
+  try {
+    runtime::Store store = open_store(options);
+    return read_for_plan(graph, registry, store);
+  } catch (const runtime::StoreError&) {
+    return {};  // a store that cannot be written serves a plan of what it has
+  }
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + ("'" + names[i] + "'");
+  return text;
+}
+
 }  // namespace
 
 int plan(const Options& options) {
   const runtime::Registry registry = discover();
   const runtime::Graph graph = load(options, registry);
   const auto store = open_store_to_read(options);
-  const auto planned = runtime::plan(graph, *store);
+  const runtime::ReadForPlan read = read_files(graph, registry, options);
+  auto planned = runtime::plan(graph, *store, read);
   size_t running = 0, perhaps = 0, reused = 0;
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
-  for (const auto& p : planned) {
+  for (auto& p : planned) {
     const auto& node = graph.nodes[p.node];
+    const auto failure = read.failures.find(node.name);
+    if (failure != read.failures.end()) p.reasons = {"it fails"};
     const char* const action = !p.runs ? "reuse" : p.is_sure ? "run" : "perhaps";
     ++(!p.runs ? reused : p.is_sure ? running : perhaps);
     json.push_back({{"name", node.name},
@@ -90,12 +111,15 @@ int plan(const Options& options) {
                                             : " to run and " + std::to_string(reused) + " reused for certain; " +
                                                   std::to_string(perhaps) + (perhaps == 1 ? " runs" : " run") +
                                                   " only if what comes in is another";
-    std::printf("%s\n",
-                hanging_lines(graph.file + ": " + std::to_string(running) + counts + rounds_left_out(graph, planned),
-                              terminal_columns())
-                    .c_str());
+    const std::string read_now =
+        read.executed.empty() ? "" : "; " + listed(read.executed) + " read the files for this plan";
+    std::printf("%s\n", hanging_lines(graph.file + ": " + std::to_string(running) + counts +
+                                          rounds_left_out(graph, planned) + read_now,
+                                      terminal_columns())
+                            .c_str());
   }
-  return 0;
+  for (const auto& [name, error] : read.failures) tell(runtime::printable(error));
+  return read.failures.empty() ? 0 : 1;
 }
 
 int draw(const Options& options) {

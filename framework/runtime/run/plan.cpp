@@ -13,6 +13,7 @@ struct Found {
   std::map<std::string, Hashes> outputs;
   std::vector<Metric> metrics;
   bool drew_seed = false;
+  bool known = false;  ///< its outputs are known, though it runs
 };
 
 struct PlannedGraph {
@@ -56,7 +57,7 @@ void explain(const GraphNode& node, const Graph& graph, KeyFields now, const Las
   if (planned.reasons.empty()) planned.reasons.push_back("its result is not in the store any more");
 }
 
-PlannedGraph plan_graph(const Graph& graph, Store& store, const LastKeys& last) {
+PlannedGraph plan_graph(const Graph& graph, Store& store, const LastKeys& last, const ReadForPlan& read) {
   PlannedGraph result{std::vector<PlannedNode>(graph.nodes.size()), std::vector<Found>(graph.nodes.size())};
   std::vector<std::map<std::string, Hashes>> outputs(graph.nodes.size());
   for (size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -65,7 +66,7 @@ PlannedGraph plan_graph(const Graph& graph, Store& store, const LastKeys& last) 
     planned.node = i;
     planned.round = node.round;
     for (const auto& [port, source] : node.inputs)
-      if (result.nodes[source.node].runs)
+      if (result.nodes[source.node].runs && !result.found[source.node].known)
         planned.reasons.push_back("its input '" + port + "' will be recomputed by '" + graph.nodes[source.node].name +
                                   "'");
     if (!planned.reasons.empty()) {
@@ -76,6 +77,10 @@ PlannedGraph plan_graph(const Graph& graph, Store& store, const LastKeys& last) 
     if (!node.kind.node->deterministic) {
       planned.runs = true;
       planned.reasons.push_back("it is not deterministic and always runs");
+      if (const auto now = read.outputs.find(node.name); now != read.outputs.end()) {
+        result.found[i].known = true;
+        result.found[i].outputs = outputs[i] = now->second;
+      }
       continue;
     }
     const auto inputs = inputs_of(node, outputs);
@@ -97,18 +102,18 @@ PlannedGraph plan_graph(const Graph& graph, Store& store, const LastKeys& last) 
 }
 
 /// Round by round, as long as all of it is in the store.
-std::vector<PlannedNode> plan_rounds(const Graph& graph, Store& store, const LastKeys& last) {
+std::vector<PlannedNode> plan_rounds(const Graph& graph, Store& store, const LastKeys& last, const ReadForPlan& read) {
   std::vector<PlannedNode> all;
   RoundsCourse course(graph);
   const auto take = [&](const RoundsCourse::Stage& stage) {
-    PlannedGraph planned = plan_graph(stage.graph, store, last);
+    PlannedGraph planned = plan_graph(stage.graph, store, last, read);
     bool known = true;
     for (size_t i = 0; i < stage.nodes.size(); ++i) {
       PlannedNode& node = planned.nodes[i];
       node.node = stage.nodes[i];
-      known = known && !node.runs;
-      if (!node.runs)
-        course.put(node.node, planned.found[i].outputs, planned.found[i].metrics, planned.found[i].drew_seed);
+      const bool there = !node.runs || planned.found[i].known;
+      known = known && there;
+      if (there) course.put(node.node, planned.found[i].outputs, planned.found[i].metrics, planned.found[i].drew_seed);
       all.push_back(std::move(node));
     }
     return known;
@@ -132,9 +137,9 @@ std::vector<PlannedNode> plan_rounds(const Graph& graph, Store& store, const Las
 
 }  // namespace
 
-std::vector<PlannedNode> plan(const Graph& graph, Store& store) {
+std::vector<PlannedNode> plan(const Graph& graph, Store& store, const ReadForPlan& read) {
   const LastKeys last = last_keys(store, graph);
-  return graph.rounds.most > 0 ? plan_rounds(graph, store, last) : plan_graph(graph, store, last).nodes;
+  return graph.rounds.most > 0 ? plan_rounds(graph, store, last, read) : plan_graph(graph, store, last, read).nodes;
 }
 
 }  // namespace plumbline::runtime

@@ -1,10 +1,10 @@
-// What a run would do, and why, without running anything.
+// What a run would do, and why, without computing anything.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "runtime/run/executor.hpp"
+#include "runtime/run/read_for_plan.hpp"
 
 namespace plumbline::runtime {
 
@@ -20,7 +20,8 @@ struct PlannedNode {
 
 /// In the order of Graph::nodes; of a pipeline with rounds round by round, as far as they are in the store. A node
 /// after one that runs cannot be looked up, because its key depends on outputs that are not there yet; it may still be
-/// reused if those come out as before.
-std::vector<PlannedNode> plan(const Graph& graph, Store& store);
+/// reused if those come out as before. Unless it was read for the plan: `read` has the outputs of nodes that always
+/// run.
+std::vector<PlannedNode> plan(const Graph& graph, Store& store, const ReadForPlan& read = {});
 
 }  // namespace plumbline::runtime

@@ -149,6 +149,34 @@ TEST_F(SiteFolder, WhatIsLeftOutTakesNoPart) {
   EXPECT_TRUE(contains(german, "Foto, nicht beteiligt"));
 }
 
+/// "1 to run, 23 more at most, 0 reused" was all that a plan knew of a photograph more, where the run reused five.
+TEST_F(SiteFolder, PlanSaysWhatAPhotographMoreCosts) {
+  fs::rename(site() / "images/F01-04.jpg", plumbline.work() / "later.jpg");
+  ASSERT_EQ(process("out").code, 0);
+  fs::rename(plumbline.work() / "later.jpg", site() / "images/F01-04.jpg");
+  const std::vector<std::string> command = {"plan", pipelines + "site_campaign.yaml", "folder=site"};
+  const Answer plan = plumbline(command);
+  ASSERT_EQ(plan.code, 0) << plan.err;
+  EXPECT_TRUE(contains(plan.out, "tags (detect.apriltag)")) << plan.out;
+  EXPECT_TRUE(contains(plan.out, "1 of 4 items; ")) << plan.out;
+  EXPECT_TRUE(contains(plan.out, "; 'site' and 'campaign' read the files for this plan")) << plan.out;
+  const long sure = number_before(plan.out, " to run and "), reused = number_before(plan.out, " reused for certain; "),
+             perhaps = number_before(plan.out, " run only if ");
+  EXPECT_EQ(sure, 1) << plan.out;
+  // Planned once more nothing has to be read.
+  EXPECT_FALSE(contains(plumbline(command).out, "read the files")) << plan.out;
+  const Answer run = process("out");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_EQ(number_before(run.out, " executed, "), sure + perhaps) << plan.out << run.out;
+  EXPECT_EQ(number_before(run.out, " reused, "), reused) << plan.out << run.out;
+  EXPECT_TRUE(contains(run.out, "1 of 4 items") || contains(run.err, "1 of 4")) << run.out << run.err;
+  // What the run would refuse, the plan tells.
+  append("campaign.yaml", "\ntoleranz: 5\n");
+  const Answer refused = plumbline(command);
+  EXPECT_EQ(refused.code, 1) << refused.out;
+  EXPECT_TRUE(contains(refused.err, "unknown key 'toleranz'")) << refused.err;
+}
+
 TEST_F(SiteFolder, ForgottenEvidenceEndsTheRun) {
   fs::create_directory(site() / "images/nachtrag");
   fs::rename(site() / "images/F01-04.jpg", site() / "images/nachtrag/F01-04.jpg");
