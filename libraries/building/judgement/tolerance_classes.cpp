@@ -159,6 +159,15 @@ class ClassTable {
 
 }  // namespace
 
+bool is_table_of_tolerances(std::string_view csv) {
+  bool select = false, axis = false;
+  for (const auto& column : text::read_csv(csv, column_names()).header) {
+    select = select || column.name == "select";
+    axis = axis || is_axis(column.name);
+  }
+  return select && axis;
+}
+
 std::vector<ToleranceRule> parse_tolerance_classes(std::string_view csv, const std::string& shown) {
   if (csv.empty()) return {};
   return ClassTable(csv, shown).rules();

@@ -9,6 +9,9 @@
 
 namespace plumbline::judgement {
 
+/// Whether it has columns for what is selected and for a tolerance.
+bool is_table_of_tolerances(std::string_view csv);
+
 /// Rules of a table of tolerance classes, in its order; none of an empty text. Columns, by English or German names:
 /// class, select (which elements, in the language of ifc::Selection), and tolerances with the unit in the name,
 /// vertical_mm, horizontal_mm, in_plane_mm, out_of_plane_mm, space_mm, joint_mm (or _m): a length, two sides such as

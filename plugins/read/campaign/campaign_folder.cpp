@@ -84,7 +84,8 @@ void name_other_use(const Mapping& mapping, Problems& problems) {
            !mapping.has("control"))
     pipeline = "site_photographs";
   if (!pipeline.empty())
-    problems.add(CampaignError(mapping.shown(), 0, "as it is, the folder is one for: plumbline run " + pipeline));
+    problems.add(CampaignError(mapping.shown(), 0,
+                               "where that is not to be had, the folder is one for: plumbline run " + pipeline));
 }
 
 }  // namespace

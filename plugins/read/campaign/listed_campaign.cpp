@@ -69,8 +69,10 @@ InputFilesT ListedCampaign::inputs(Context& context, std::size_t images, const S
 InputFilesT ListedCampaign::unread() const {
   InputFilesT result;
   for (const UnusedFile& file : unused)
-    if (!file.set_aside || file.looks_like.empty())
+    if (!file.set_aside || file.looks_like.empty()) {
       result.files.push_back(file_of(entry(file.path), file.looks_like, false));
+      result.files.back()->path = file.name();
+    }
   return result;
 }
 

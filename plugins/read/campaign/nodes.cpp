@@ -53,7 +53,8 @@ FileT tolerance_file(campaign::ListedCampaign& site) {
   table.name = fs::path(site.description.tolerances).filename().string();
   site.problems.attempt([&] {
     const fs::path path = site.root / site.description.tolerances;
-    const std::string rows = text::read_whole(path);
+    const std::string rows =
+        campaign::table_text(path, judgement::is_table_of_tolerances, "a table of tolerance classes");
     judgement::parse_tolerance_classes(rows, path.string());
     table.media_type = "text/csv";
     table.content.assign(rows.begin(), rows.end());
@@ -77,7 +78,7 @@ void look_at_design(campaign::ListedCampaign& site) {
 }
 
 struct ReadCampaign : Node {
-  static constexpr Info info{"read.campaign", "", 11, "Reads the folder of a site: campaign.yaml and what it names"};
+  static constexpr Info info{"read.campaign", "", 12, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
                                  "survey files that readers of other plugins have read: parts/readers.yaml"};
@@ -215,7 +216,7 @@ struct ReadCampaign : Node {
 };
 
 struct ReadSurveyCampaign : Node {
-  static constexpr Info info{"read.survey_campaign", "", 3,
+  static constexpr Info info{"read.survey_campaign", "", 4,
                              "Reads the survey files and control points that a campaign.yaml names, and nothing else"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, camera, plates and design may be left out"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
@@ -267,7 +268,7 @@ struct ReadSurveyEpochs : Node {
 };
 
 struct ReadMeasuredCampaign : Node {
-  static constexpr Info info{"read.measured_campaign", "", 4,
+  static constexpr Info info{"read.measured_campaign", "", 5,
                              "Reads a folder whose anchors were measured by total station: survey files, control, "
                              "plates and design; photographs in it are left alone"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; images, observations and camera may be left out"};

@@ -14,7 +14,7 @@
 namespace plumbline::campaign {
 
 struct ReadPhotoCampaign : Node {
-  static constexpr Info info{"read.photo_campaign", "", 3,
+  static constexpr Info info{"read.photo_campaign", "", 4,
                              "Reads photographs and the survey of their tags: a campaign without a design"};
   In<Folder> folder{"folder", "a folder with photographs and survey files or control points; docs/photographs.md"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),

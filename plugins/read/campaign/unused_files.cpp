@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "base/text/whole_file.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
 #include "recognise_tables.hpp"
@@ -38,6 +39,18 @@ bool holds_known_points(const fs::path& path, const std::string& name) {
   } catch (const std::runtime_error&) {  // a workbook of something else may be protected
     return is_called_control(name);
   }
+}
+
+/// Sheets of known points that lie beside the table which a workbook is named for.
+std::vector<std::string> sheets_of_known_points(const fs::path& path) {
+  std::vector<std::string> names;
+  try {
+    for (const WorkbookSheet& sheet : sheets_of(text::read_whole(path), path))
+      if (has_columns_of_points(sheet.csv) && !is_table_of_plates(sheet.csv) && !is_table_of_tags(sheet.csv))
+        names.push_back(sheet.name);
+  } catch (const std::runtime_error&) {  // who reads it says so
+  }
+  return names;
 }
 
 /// With `control_too`, because no other table is named for it.
@@ -113,9 +126,12 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
   std::sort(files.begin(), files.end());
   std::vector<UnusedFile> unused;
   for (const std::string& path : files) {
-    if (uses.count(path)) continue;
+    const bool used = uses.count(path) > 0;
+    if (used && is_workbook(path) && description.control.empty())
+      for (const std::string& sheet : sheets_of_known_points(root / path)) unused.push_back({path, sheet, "control"});
+    if (used) continue;
     const auto& aside = description.unused;
-    unused.push_back({path, looks_like(root, path, description.control.empty()),
+    unused.push_back({path, "", looks_like(root, path, description.control.empty()),
                       std::find(aside.begin(), aside.end(), path) != aside.end()});
   }
   return unused;
@@ -124,7 +140,7 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
 std::vector<std::string> forgotten_control(const std::vector<UnusedFile>& unused) {
   std::vector<std::string> names;
   for (const UnusedFile& file : unused)
-    if (!file.set_aside && file.looks_like == "control") names.push_back(file.path);
+    if (!file.set_aside && file.looks_like == "control") names.push_back(file.name());
   return names;
 }
 
@@ -134,7 +150,7 @@ std::string words_of_forgotten_control(const std::vector<std::string>& names) {
          ", and nothing names " + (one ? "it" : "them") +
          ": unless the survey's files have known points, none holds the result. Name the one that carries the datum "
          "under 'control', or leave " +
-         (one ? "it" : "them") + " out by 'unused'";
+         (one ? "it" : "them") + " out by 'unused' (a sheet: hide it)";
 }
 
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,

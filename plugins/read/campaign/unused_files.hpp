@@ -15,13 +15,19 @@ std::map<std::string, std::string> uses_of(const CampaignDescription& descriptio
 
 struct UnusedFile {
   std::string path;
+  /// A sheet of a workbook whose other sheets are read: the file has a use, this sheet none.
+  std::string sheet = {};
   /// "photograph", "survey" (a file with readings), "control" (a table of known points, where none is named), or empty.
   std::string looks_like;
   bool set_aside = false;  ///< `unused` names it
+
+  /// In messages and lists: "Tables.xlsx, sheet 'Control'".
+  std::string name() const { return sheet.empty() ? path : path + ", sheet '" + sheet + "'"; }
 };
 
 /// All files without a use, ordered by path. What a file looks like is told by its name for photographs, else by its
-/// content, which is read from `root`.
+/// content, which is read from `root`. Where no control is named, sheets of known points in workbooks that are named
+/// for something else are among them.
 std::vector<UnusedFile> unused_files(const CampaignDescription& description, const std::filesystem::path& root,
                                      std::vector<std::string> files);
 

@@ -1,10 +1,13 @@
 #include "workbook_tables.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <cstring>
+#include <ctime>
 #include <map>
 #include <optional>
 #include <pugixml.hpp>
+#include <set>
 #include <string_view>
 
 #include "base/text/csv_table.hpp"
@@ -65,6 +68,32 @@ std::optional<std::pair<std::size_t, std::size_t>> place_of(std::string_view ref
   return std::pair{column - 1, static_cast<std::size_t>(*row - 1)};
 }
 
+/// Days and years in it, outside of what is written as it stands ("..." and \\x) and of colours ([Red]).
+bool is_format_of_dates(const std::string& code) {
+  bool quoted = false, bracketed = false;
+  for (std::size_t i = 0; i < code.size(); ++i) {
+    if (code[i] == '\\' && !quoted) {
+      ++i;
+    } else if (code[i] == '"') {
+      quoted = !quoted;
+    } else if (!quoted && (code[i] == '[' || code[i] == ']')) {
+      bracketed = code[i] == '[';
+    } else if (!quoted && !bracketed && std::strchr("dDyY", code[i])) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The day that a spreadsheet counts from the end of 1899, as it does since March 1900.
+std::string date_text(double days) {
+  const std::time_t seconds = (static_cast<std::time_t>(std::floor(days)) - 25569) * 86400;
+  std::tm day{};
+  char text[32];
+  gmtime_r(&seconds, &day);
+  return std::string(text, std::strftime(text, sizeof text, "%Y-%m-%d", &day));
+}
+
 class Workbook {
  public:
   Workbook(const std::string& bytes, const fs::path& file) : bytes_(bytes), file_(file) {
@@ -122,13 +151,18 @@ class Workbook {
     pugi::xml_document document;
     if (!load("xl/styles.xml", document, false)) return;
     std::map<std::string, std::size_t> zeros;
+    std::set<std::string> dates;
     for (const pugi::xml_node& format : children(child(document.document_element(), "numFmts"), "numFmt")) {
-      const std::string code = format.attribute("formatCode").value();
-      if (code.size() > 1 && code.find_first_not_of('0') == std::string::npos)
-        zeros[format.attribute("numFmtId").value()] = code.size();
+      const std::string code = format.attribute("formatCode").value(), id = format.attribute("numFmtId").value();
+      if (code.size() > 1 && code.find_first_not_of('0') == std::string::npos) zeros[id] = code.size();
+      if (is_format_of_dates(code)) dates.insert(id);
     }
-    for (const pugi::xml_node& style : children(child(document.document_element(), "cellXfs"), "xf"))
-      digits_.push_back(zeros[style.attribute("numFmtId").value()]);
+    for (const pugi::xml_node& style : children(child(document.document_element(), "cellXfs"), "xf")) {
+      const std::string id = style.attribute("numFmtId").value();
+      const auto number = text::parse_integer(id);
+      digits_.push_back(zeros[id]);
+      dates_.push_back(dates.contains(id) || (number && ((*number >= 14 && *number <= 17) || *number == 22)));
+    }
   }
 
   std::string csv_of(const pugi::xml_node& data, const std::string& sheet) const {
@@ -196,10 +230,12 @@ class Workbook {
     const char* end = value.data() + value.size();
     const auto read = std::from_chars(value.data(), end, number);
     if (read.ec != std::errc() || read.ptr != end) refuse(place + " holds '" + value + "', which is no number");
-    char shown[400];
-    std::string text(shown, std::to_chars(shown, shown + sizeof shown, number, std::chars_format::fixed).ptr);
     const auto style = text::parse_integer(cell.attribute("s").value());
     const bool known = style && *style >= 0 && static_cast<std::size_t>(*style) < digits_.size();
+    // Excel takes "5/2" and "1-3" for days, and shows them so; the number behind is nobody's length.
+    if (known && dates_[static_cast<std::size_t>(*style)] && number > 60 && number < 2958466) return date_text(number);
+    char shown[400];
+    std::string text(shown, std::to_chars(shown, shown + sizeof shown, number, std::chars_format::fixed).ptr);
     const std::size_t digits = known ? digits_[static_cast<std::size_t>(*style)] : 0;
     if (text.size() < digits && text.find_first_not_of("0123456789") == std::string::npos)
       text.insert(0, digits - text.size(), '0');
@@ -210,6 +246,7 @@ class Workbook {
   fs::path file_;
   std::vector<std::string> strings_;
   std::vector<std::size_t> digits_;  // of each style; 0: as the number is
+  std::vector<bool> dates_;          // of each style: its numbers are days
 };
 
 std::string names_of(const std::vector<WorkbookSheet>& sheets) {

@@ -1,5 +1,6 @@
 // Tables in Excel's own files (.xlsx): SpreadsheetML of ECMA-376-1, 18.3 (sheets), 18.4 (shared strings) and 18.8
-// (number formats), in a ZIP archive. Numbers are taken as the file holds them, not as a sheet shows them rounded.
+// (number formats), in a ZIP archive. Numbers are taken as the file holds them, not as a sheet shows them rounded;
+// days as 2026-05-03, because Excel makes them of what somebody typed as two lengths, "5/3".
 #pragma once
 
 #include <filesystem>

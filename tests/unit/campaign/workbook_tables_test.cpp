@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "building/judgement/tolerance_classes.hpp"
 #include "building/step/zip_writer.hpp"
 #include "campaign_folder.hpp"
 #include "propose_campaign.hpp"
 #include "recognise_tables.hpp"
 #include "test_support.hpp"
+#include "unused_files.hpp"
 
 namespace plumbline::campaign {
 namespace workbook_tables_test {
@@ -115,8 +117,48 @@ TEST(Workbook, IsProposedAndReadAsTheTableItHolds) {
   const auto known = parse_control(table_text(file, has_columns_of_points, "a table of known points"), file);
   ASSERT_EQ(known.size(), 1u);
   EXPECT_EQ(known[0].position, Eigen::Vector3d(512345.678, 5412345.125, 3.1));
+  // Named for its plates alone: the sheet of known points has no use, which nobody may overlook.
+  CampaignDescription description;
+  description.plates = "Tabellen.xlsx";
+  const std::vector<UnusedFile> unused = unused_files(description, folder.path(), {"Tabellen.xlsx"});
+  EXPECT_EQ(forgotten_control(unused), std::vector<std::string>{"Tabellen.xlsx, sheet 'Festpunkte'"});
+  description.control = "Tabellen.xlsx";
+  EXPECT_TRUE(unused_files(description, folder.path(), {"Tabellen.xlsx"}).empty());
   write({{"name=\"neu\"", points}, {"name=\"alt\"", points}});
   EXPECT_THROW(table_text(file, has_columns_of_points, "a table of known points"), CampaignError) << "which of them?";
+}
+
+TEST(Workbook, HoldsToleranceClassesOnTheSheetThatHasTheirColumns) {
+  const std::string classes = "<row r=\"1\">" + text_cell("A1", "Klasse") + text_cell("B1", "Auswahl") +
+                              text_cell("C1", "vertikal_mm") + text_cell("D1", "aus_Ebene_mm") + "</row><row r=\"2\">" +
+                              text_cell("A2", "A") + text_cell("B2", "class=IfcPlate") + "<c r=\"C2\"><v>3.5</v></c>" +
+                              text_cell("D2", "+5/-2") + "</row>";
+  test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "Klassen.xlsx";
+  std::ofstream(file, std::ios::binary) << workbook(
+      {{"name=\"Deckblatt\"", "<row r=\"1\">" + text_cell("A1", "Projekt Turm") + "</row>"},
+       {"name=\"Klassen\"", classes}});
+  const auto rules = judgement::parse_tolerance_classes(
+      table_text(file, judgement::is_table_of_tolerances, "a table of tolerance classes"), "Klassen.xlsx");
+  ASSERT_EQ(rules.size(), 1u);
+  EXPECT_TRUE(rules[0].text.starts_with("Klassen.xlsx:2, class A: class=IfcPlate: ")) << rules[0].text;
+  EXPECT_EQ(rules[0].tolerances.size(), 2u);
+}
+
+/// Somebody types two lengths, "5/2", and Excel makes a day of them, which is 45 metres where a number is wanted.
+TEST(Workbook, ADayIsNoNumber) {
+  const auto sheets = sheets_of(
+      workbook(
+          {{"name=\"Klassen\"",
+            "<row r=\"1\"><c r=\"A1\" s=\"1\"><v>45327</v></c><c r=\"B1\" s=\"2\"><v>45327.5</v></c>"
+            "<c r=\"C1\" s=\"3\"><v>45327</v></c><c r=\"D1\"><v>45327</v></c></row>"}},
+          "",
+          "<numFmts><numFmt numFmtId=\"164\" formatCode=\"dd/mm/yyyy\"/><numFmt numFmtId=\"165\" "
+          "formatCode=\"[Red]0.000&quot; day&quot;\"/></numFmts><cellXfs><xf numFmtId=\"0\"/><xf numFmtId=\"14\"/><xf "
+          "numFmtId=\"164\"/><xf numFmtId=\"165\"/></cellXfs>"),
+      "T.xlsx");
+  ASSERT_EQ(sheets.size(), 1u);
+  EXPECT_EQ(sheets[0].csv, "2024-02-05,2024-02-05,45327,45327\n");
 }
 
 }  // namespace workbook_tables_test
