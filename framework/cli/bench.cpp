@@ -7,6 +7,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -16,6 +17,7 @@
 #include "bench_verify.hpp"
 #include "build_info.hpp"
 #include "runtime/base/near_names.hpp"
+#include "runtime/base/printable.hpp"
 #include "runtime/record/deliver.hpp"
 #include "runtime/record/record.hpp"
 #include "runtime/sweep/sweep_archive.hpp"
@@ -157,12 +159,22 @@ void print_alternatives(const SweepPlan& plan, const runtime::CellRecords& recor
   for (const auto& group : plan.file.groups)
     for (const auto& alternative : group.alternatives) {
       const AlternativeCount& count = counts[{group.name, alternative.name}];
-      std::printf("  %s=%s: %zu of %zu cells, %zu failed%s\n", group.name.c_str(), alternative.name.c_str(), count.done,
-                  count.cells, count.failed,
-                  count.cells == 0       ? " (all its cells are excluded)"
-                  : count.reason.empty() ? ""
-                                         : ("; the first: " + count.reason).c_str());
+      const std::string text =
+          fmt::format("  {}={}: {} of {} cells, {} failed{}", group.name, alternative.name, count.done, count.cells,
+                      count.failed, count.cells == 0 ? " (all its cells are excluded)" : "");
+      const std::string reason = count.reason.empty() || count.cells == 0 ? "" : "; the first: " + count.reason;
+      std::printf("%s\n", hanging_lines(text + reason, terminal_columns()).c_str());
     }
+}
+
+/// What to choose of each group, in the words of the pages: a bench ends with its result, as a pipeline does.
+void print_choices(const fs::path& out) {
+  std::ifstream stream(out / "bench.json");
+  const auto bench = nlohmann::json::parse(stream, nullptr, false);
+  if (!bench.is_object() || !bench.contains("choices") || !bench["choices"].is_array()) return;
+  for (const auto& choice : bench["choices"])
+    if (choice.is_string())
+      std::printf("%s\n", hanging_lines(runtime::printable(choice.get<std::string>()), terminal_columns()).c_str());
 }
 
 void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepProgress& progress,
@@ -190,6 +202,7 @@ void print_end(const BenchOptions& options, const SweepPlan& plan, const SweepPr
   if (out.empty()) return;
   for (const char* name : {"bench.html", "bench.csv", "bench.json", "bench.md", "bench.tex", "bench.svg", "bench.pdf"})
     if (fs::exists(out / name)) std::printf("  %s\n", (out / name).c_str());
+  print_choices(out);
 }
 
 /// What had not run is not in it, which whoever gets the archive could not see of the cells alone.

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "commands.hpp"
 #include "runtime/graph/pipeline_doc.hpp"
@@ -87,13 +88,15 @@ int list_pipelines(const Options& options) {
 }
 
 int list_artifacts(const Options& options) {
+  const std::regex source(
+      " \\(libraries/[^) ]*\\)");  // for who changes the tree; as one word it is wider than a screen
   const runtime::Registry registry = discover();
   Json json = Json::array();
   std::vector<std::vector<std::string>> rows;
   for (const auto& [name, type] : registry.types()) {
     const std::string doc = runtime::tables_of(*type).front().doc;
     json.push_back({{"type", name}, {"doc", doc}});
-    rows.push_back({name, doc});
+    rows.push_back({name, std::regex_replace(doc, source, "")});
   }
   std::printf("%s", options.json ? (json.dump(1) + "\n").c_str() : columns(rows).c_str());
   return 0;

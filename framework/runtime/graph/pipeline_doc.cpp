@@ -37,10 +37,24 @@ std::string head_of(const std::string& text) {
   return head;
 }
 
+/// Of variables on one line, `vars: {a: 1, b: 2}   # a: what it is; b: that`.
+std::string comment_in_line(const std::string& line, const std::string& name) {
+  const size_t mark = line.find(" # ", line.rfind('}'));
+  if (mark == std::string::npos) return "";
+  std::istringstream parts(line.substr(mark + 3));
+  for (std::string part; std::getline(parts, part, ';');) {
+    const size_t start = part.find_first_not_of(' ');
+    if (start != std::string::npos && part.compare(start, name.size() + 2, name + ": ") == 0)
+      return part.substr(start + name.size() + 2);
+  }
+  return "";
+}
+
 /// What stands behind '#' in the line of a variable that has a line of its own.
 std::string comment_of(const std::string& text, const std::string& name) {
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("vars: {", 0) == 0) return comment_in_line(line, name);
     const size_t start = line.find_first_not_of(' ');
     if (start == std::string::npos || start == 0 || line.compare(start, name.size() + 1, name + ":") != 0) continue;
     const size_t mark = line.find(" # ");
@@ -110,14 +124,20 @@ class Reader {
     variable.name = name, variable.required = !value.IsScalar();
     variable.value = value.IsScalar() ? value.Scalar() : "";
     if (!comment.empty()) variable.comment = comment;
+    if (name == "seed" && variable.comment.empty()) variable.comment = "of all that is random in the run";
+  }
+
+  /// A scalar, or the one that a list holds: `rules: ["${rule}"]` takes a rule as `rules` does.
+  static std::string only_value(const YAML::Node& value) {
+    if (value.IsSequence() && value.size() == 1 && value[0].IsScalar()) return value[0].Scalar();
+    return value.IsScalar() ? value.Scalar() : "";
   }
 
   void add_node(const std::string& name, const YAML::Node& node) {
     if (!node.IsMap()) return;
     if (node["use"] && node["use"].IsScalar()) kinds_[name] = node["use"].Scalar();
     if (node["with"] && node["with"].IsMap())
-      for (const auto& item : node["with"])
-        parameters_[name][item.first.as<std::string>("")] = item.second.IsScalar() ? item.second.Scalar() : "";
+      for (const auto& item : node["with"]) parameters_[name][item.first.as<std::string>("")] = only_value(item.second);
   }
 
   const std::vector<fs::path>& folders_;

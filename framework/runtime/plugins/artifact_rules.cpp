@@ -24,9 +24,9 @@ using reflection::Field;
 using reflection::Object;
 using reflection::Schema;
 
-enum class RuleKind { unique, not_negative, finite, some_known, rotation, triangle, variances, all_or_none };
-constexpr const char* kind_names[] = {"unique",   "not_negative", "finite",    "some_known",
-                                      "rotation", "triangle",     "variances", "all_or_none"};
+enum class RuleKind { unique, not_negative, finite, some_known, rotation, triangle, variances, all_or_none, named };
+constexpr const char* kind_names[] = {"unique",   "not_negative", "finite",      "some_known", "rotation",
+                                      "triangle", "variances",    "all_or_none", "named"};
 
 struct Rule {
   RuleKind kind = RuleKind::unique;
@@ -131,6 +131,11 @@ class Check {
   }
 
   void check(const Field& field, const Table& table, const std::string& place) {
+    if (rule_.kind == RuleKind::named) {
+      const auto* text = table.GetPointer<const flatbuffers::String*>(field.offset());
+      if (text && text->size() == 0) fail(place, field, "''", "a name");
+      return;
+    }
     if (rule_.kind == RuleKind::unique) {
       const auto* text = table.GetPointer<const flatbuffers::String*>(field.offset());
       if (text && !seen_.insert(text->str()).second)

@@ -38,6 +38,12 @@ std::string apart_text(double x, double y) {
   return fmt::format("{:.2g}", apart(x, y)) + (std::max(std::abs(x), std::abs(y)) < 1 ? " of its size" : "");
 }
 
+/// Rows of a covariance that is its lower triangle, row by row; 0: it is none.
+size_t rows_of_triangle(const Json& list) {
+  const auto n = static_cast<size_t>((std::sqrt(8.0 * static_cast<double>(list.size()) + 1) - 1) / 2 + 0.5);
+  return n > 0 && n * (n + 1) / 2 == list.size() ? n : 0;
+}
+
 constexpr const char* quaternion_keys[] = {"w", "x", "y", "z"};
 
 bool is_quaternion(const Json& json) {
@@ -206,6 +212,9 @@ struct Comparison {
     } else if (a.is_array() && b.is_array()) {
       if (a.size() != b.size())
         differ(path + " has " + std::to_string(a.size()) + " and " + std::to_string(b.size()) + " items");
+      if (path.ends_with("covariance") && a.size() == b.size() && has_numbers(a, a.size()) &&
+          has_numbers(b, b.size()) && rows_of_triangle(a) > 0)
+        return compare_covariances(a, b, path);
       for (size_t i = 0; i < std::min(a.size(), b.size()); ++i)
         compare(a[i], b[i], path + "[" + std::to_string(i) + "]");
     } else if (a != b) {
@@ -213,6 +222,28 @@ struct Comparison {
       differ(path + ": " + text(a) + " and " + text(b));
     }
   }
+  /// The size of a covariance is what the two standard deviations make of it: next to nothing beside them is nothing.
+  void compare_covariances(const Json& a, const Json& b, const std::string& path) {
+    const size_t rows = rows_of_triangle(a);
+    std::vector<double> sigmas(rows);
+    for (size_t r = 0; r < rows; ++r) {
+      const size_t at = r * (r + 1) / 2 + r;
+      sigmas[r] = std::sqrt(std::max(std::abs(a[at].get<double>()), std::abs(b[at].get<double>())));
+    }
+    for (size_t r = 0, i = 0; r < rows; ++r)
+      for (size_t c = 0; c <= r; ++c, ++i) {
+        const double x = a[i].get<double>(), y = b[i].get<double>();
+        if (x == y) continue;
+        ++numbers;
+        const double size = std::max({sigmas[r] * sigmas[c], std::abs(x), std::abs(y)});
+        if (const double off = std::abs(x - y) / std::min(1.0, size); off > largest) {
+          largest = off;
+          where = fmt::format("{:.2g}", off) + (size < 1 ? " of its variances, " : ", ") + path + "[" +
+                  std::to_string(i) + "]: " + number_text(x) + " and " + number_text(y);
+        }
+      }
+  }
+
   void differ(const std::string& text) {
     if (++others == 1) other = text;
   }

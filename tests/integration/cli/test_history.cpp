@@ -129,6 +129,12 @@ TEST(History, DiffKnowsJsonAndRotations) {
   EXPECT_EQ(
       code_of(R"({"q": {"w": 0.6, "x": 0, "y": 0.8, "z": 0}})", R"({"q": {"w": -0.6, "x": 0, "y": 0.8, "z": 0}})").code,
       1);
+  // A covariance next to nothing beside its variances: 5e-15 of 1e-9 m².
+  EXPECT_EQ(
+      code_of(R"({"covariance": [1e-9, 4.98138e-15, 2e-9]})", R"({"covariance": [1e-9, 4.98135e-15, 2e-9]})").code, 0);
+  EXPECT_EQ(code_of(R"({"covariance": [1e-9, 5e-10, 2e-9]})", R"({"covariance": [1e-9, 5.00001e-10, 2e-9]})").code, 1);
+  EXPECT_EQ(
+      code_of(R"({"parameters": [1e-9, 4.98138e-15, 2e-9]})", R"({"parameters": [1e-9, 4.98135e-15, 2e-9]})").code, 1);
   EXPECT_EQ(code_of("{no json", "{no json ").code, 1);
 }
 

@@ -74,6 +74,9 @@ TEST(ArtifactRules, TheFirstThatIsBrokenIsNamedWithItsPlace) {
   points.points[1]->id = "A";
   EXPECT_EQ(broken<Points>(points), "points[1] 'A': id holds 'A' a second time, expected each once");
   points = three();
+  points.points[1]->id = "";
+  EXPECT_EQ(broken<Points>(points), "points[1] '': id holds '', expected a name");
+  points = three();
   points.covariance.assign(5, 0.0);
   EXPECT_EQ(broken<Points>(points),
             "covariance holds 5 values, expected none, or the 45 of the lower triangle of 9 rows");
