@@ -1,13 +1,10 @@
 #include "surface/dense/joint.hpp"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
-#include <set>
 
 #include "plumbline/stop.hpp"
 #include "surface/dense/edge_profile.hpp"
@@ -257,111 +254,6 @@ JointStation station_of(const EdgePlace& a, const EdgePlace& b, const EdgeLine& 
 }
 
 }  // namespace
-
-namespace {
-
-/// The joint where `b` follows `a` along axis 0 (right) or 1 (up) of `a`, if it does.
-std::optional<Joint> joint_between(const PanelFace& a, const PanelFace& b, int axis, double widest, double offset) {
-  const auto half = [](const PanelFace& face, int of) { return 0.5 * (of == 0 ? face.width : face.height); };
-  const int other = 1 - axis;
-  const Eigen::Vector3d apart = a.plane.local(b.plane.origin);
-  // Of the edges that face each other: panels at an angle stand out of each other's planes elsewhere.
-  const Eigen::Vector3d edge_b = a.plane.local(b.plane.origin - half(b, axis) * b.plane.axes.col(axis));
-  const double gap = edge_b(axis) - half(a, axis);  // only where b lies at the positive side, so each once
-  if (apart(axis) < 0 || gap < -0.002 || gap > widest || std::abs(edge_b.z()) > offset) return std::nullopt;
-  const double low = std::max(-half(a, other), apart(other) - half(b, other)),
-               high = std::min(half(a, other), apart(other) + half(b, other));
-  if (high - low < 0.05) return std::nullopt;
-  Eigen::Vector3d on_a, on_b = edge_b;
-  on_a(axis) = half(a, axis), on_a(other) = on_b(other) = 0.5 * (low + high), on_a.z() = 0;
-  Joint joint;
-  joint.a = a.id, joint.b = b.id, joint.length = high - low, joint.upright = axis == 0;
-  joint.plane.origin = a.plane.world(0.5 * (on_a + on_b));
-  const Eigen::Vector3d out = (a.plane.axes.col(2) + b.plane.axes.col(2)).normalized();
-  Eigen::Vector3d right = a.plane.axes.col(axis) + b.plane.axes.col(axis);
-  right = (right - right.dot(out) * out).normalized();
-  // A joint that runs across: its right is the facade's up, so its up is the facade's left.
-  joint.plane.axes << right, out.cross(right), out;
-  const Eigen::Vector3d way = joint.plane.axes.transpose() * (a.plane.axes * (on_b - on_a));
-  joint.width = way.x(), joint.step = way.z();
-  return joint;
-}
-
-}  // namespace
-
-std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest, double offset) {
-  std::vector<Joint> joints;
-  for (size_t i = 0; i < faces.size(); ++i)
-    for (size_t j = 0; j < faces.size(); ++j) {
-      if (i == j || faces[i].plane.axes.col(2).dot(faces[j].plane.axes.col(2)) < std::cos(M_PI / 18)) continue;
-      for (int axis : {0, 1})
-        if (auto joint = joint_between(faces[i], faces[j], axis, widest, offset)) {
-          joint->face_a = i, joint->face_b = j;
-          joints.push_back(*joint);
-        }
-    }
-  return joints;
-}
-
-namespace {
-
-struct Edge {
-  Eigen::Vector3d from, along;  ///< along: unit vector
-  double length;
-};
-
-std::array<Edge, 4> edges_of(const PanelFace& face) {
-  const Eigen::Vector3d right = face.plane.axes.col(0), up = face.plane.axes.col(1);
-  const Eigen::Vector3d low = face.plane.origin - 0.5 * (face.width * right + face.height * up);
-  return {Edge{low, right, face.width}, Edge{low + face.height * up, right, face.width}, Edge{low, up, face.height},
-          Edge{low + face.width * right, up, face.height}};
-}
-
-bool lie_beside(const Edge& a, const Edge& b, double apart) {
-  const double cosine = a.along.dot(b.along);
-  if (std::abs(cosine) < std::cos(M_PI / 18)) return false;
-  const Eigen::Vector3d middle = b.from + 0.5 * b.length * b.along - a.from;
-  const double at = middle.dot(a.along), half = 0.5 * b.length * std::abs(cosine);
-  return std::min(a.length, at + half) - std::max(0.0, at - half) >= 0.05 && (middle - at * a.along).norm() <= apart;
-}
-
-}  // namespace
-
-std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest,
-                                                       double offset) {
-  std::set<std::pair<size_t, size_t>> joined;
-  for (const Joint& joint : joints_of(faces, widest, offset)) joined.insert(std::minmax(joint.face_a, joint.face_b));
-  std::vector<std::pair<size_t, size_t>> corners;
-  for (size_t i = 0; i < faces.size(); ++i)
-    for (size_t j = i + 1; j < faces.size(); ++j) {
-      const PanelFace &a = faces[i], &b = faces[j];
-      const double reach = 0.5 * (std::hypot(a.width, a.height) + std::hypot(b.width, b.height)) + widest;
-      if ((a.plane.origin - b.plane.origin).squaredNorm() > reach * reach || joined.contains({i, j})) continue;
-      bool beside = false;
-      for (const Edge& of_a : edges_of(a))
-        for (const Edge& of_b : edges_of(b)) beside = beside || lie_beside(of_a, of_b, widest);
-      if (beside) corners.emplace_back(i, j);
-    }
-  return corners;
-}
-
-std::vector<std::pair<size_t, size_t>> folds_between(const std::vector<PanelFace>& faces, double widest) {
-  auto pairs = corners_between(faces, widest);
-  std::erase_if(pairs, [&](const auto& pair) {
-    const double turn = faces[pair.first].plane.axes.col(2).dot(faces[pair.second].plane.axes.col(2));
-    return turn < std::sqrt(0.5) || turn > std::cos(M_PI / 18);
-  });
-  return pairs;
-}
-
-std::string words_of_corners(const std::vector<PanelFace>& faces, double widest) {
-  const auto corners = corners_between(faces, widest);
-  if (corners.empty()) return {};
-  const std::string more =
-      corners.size() > 1 ? " (and " + std::to_string(corners.size() - 1) + " more such pairs)" : "";
-  return "panels " + faces[corners[0].first].id + " and " + faces[corners[0].second].id + more +
-         " meet at a corner, or one stands further out by more than 50 mm: no joint is measured or judged between them";
-}
 
 MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& faces,
                             const std::vector<PanelSurface>& surfaces, const std::vector<FacetView>& views,

@@ -27,22 +27,6 @@ struct Joint {
   bool upright = true;  ///< runs upwards on the facade; else across
 };
 
-/// Joints between faces whose edges lie in one plane within `offset` and that are turned by up to 10°, face each other
-/// along at least 50 mm, and are no further apart than `widest` [m]. In the order of the faces.
-std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest = 0.06, double offset = 0.05);
-
-/// Faces that come as near to each other, along at least 50 mm of an edge of each, and have no joint by joints_of():
-/// they meet at a corner, or one stands further out than `offset`.
-std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest = 0.06,
-                                                       double offset = 0.05);
-
-/// Of these the ones that a facade has within it, as it bends: turned by less than 45°. A joint is there, and none is
-/// measured.
-std::vector<std::pair<size_t, size_t>> folds_between(const std::vector<PanelFace>& faces, double widest = 0.06);
-
-/// "panels A and B (and 3 more pairs) meet ...": why no joint is measured between them; empty without such pairs.
-std::string words_of_corners(const std::vector<PanelFace>& faces, double widest);
-
 struct JointOptions {
   double station = 0.02;       ///< length along the joint that one station takes the mean of [m]
   double search = 0.012;       ///< how far an edge is looked for from where the design has it [m]

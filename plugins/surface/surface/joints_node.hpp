@@ -7,14 +7,15 @@
 namespace plumbline::surface {
 
 struct Joints : Node {
-  static constexpr Info info{"surface.joints", "", 3,
+  static constexpr Info info{"surface.joints", "", 4,
                              "Width and flush step along the joints between panels, from edges in all photographs"};
   List<Image> images{"images", "the photographs"};
   In<Poses> poses{"poses", frame("frame=?F"), "their orientations, with the joint covariance of all"};
   In<Camera> camera{"camera", "the cameras that took them"};
   In<Surfaces> panels{"panels", frame("frame=?F"), "the panels, measured in the same photographs"};
   Param<double> station{"station", 0.02, "m", between(0.002, 1), "length along a joint of which the mean is taken"};
-  Param<double> widest{"widest", 0.06, "m", between(0.001, 0.5), "panels further apart have no joint between them"};
+  Param<double> widest{"widest", 0.15, "m", between(0.001, 0.5),
+                       "wider joints of the design are not measured; up to 0.3 m they are named as not measured"};
   Param<double> search{"search", 0.012, "m", between(0.001, 0.2),
                        "how far an edge may be from where the design has it"};
   Param<int64_t> min_views{"min_views", 2, between(1, 20), "photographs that have to show an edge"};
@@ -43,7 +44,7 @@ struct Joints : Node {
       measured.push_back(panel_of(*panel, result.rank));
     }
     const std::vector<Joint> joints = joints_of(faces, *widest);
-    if (const std::string words = words_of_corners(faces, *widest); !words.empty()) context.warn(words);
+    for (const std::string& words : words_of_pairs(faces, *widest)) context.warn(words);
     if (joints.empty())
       context.warn("no two panels are nearer than " + std::to_string(*widest) + " m: there are no joints");
     JointOptions options;
@@ -71,7 +72,7 @@ struct Joints : Node {
       result.joints.push_back(describe(joint, joints[j]));
       for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);
     }
-    add_folds(faces, *widest, result);
+    add_pairs_without_joint(faces, *widest, result);
     Eigen::MatrixXd rows(static_cast<Eigen::Index>(by_orientation.size()), photographs.orientations().size());
     for (Eigen::Index i = 0; i < rows.rows(); ++i) rows.row(i) = by_orientation[i];
     if (rows.rows() > 0) add_common_errors(reduced_factor(rows, photographs.orientations()), result);

@@ -58,7 +58,7 @@ void ScanJoints::run(Context& context) {
     measured.push_back(panel_of(*panel, result.rank));
   }
   const std::vector<Joint> joints = joints_of(faces, *widest);
-  if (const std::string words = words_of_corners(faces, *widest); !words.empty()) context.warn(words);
+  for (const std::string& words : words_of_pairs(faces, *widest)) context.warn(words);
   if (joints.empty())
     context.warn("no two panels are nearer than " + std::to_string(*widest) + " m: there are no joints");
   ScanJointOptions options;
@@ -117,7 +117,7 @@ void ScanJoints::run(Context& context) {
     with_figures += found[j].not_measured.empty();
     result.joints.push_back(describe(found[j], joints[j]));
   }
-  add_folds(faces, *widest, result);
+  add_pairs_without_joint(faces, *widest, result);
   Eigen::Index places = 0;
   for (const auto& joint : result.joints) places += static_cast<Eigen::Index>(joint->places.size());
   if (places > 0) add_common_errors(Eigen::MatrixXd::Constant(places, 1, *beam / std::sqrt(3.0)), result);

@@ -158,15 +158,13 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
   return result;
 }
 
-void add_folds(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces) {
-  for (const auto& [a, b] : folds_between(faces, widest)) {
+void add_pairs_without_joint(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces) {
+  for (const PairWithoutJoint& pair : pairs_without_joint(faces, widest)) {
     auto joint = std::make_unique<JointFiguresT>();
-    joint->first = faces[a].id, joint->second = faces[b].id;
-    joint->first_panel = static_cast<int>(a), joint->second_panel = static_cast<int>(b);
-    const Eigen::Vector3d along = faces[a].plane.axes.col(2).cross(faces[b].plane.axes.col(2)).normalized();
-    joint->upright = std::abs(along.dot(faces[a].plane.axes.col(1))) > std::sqrt(0.5);
-    joint->along = along, joint->origin = 0.5 * (faces[a].plane.origin + faces[b].plane.origin);
-    joint->not_measured = "the facade is folded between its panels by more than 10°, and such joints are not measured";
+    joint->first = faces[pair.a].id, joint->second = faces[pair.b].id;
+    joint->first_panel = static_cast<int>(pair.a), joint->second_panel = static_cast<int>(pair.b);
+    joint->upright = pair.upright, joint->along = pair.along, joint->origin = pair.origin;
+    joint->nominal_width = pair.width, joint->not_measured = pair.why;
     surfaces.joints.push_back(std::move(joint));
   }
 }

@@ -8,7 +8,7 @@
 
 #include "artifacts/surface_points.hpp"
 #include "artifacts/surfaces.hpp"
-#include "surface/dense/joint.hpp"
+#include "surface/dense/joint_pairs.hpp"
 #include "surface/dense/panel_surface.hpp"
 
 namespace plumbline::surface {
@@ -31,8 +31,8 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
 PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank);
 
 std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joint& joint);
-/// Joints that nobody measures, where a facade is folded: a rule for joints is not judged there, and that is said.
-void add_folds(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces);
+/// Joints that nobody measures (pairs_without_joint()): a rule for joints is not judged there, and that is said.
+void add_pairs_without_joint(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces);
 
 /// Gives the widths of all joints what they have in common: one row a place, in the order of joints and places.
 void add_common_errors(const Eigen::MatrixXd& factor, SurfacesT& surfaces);

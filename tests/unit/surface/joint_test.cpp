@@ -7,6 +7,7 @@
 
 #include "surface/dense/edge_profile.hpp"
 #include "surface/dense/facet_tile.hpp"
+#include "surface/dense/joint_pairs.hpp"
 #include "surface/dense/joint_places.hpp"
 #include "surface_site.hpp"
 
@@ -207,7 +208,7 @@ TEST(Joint, OfPanelsAtAnAngleIsAsTheDesignHasIt) {
     add_step(station, a, b, joints[0].plane, -0.5 * joint, 0.5 * joint);
     EXPECT_NEAR(station.step, out, 1e-4);
   }
-  EXPECT_TRUE(folds_between(faces).empty());
+  EXPECT_TRUE(pairs_without_joint(faces).empty());
 }
 
 TEST(Joint, AStepIsWhatItIsBeyondTheDesigns) {
@@ -232,7 +233,7 @@ TEST(Joint, WhereAFacadeIsFoldedThereIsOneThatNobodyMeasures) {
     std::vector<PanelFace> faces = {{"A", facade_plane({0, 0, 0}, {0, -1, 0}), 0.5, 1},
                                     {"B", facade_plane({0, 0, 0}, {std::sin(turn), -std::cos(turn), 0}), 0.5, 1}};
     faces[1].plane.origin = Eigen::Vector3d(0.27, 0, 0) + 0.25 * along;
-    return folds_between(faces).size();
+    return pairs_without_joint(faces).size();
   };
   EXPECT_EQ(turned(5), 0U) << "measured";
   EXPECT_EQ(turned(20), 1U);
@@ -268,10 +269,57 @@ TEST(Joint, PanelsThatMeetAtACornerAreNamed) {
   const auto corners = corners_between(faces);
   ASSERT_EQ(corners.size(), 1U) << "D stands 100 mm back, out of reach";
   EXPECT_EQ(corners[0], std::pair(size_t{1}, size_t{2}));
-  EXPECT_EQ(words_of_corners(faces, 0.06).rfind("panels B and C meet at a corner", 0), 0U);
+  ASSERT_EQ(words_of_pairs(faces, 0.06).size(), 1U);
+  EXPECT_EQ(words_of_pairs(faces, 0.06)[0].rfind("panels B and C meet at a corner", 0), 0U);
   EXPECT_EQ(corners_between(faces, 0.15).size(), 2U);
+  ASSERT_EQ(pairs_without_joint(faces, 0.15).size(), 1U);
+  EXPECT_NE(pairs_without_joint(faces, 0.15)[0].why.find("stands 100 mm further out"), std::string::npos);
   faces.erase(faces.begin() + 2, faces.end());
-  EXPECT_EQ(words_of_corners(faces, 0.06), "");
+  EXPECT_TRUE(words_of_pairs(faces, 0.06).empty());
+}
+
+PanelFace upright_face(const std::string& id, double x, double z, double width = 1, double height = 1) {
+  return {id, facade_plane({x, 0, z}, {0, -1, 0}), width, height};
+}
+
+/// Outlines of sandwich panels overlap by the tongue: there is a joint, of which the design does not say where.
+TEST(Joint, PanelsWhoseOutlinesOverlapHaveOneThatNobodyMeasures) {
+  const std::vector<PanelFace> faces = {upright_face("A", 0, 0), upright_face("B", 0, 0.985),
+                                        upright_face("C", 1.02, 0), upright_face("D", 1.02, 0.985)};
+  EXPECT_EQ(joints_of(faces).size(), 2U) << "the upright ones";
+  const auto pairs = pairs_without_joint(faces);
+  ASSERT_EQ(pairs.size(), 2U);
+  EXPECT_EQ(std::pair(pairs[0].a, pairs[0].b), std::pair(size_t{0}, size_t{1}));
+  EXPECT_NE(pairs[0].why.find("overlap by 15 mm"), std::string::npos) << pairs[0].why;
+  EXPECT_FALSE(pairs[0].upright);
+  EXPECT_NEAR(pairs[0].origin.z(), 0.4925, 1e-9);
+  const std::vector<PanelFace> layers = {upright_face("A", 0, 0), upright_face("behind", 0.001, 0.3)};
+  EXPECT_TRUE(pairs_without_joint(layers).empty()) << "one lies before the other";
+}
+
+TEST(Joint, WiderThanAnyThatIsMeasuredItIsNamed) {
+  const auto apart = [](double gap) {
+    return std::vector<PanelFace>{upright_face("A", 0, 0), upright_face("B", 1 + gap, 0)};
+  };
+  EXPECT_EQ(joints_of(apart(0.08), 0.15).size(), 1U) << "an expansion joint";
+  EXPECT_TRUE(pairs_without_joint(apart(0.08), 0.15).empty());
+  const auto wide = pairs_without_joint(apart(0.18), 0.15);
+  ASSERT_EQ(wide.size(), 1U);
+  EXPECT_NE(wide[0].why.find("width of 180 mm is above 'widest' (150 mm)"), std::string::npos) << wide[0].why;
+  EXPECT_NEAR(wide[0].width, 0.18, 1e-9);
+  EXPECT_TRUE(wide[0].upright);
+  EXPECT_TRUE(pairs_without_joint(apart(0.4), 0.15).empty()) << "rather a window: said, and not judged";
+  ASSERT_EQ(words_of_pairs(apart(0.4), 0.15).size(), 1U);
+  EXPECT_NE(words_of_pairs(apart(0.4), 0.15)[0].find("400 mm apart"), std::string::npos);
+  EXPECT_TRUE(words_of_pairs(apart(0.6), 0.15).empty());
+}
+
+TEST(Joint, WhatHasAPanelBetweenIsNoNeighbour) {
+  std::vector<PanelFace> faces;  // lamellae, 30 mm high, with joints of 10 mm
+  for (int i = 0; i < 6; ++i) faces.push_back(upright_face("L" + std::to_string(i), 0, 0.04 * i, 1, 0.03));
+  EXPECT_EQ(joints_of(faces, 0.15).size(), 5U);
+  EXPECT_TRUE(pairs_without_joint(faces, 0.15).empty());
+  EXPECT_TRUE(words_of_pairs(faces, 0.15).empty());
 }
 
 TEST(EdgeProfile, BothEdgesOfAGapToAFewThousandthsOfASample) {

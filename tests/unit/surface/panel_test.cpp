@@ -5,6 +5,7 @@
 #include <functional>
 #include <random>
 
+#include "surface/dense/joint_pairs.hpp"
 #include "surface/dense/joint_places.hpp"
 #include "surface/dense/panel_surface.hpp"
 

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <random>
 
+#include "surface/dense/joint_pairs.hpp"
+
 namespace plumbline::surface {
 namespace scan_joint_test {
 
