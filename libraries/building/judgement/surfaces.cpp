@@ -16,7 +16,8 @@
 namespace plumbline::judgement {
 namespace {
 
-/// Share of a panel that has to have points before it passes. What is beyond its limit is so wherever it is.
+/// Share of a panel that has to have points before it passes, and of a joint that has to show its edges. What is beyond
+/// its limit is so wherever it is.
 constexpr double kSeenEnough = 0.75;
 
 /// Errors of edges of a scan, which are exponential, lie for one place in 200 to 800 1.5 to 1.7 times as far out as
@@ -494,16 +495,18 @@ class Judge {
 
   /// What passes where it was measured, and is not known where it was not.
   static void doubt(const JointFiguresT& joint, const SurfaceLimit& limit, SurfaceVerdictT& verdict) {
-    constexpr double least_share = 0.3;
+    // Steps are those of the panels' surfaces, of which as much was seen already.
+    constexpr double of_steps = 0.3;
     const bool of_width = limit.quantity != SurfaceQuantity::step && limit.quantity != SurfaceQuantity::shift;
-    if (verdict.places < least_share * joint.looked_at)
-      verdict.not_judged = "it was measured at " + std::to_string(verdict.places) + " of " +
-                           std::to_string(joint.looked_at) +
-                           " places along it, where it keeps the limit; to pass it needs 30 %";
-    else if (of_width && joint.closed > 0)
+    const double needed = limit.quantity == SurfaceQuantity::step ? of_steps : kSeenEnough;
+    if (of_width && joint.closed > 0)
       verdict.not_judged = "it keeps the limit where it was measured, and at " + std::to_string(joint.closed) + " of " +
                            std::to_string(joint.looked_at) +
                            " places along it no gap is to be seen between its panels: filled flush there, or closed";
+    else if (verdict.places < needed * joint.looked_at)
+      verdict.not_judged = fmt::format(
+          "it was measured at {} of {} places along it, where it keeps the limit; to pass it needs {:.0f} %",
+          verdict.places, joint.looked_at, 100 * needed);
     if (!verdict.not_judged.empty()) verdict.verdict = ToleranceVerdict::not_measured;
   }
 

@@ -16,7 +16,7 @@ namespace plumbline::surface {
 namespace {
 
 /// The photographs of a tile: those with the smallest pixels on the ground first, but one that looks along a ray
-/// already taken (within 3 % of the height's parallax) only when no other is left.
+/// already taken (within 3 % of the height's parallax) only when no other is left, and none from the place of another.
 std::vector<FacetView> best_views(const FacadePlane& plane, const Eigen::Vector2d& place,
                                   const std::vector<FacetView>& views, int most, double* spacing) {
   struct Candidate {
@@ -34,9 +34,14 @@ std::vector<FacetView> best_views(const FacadePlane& plane, const Eigen::Vector2
   while (!candidates.empty() && candidates.back().ground > 2.5 * candidates.front().ground) candidates.pop_back();
   std::vector<Candidate> chosen, near;
   for (const Candidate& candidate : candidates) {
-    const bool alike = std::any_of(chosen.begin(), chosen.end(), [&](const Candidate& other) {
-      return (other.parallax - candidate.parallax).norm() < 0.03;
-    });
+    const auto within = [&](double slope) {
+      return
+          [&candidate, slope](const Candidate& other) { return (other.parallax - candidate.parallax).norm() < slope; };
+    };
+    if (std::any_of(chosen.begin(), chosen.end(), within(kOnePlace)) ||
+        std::any_of(near.begin(), near.end(), within(kOnePlace)))
+      continue;
+    const bool alike = std::any_of(chosen.begin(), chosen.end(), within(0.03));
     (alike ? near : chosen).push_back(candidate);
   }
   chosen.insert(chosen.end(), near.begin(), near.end());

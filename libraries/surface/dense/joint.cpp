@@ -45,8 +45,9 @@ std::vector<double> profile(const FacetView& view, const LocalMap& map, const Ei
 
 /// What one photograph says of an edge at one station.
 struct EdgeSight {
-  double place = 0, sigma = 0;  ///< u at the height that was assumed [m]
-  double parallax = 0;          ///< change of that by height
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of its ray: where it was taken from
+  double place = 0, sigma = 0;                      ///< u at the height that was assumed [m]
+  double parallax = 0;                              ///< change of that by height
   Eigen::RowVectorXd by_orientation;
 };
 
@@ -65,8 +66,8 @@ class Station {
           const OrientationCovariance& orientations, const JointOptions& options)
       : joint_(joint), lines_{a, b}, dark_(dark), views_(views), orientations_(orientations), options_(options) {}
 
-  /// Both edges; `found` says whether.
-  std::array<EdgePlace, 2> edges(double along) const {
+  /// Both edges; `found` says whether. `looking`: how many photographs look at the place, whatever they show.
+  std::array<EdgePlace, 2> edges(double along, int& looking) const {
     double heights[2], sigmas[2];
     int least[2];
     for (size_t e : {0, 1}) {
@@ -78,15 +79,19 @@ class Station {
       least[e] = at.measured ? options_.min_views : std::max(options_.min_views, 3);
     }
     std::vector<EdgeSight> sights[2];
-    for (const FacetView& view : views_) look(view, along, heights, sights);
+    looking = 0;
+    for (const FacetView& view : views_) looking += look(view, along, heights, sights);
     return {intersect(std::move(sights[0]), sigmas[0], least[0]), intersect(std::move(sights[1]), sigmas[1], least[1])};
   }
 
  private:
-  void look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights) const {
+  /// Whether the photograph has the place in it; what it shows of the edges goes to `sights`.
+  bool look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights) const {
     const Eigen::Vector3d centre(0, along, 0.5 * (heights[0] + heights[1]));
     const auto map = map_at(*view.view, joint_.plane, centre, 12);
-    if (!map) return;
+    if (!map) return false;
+    for (const EdgeSight& other : sights[0])  // a copy of it, or a burst: no other witness
+      if ((other.slope - map->parallax()).norm() < kOnePlace) return false;
     const double step = map->ground_pixel() / kSamples, window = kWindow * kSamples;
     const double reach = 0.5 * joint_.width + options_.search + window * step;
     const int half = static_cast<int>(std::ceil(reach / step));
@@ -96,23 +101,23 @@ class Station {
     double split = 0;
     for (int pass = 0; pass < 2; ++pass) {
       const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights, split);
-      if (grey.empty()) return;
+      if (grey.empty()) return false;
       const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
       const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
-      if (first < 0 || second <= first) return;
+      if (first < 0 || second <= first) return true;
       gap = fit_gap(grey, first, second, window, dark_);
-      if (!gap) return;
+      if (!gap) return true;
       if (gap->place[0] - half < split / step && gap->place[1] - half > split / step) break;
-      if (pass == 1) return;
+      if (pass == 1) return true;
       split = (0.5 * (gap->place[0] + gap->place[1]) - half) * step;
     }
     for (int e : {0, 1}) {
       const double u = (gap->place[e] - half) * step;
       const auto at = map_at(*view.view, joint_.plane, {u, along, heights[e]}, 0);
-      if (!at) return;
+      if (!at) return true;
       const Eigen::Matrix2d plane_from_pixel = at->by_place.leftCols<2>().inverse();
       EdgeSight sight;
-      sight.place = u;
+      sight.slope = map->parallax(), sight.place = u;
       // Neighbouring samples share pixels, so each counts for less than one: kSamples of them for a pixel.
       sight.sigma = std::max(gap->sigma[e] * step * std::sqrt(kSamples), 0.01 * map->ground_pixel());
       sight.parallax = at->parallax().x();
@@ -125,6 +130,7 @@ class Station {
             -(plane_from_pixel * at->by_camera).row(0);
       sights[e].push_back(sight);
     }
+    return true;
   }
 
   /// Covariance of the sights' places: noise, the edge's height, and the orientations.
@@ -265,11 +271,14 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
   const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));
   int one_edge = 0;
   std::vector<EdgePair> edges;
+  std::vector<LookedAt> places;
   for (int s = 0; s < count; ++s) {
     stop_point();
     const double along = ((s + 0.5) / count - 0.5) * (joint.length - options.station);
     ++measured.stations_looked_at;
-    const auto [edge_a, edge_b] = station.edges(along);
+    int looking = 0;
+    const auto [edge_a, edge_b] = station.edges(along, looking);
+    places.push_back({along, looking >= options.min_views, edge_a.found || edge_b.found});
     if (!edge_a.found || !edge_b.found) {
       one_edge += edge_a.found || edge_b.found;
       continue;
@@ -289,6 +298,8 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
   constexpr double bow = 0.0015;  // of an edge: grain that looked like one lies further off [m]
   constexpr size_t run = 3;       // of places that are off together
   keep_straight(measured, edges, bow, run);
+  // Of a panel that nobody measured it is not known whether there is anything to see.
+  if (unmeasured_of(a, b).empty()) measured.closed = without_edges(places, measured.stations);
   sum_up(measured, "two straight edges show");
   return measured;
 }

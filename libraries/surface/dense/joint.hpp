@@ -56,8 +56,8 @@ struct MeasuredJoint {
   std::string not_measured;  ///< why it has no station
   std::vector<JointStation> stations;
   int stations_looked_at = 0;
-  /// Of a scan: places where both panels have points closely and no gap is to be seen between them, two or more in a
-  /// row: filled flush there, or closed.
+  /// Places where no gap is to be seen between the panels: filled flush there, or closed. Of a scan where both panels
+  /// have points closely, two or more in a row; of photographs where enough of them look and show no edge, over 60 mm.
   int closed = 0;
   size_t narrowest = 0, widest = 0, largest_step = 0, largest_shift = 0;  ///< stations, if there are any
 };

@@ -119,6 +119,25 @@ void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, 
   measured.stations = std::move(kept);
 }
 
+int without_edges(const std::vector<LookedAt>& places, const std::vector<JointStation>& believed) {
+  constexpr double least = 0.06 - 1e-9;  // a tube or a rope before a joint hides less [m]
+  const double spacing = places.size() > 1 ? places[1].along - places[0].along : 0;
+  const auto open = [&](const LookedAt& place) {
+    return !place.looked || std::any_of(believed.begin(), believed.end(), [&](const JointStation& station) {
+      return std::abs(station.along - place.along) < 1e-9;
+    });
+  };
+  int count = 0;
+  for (size_t from = 0, to = 0; from < places.size(); from = to) {
+    int with_edge = 0;
+    for (to = from; to < places.size() && !open(places[to]); ++to) with_edge += places[to].edge;
+    const int length = static_cast<int>(to - from);
+    if (length > 1 && length * spacing >= least && 2 * with_edge < length) count += length;
+    if (to == from) ++to;
+  }
+  return count;
+}
+
 void sum_up(MeasuredJoint& measured, const std::string& what) {
   const auto& stations = measured.stations;
   if (2 * static_cast<int>(stations.size()) < measured.stations_looked_at) {

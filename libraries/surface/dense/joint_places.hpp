@@ -50,6 +50,18 @@ struct EdgePair {
 /// scatter about the line, and the random part is widened to that. `edges`: of the stations, in their order.
 void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow, size_t run);
 
+/// A place along a joint as photographs saw it.
+struct LookedAt {
+  double along = 0;     ///< from the joint's middle [m]
+  bool looked = false;  ///< enough photographs have it in them
+  bool edge = false;    ///< and show one edge at least
+};
+
+/// How many places lie in stretches of 60 mm or more where photographs look and no edges show: panels that touch, or a
+/// joint that is filled flush. Within a stretch grain may look like an edge at less than half of the places.
+/// `believed`: stations with both edges, in order, of which none lies in a stretch.
+int without_edges(const std::vector<LookedAt>& places, const std::vector<JointStation>& believed);
+
 /// Which station is narrowest, widest, has the largest step or shift; no figures at all if fewer than half of the
 /// stations that were looked at have any. `what`: of how many of them the reason speaks, "two straight edges show".
 void sum_up(MeasuredJoint& measured, const std::string& what);

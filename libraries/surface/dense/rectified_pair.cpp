@@ -54,9 +54,10 @@ std::vector<RectifiedPair> pairs_for(const FacadePlane& plane, const Eigen::Vect
     double off;
   };
   std::vector<Candidate> candidates;
-  for (size_t one = 0; one < views.size(); ++one)
-    for (size_t other = one + 1; other < views.size(); ++other)
-      if (const auto pair = rectified_pair(plane, place, views, one, other))
+  const std::vector<size_t> own = from_own_places(plane, place, views);
+  for (size_t i = 0; i < own.size(); ++i)
+    for (size_t j = i + 1; j < own.size(); ++j)
+      if (const auto pair = rectified_pair(plane, place, views, own[i], own[j]))
         candidates.push_back({*pair, std::abs(std::log(pair->baseline / pair->depth / 0.27))});
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.off < b.off; });
   std::vector<int> used(views.size());

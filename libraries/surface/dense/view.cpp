@@ -44,6 +44,22 @@ std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const
   return map;
 }
 
+std::vector<size_t> from_own_places(const FacadePlane& plane, const Eigen::Vector2d& place,
+                                    const std::vector<View>& views) {
+  std::vector<size_t> own;
+  std::vector<Eigen::Vector2d> slopes;
+  for (size_t k = 0; k < views.size(); ++k) {
+    const auto map = map_at(views[k], plane, {place.x(), place.y(), 0}, -1e6);
+    if (!map) continue;
+    const Eigen::Vector2d slope = map->parallax();
+    if (std::any_of(slopes.begin(), slopes.end(),
+                    [&](const auto& other) { return (other - slope).norm() < kOnePlace; }))
+      continue;
+    own.push_back(k), slopes.push_back(slope);
+  }
+  return own;
+}
+
 Pyramid pyramid_of(GreyImage image) {
   Pyramid pyramid;
   pyramid.level[0] = std::move(image);

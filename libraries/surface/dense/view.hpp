@@ -50,6 +50,15 @@ struct LocalMap {
 /// Nothing where the place lies behind the camera, outside of the image (by `margin` [px]) or is seen from behind.
 std::optional<LocalMap> map_at(const View& view, const FacadePlane& plane, const Eigen::Vector3d& place, double margin);
 
+/// Photographs whose rays to a place differ by less (half a degree, as a slope) are taken from one place: copies of
+/// one, a burst, exposures from a tripod. The second says nothing of depth that the first does not, and agrees with it
+/// whatever both show, so that it is no witness.
+constexpr double kOnePlace = 0.0087;
+
+/// Numbers of those that look at a place (u, v) from places of their own; of several from one the first.
+std::vector<size_t> from_own_places(const FacadePlane& plane, const Eigen::Vector2d& place,
+                                    const std::vector<View>& views);
+
 /// A photograph in three resolutions: each is the mean of 2 × 2 pixels of the one before.
 struct Pyramid {
   static constexpr int levels = 3;

@@ -68,6 +68,10 @@ struct Joints : Node {
           measure_joint(joints[j], faces, measured, pixels.take(seen), photographs.orientations(), options);
       if (!joint.not_measured.empty())
         context.warn("joint " + joints[j].a + " | " + joints[j].b + " is not measured: " + joint.not_measured);
+      else if (joint.closed > 0)
+        context.warn("joint " + joints[j].a + " | " + joints[j].b + ": at " + std::to_string(joint.closed) + " of " +
+                     std::to_string(joint.stations_looked_at) +
+                     " places along it no edges show: filled flush there, or closed");
       found += joint.not_measured.empty();
       result.joints.push_back(describe(joint, joints[j]));
       for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);

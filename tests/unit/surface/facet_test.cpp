@@ -171,6 +171,9 @@ TEST(Facet, WhatIsTooLittleOrElsewhereGivesHolesAndNoSurface) {
   const auto one = outcomes(site.scene.plane, {all[0]});
   EXPECT_GT(one[few], 100) << "one photograph";
   EXPECT_EQ(one[0], 0);
+  const auto copies = outcomes(site.scene.plane, {all[0], all[1], all[0], all[1], all[1]});
+  EXPECT_GT(copies[few], 100) << "two photographs and copies of them are no three that agree";
+  EXPECT_EQ(copies[0], 0);
   FacadePlane elsewhere = site.scene.plane;  // where no two photographs overlap, nor any is
   elsewhere.origin += 20 * elsewhere.axes.col(0);
   EXPECT_EQ(outcomes(elsewhere, all)[0], 0);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "surface/dense/edge_profile.hpp"
 #include "surface/dense/facet_tile.hpp"
@@ -103,6 +104,50 @@ TEST(Joint, WhereNoEdgeShowsNothingIsStated) {
   const Outcome outcome = measure(make_site(scene));
   EXPECT_EQ(outcome.joint.stations.size(), 0U);
   EXPECT_NE(outcome.joint.not_measured, "");
+}
+
+/// Panels that touch over a third of their length: photographs look there, and no edge is to be seen.
+TEST(Joint, WhereItIsClosedInPhotographsIsCounted) {
+  FacadeScene scene = jointed(0.5, 0.05);
+  const auto open = scene.reflectance;
+  scene.reflectance = [open](double u, double v) {
+    return std::abs(v) < 0.04 ? 0.5 + 0.15 * plumbline::testing::plaster(u, v, 0.002) : open(u, v);
+  };
+  const Outcome outcome = measure(make_site(scene));
+  EXPECT_EQ(outcome.joint.not_measured, "");
+  EXPECT_GE(outcome.joint.closed, 3);
+  EXPECT_LE(outcome.joint.closed, 5) << "of 11 places 20 mm apart";
+  EXPECT_EQ(measure(make_site(jointed(0.5, 0.05))).joint.closed, 0);
+}
+
+TEST(Joint, ACopyOfAPhotographIsNoOtherWitness) {
+  const Site site = make_site(jointed(0.5, 0.05));
+  EXPECT_NE(measure(site, -1, {0, 0}).joint.not_measured, "") << "two photographs are needed";
+  const MeasuredJoint two = measure(site, -1, {0, 1}).joint, doubled = measure(site, -1, {0, 1, 0, 1}).joint;
+  ASSERT_EQ(doubled.stations.size(), two.stations.size());
+  for (size_t s = 0; s < two.stations.size(); ++s) {
+    EXPECT_EQ(doubled.stations[s].views, 2);
+    EXPECT_EQ(doubled.stations[s].width_sigma, two.stations[s].width_sigma);
+  }
+}
+
+TEST(Joint, StretchesWithoutEdgesCountFrom60MillimetresOn) {
+  std::vector<LookedAt> places;
+  for (int s = 0; s < 20; ++s) places.push_back({0.02 * s, true, false});
+  const auto but = [&](const std::vector<int>& without) {
+    std::vector<JointStation> believed;
+    for (int s = 0; s < 20; ++s)
+      if (std::find(without.begin(), without.end(), s) == without.end()) believed.emplace_back().along = 0.02 * s;
+    return without_edges(places, believed);
+  };
+  EXPECT_EQ(but({4, 5, 11}), 0) << "a tube before it";
+  EXPECT_EQ(but({4, 5, 6, 11}), 3);
+  places[5].edge = true;
+  EXPECT_EQ(but({4, 5, 6}), 3) << "grain that looked like an edge";
+  places[6].edge = true;
+  EXPECT_EQ(but({4, 5, 6}), 0);
+  places[5].edge = places[6].edge = false, places[5].looked = false;
+  EXPECT_EQ(but({4, 5, 6}), 0) << "nobody looked";
 }
 
 /// A panel of glass or of plain paint has no measured surface, and the design's is not where it hangs: seen from one

@@ -397,8 +397,18 @@ TEST(JudgeSurfaces, AJointPassesOnlyIfItWasSeenAlongEnoughOfIt) {
       << result.verdicts[0]->not_judged;
   what.joints[0]->places[0]->width = 0.02;
   EXPECT_EQ(judged(what, {"*: joint=3mm"}).failed, 1) << "one place is enough to fail";
-  what.joints[0]->places[0]->width = 0.012, what.joints[0]->looked_at = 3;
+  what.joints[0] = joint({0.012, 0.012, 0.012}, 1e-4);
+  what.joints[0]->looked_at = 4;
   EXPECT_EQ(judged(what, {"*: joint=3mm"}).passed, 1);
+  what.joints[0]->looked_at = 5;
+  const auto some = judged(what, {"*: joint=3mm"});
+  EXPECT_EQ(some.passed, 0) << "what hides two fifths of a joint hides how wide it is";
+  EXPECT_NE(
+      some.verdicts[0]->not_judged.find("3 of 5 places along it, where it keeps the limit; to pass it needs 75 %"),
+      std::string::npos)
+      << some.verdicts[0]->not_judged;
+  for (auto& place : what.joints[0]->places) place->step = 0, place->step_sigma = 1e-4;
+  EXPECT_EQ(judged(what, {"*: step=2mm"}).passed, 1) << "steps are those of the panels' surfaces";
 }
 
 TEST(JudgeSurfaces, JointsOfPanelsThatShareAName) {

@@ -31,6 +31,9 @@ TEST(Pairs, ARectifiedPlaceLiesInTheSameRowOfBothPhotographs) {
                 1e-6);
     }
   EXPECT_FALSE(rectified_pair(site.scene.plane, {0, 0}, site.views, 1, 1)) << "a photograph with itself";
+  const std::vector<View> copies = {site.views[0], site.views[1], site.views[0], site.views[1]};
+  EXPECT_EQ(from_own_places(site.scene.plane, {0, 0}, copies), (std::vector<size_t>{0, 1}));
+  EXPECT_LE(pairs_for(site.scene.plane, {0, 0}, copies, 2, 10).size(), 1U) << "a copy says nothing that is new";
 }
 
 /// Disparities half a pixel off, as a matcher that is drawn to whole ones gives them.
