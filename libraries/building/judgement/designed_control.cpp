@@ -231,7 +231,7 @@ DesignedControl designed_control(const SurveyNetwork& network, const FrameLink& 
 MeasurementDoubtT doubt_of(const DesignedControl& control) {
   constexpr std::size_t kNamed = 8;
   MeasurementDoubtT doubt;
-  doubt.part = MeasurementPart::datum, doubt.grade = DoubtGrade::doubt, doubt.about = "designed control";
+  doubt.part = MeasurementPart::datum, doubt.grade = DoubtGrade::doubt, doubt.about = "designed_control";
   const char* coordinates = control.plan && control.height ? "coordinates"
                             : control.plan                 ? "plan coordinates"
                                                            : "heights";

@@ -129,7 +129,7 @@ std::optional<MeasurementDoubtT> doubt_of_what_was_left_out(const SurveyNetwork&
     const std::vector<std::string> alike = left_out_alike(network, *worst);
     if (alike.size() < holding(network, is_of_height(*worst))) continue;
     MeasurementDoubtT doubt =
-        finding(MeasurementPart::survey, DoubtGrade::doubt, "known points left out",
+        finding(MeasurementPart::survey, DoubtGrade::doubt, "known_points_left_out",
                 "known points that were left out contradict it, and are as many as those that hold it: " +
                     text::join(alike, 4) + "; as measured minus as known: " + words_of(*worst));
     doubt.mend_note = kFindOut;
@@ -155,7 +155,7 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
   const std::string worst = text_of(wrong.front()->id());
   const std::vector<std::string> out = left_out_alike(network, *wrong.front());
   MeasurementDoubtT doubt = finding(
-      MeasurementPart::survey, DoubtGrade::doubt, "known points",
+      MeasurementPart::survey, DoubtGrade::doubt, "known_points",
       "known points contradict it and each other, as measured minus as known: " + words_of(*wrong.front()) +
           (others.empty() ? ""
                           : "; as much, and the test does not tell which of them is wrong: " + text::join(others, 4)) +
@@ -228,7 +228,7 @@ std::optional<FittedDatumT> fitted_datum(const Points& model, const Transform* d
 std::optional<MeasurementDoubtT> doubt_of_datum(const FittedDatumT& datum) {
   if (std::isfinite(datum.datum_sigma)) return std::nullopt;
   MeasurementDoubtT doubt =
-      finding(MeasurementPart::datum, DoubtGrade::doubt, "fitted to the design",
+      finding(MeasurementPart::datum, DoubtGrade::doubt, "fitted_to_the_design",
               "the measurement was " + datum.origin +
                   "; these are to be judged, and a shift or turn of all of them together cannot be seen");
   doubt.mend = "frames.with.datum_sigma=SIGMA";
