@@ -62,7 +62,7 @@ struct Mean {
 };
 
 struct Sum {
-  Mean panels, joints, reworks, top, rounds, top_floor, bottom_floor;
+  Mean panels, joints, reworks, top, rounds, top_floor, bottom_floor, slope;
   double by_person = 0, verified = 0, wrong = 0, worst = 0, infeasible = 0, planted = 0, missed = 0, items = 0,
          looks = 0;
   double nees = 0, diagonal = 0, joint_values = 0, seconds = 0;
@@ -86,6 +86,18 @@ void print_reliability(const TrialResult& r, std::uint64_t seed) {
                   inside[bin]);
 }
 
+/// Slope of the pass rate over the height of one tower, by least squares over its floors [percent per ten floors].
+double slope_of(const TrialResult& r) {
+  const double n = static_cast<double>(r.inside_by_floor.size()), middle = (n + 1) / 2;
+  const double per_floor = static_cast<double>(r.panels) / n;
+  double sum = 0, square = 0;
+  for (std::size_t f = 0; f < r.inside_by_floor.size(); ++f) {
+    const double floor = static_cast<double>(f + 1) - middle;
+    sum += floor * 100.0 * r.inside_by_floor[f] / per_floor, square += floor * floor;
+  }
+  return square > 0 ? 10 * sum / square : 0;
+}
+
 void add(const TrialResult& r, Sum& s) {
   s.panels.add(100.0 * r.panels_inside / r.panels),
       s.joints.add(r.joints > 0 ? 100.0 * r.joints_inside / r.joints : 100.0);
@@ -94,6 +106,7 @@ void add(const TrialResult& r, Sum& s) {
   const double per_floor = static_cast<double>(r.panels) / static_cast<double>(r.inside_by_floor.size());
   s.bottom_floor.add(100.0 * r.inside_by_floor.front() / per_floor);
   s.top_floor.add(100.0 * r.inside_by_floor.back() / per_floor);
+  s.slope.add(slope_of(r));
   s.by_person += r.by_person, s.verified += r.verified, s.wrong += r.verified_wrong, s.infeasible += r.infeasible,
       s.items += r.panels;
   s.worst = std::max(s.worst, r.verified_worst);
@@ -183,6 +196,10 @@ int main(int argc, char** argv) {
                 s.bottom_floor.value(), s.top_floor.value(), s.reworks.value(), s.top.value(), s.top.half(),
                 s.rounds.value(), s.seconds / trials);
   }
+  for (std::size_t i = 0; i < kCount; ++i)
+    if (!sums[i].panels.values.empty())
+      std::printf("over the height %-14s %6.2f +- %5.2f percent of the panels per ten floors\n",
+                  name_of(kStrategies[i]), sums[i].slope.value(), sums[i].slope.half());
   if (closed != 0) print_closed(sums, paired);
   const Sum& m = sums[1];
   std::printf(

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <thread>
 
@@ -307,11 +308,12 @@ int run(const Options& options) {
     result = execute(graph, registry, store, run_options, progress);
   }
   std::vector<runtime::Delivery> deliveries;
-  const std::string lost_there = result.cancelled ? std::string() : runtime::lost_reports(graph, store, result, out);
-  if (!lost_there.empty()) {
+  std::optional<runtime::JournalGuard> guard;
+  if (!result.cancelled) guard.emplace(graph, store, result, out);
+  if (guard && !guard->refusal().empty()) {
     record.end(result, {});
     if (options.json) print_json_end(out);
-    std::fprintf(stderr, "plumbline: %s\n", lost_there.c_str());
+    std::fprintf(stderr, "plumbline: %s\n", guard->refusal().c_str());
     return 1;
   }
   if (!result.cancelled && !stop_is_asked_for())

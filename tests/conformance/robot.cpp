@@ -6,6 +6,7 @@
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/installation_plan.hpp"
 #include "artifacts/points.hpp"
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
@@ -168,7 +169,7 @@ struct Done {
   Done(const char* kind, const std::map<std::string, std::string>& settings, uint64_t seed = 1) {
     NodeHarness node(kind);
     node.input<File>("job", make_job()), node.input<Points>("truth", make_truth());
-    for (const char* none : {"repeatability", "station_sigma", "slip_share", "hand_sigma", "division"})
+    for (const char* none : {"repeatability", "station_sigma", "slip_share", "calibration", "hand_sigma", "division"})
       if (node.has_parameter(none, "0")) node.set(none, "0");
     for (const auto& [name, value] : settings) node.set(name, value);
     node.seed(seed), node.run();
@@ -198,13 +199,21 @@ TEST(SimulatedRobots, EachFaultIsThatOfItsName) {
   expect_moved(Done("simulate.robots", {}), b0, b1, "no fault");
   EXPECT_EQ(Done("simulate.robots", {}).faults, 0);
   expect_moved(with("did_nothing"), none, none, "did_nothing");
-  expect_moved(with("off_8mm"), b0 + aside, b1 + aside, "off_8mm");
+  const Vector3d off = with("off_8mm").moved[0] - b0, off_too = with("off_8mm").moved[1] - b1;
+  EXPECT_LT(std::min((off - aside).norm(), (off + aside).norm()), 1e-12) << off.transpose();
+  EXPECT_LT(std::min((off_too - aside).norm(), (off_too + aside).norm()), 1e-12) << off_too.transpose();
+  expect_moved(with("twice"), 2 * b0, 2 * b1, "twice");
+  const Done other = with("other_job");
+  EXPECT_GT((other.moved[0] - b0).norm(), 0.001) << "as another job asks";
+  EXPECT_EQ(other.reports.items[0]->job, "job-of-another-tower");
   expect_moved(with("wrong_side"), -b0, -b1, "wrong_side");
   expect_moved(with("wrong_item"), none, b0, "wrong_item: b1 is set as b0 was to be, and nobody hangs on p0");
   expect_moved(with("skipped"), none, none, "skipped");
   expect_moved(with("old_revision"), b0, b1, "old_revision");
-  for (const char* fault : {"did_nothing", "skipped", "old_revision"}) EXPECT_EQ(with(fault).faults, 3) << fault;
-  for (const char* fault : {"off_8mm", "wrong_side", "wrong_item"}) EXPECT_EQ(with(fault).faults, 2) << fault;
+  for (const char* fault : {"did_nothing", "skipped", "old_revision", "off_8mm"})
+    EXPECT_EQ(with(fault).faults, 3) << fault;
+  for (const char* fault : {"wrong_side", "wrong_item", "twice", "other_job"})
+    EXPECT_EQ(with(fault).faults, 2) << fault;
   for (const auto& report : with("skipped").reports.items) EXPECT_EQ(report->outcome, "skipped");
   for (const auto& report : with("did_nothing").reports.items) EXPECT_EQ(report->outcome, "done") << "and says it was";
   for (const auto& report : with("old_revision").reports.items) EXPECT_EQ(report->revision, 1);
@@ -229,10 +238,64 @@ TEST(SimulatedRobots, ErrorsAreOfTheirSizeAndTheirKind) {
   const auto station = rms("simulate.robots", {{"station_sigma", "0.001"}});
   EXPECT_NEAR(station.first, 0.001, 0.0002);
   EXPECT_LT(station.second, 1e-12) << "of one floor";
+  const auto arm = rms("simulate.robots", {{"calibration", "0.001"}});
+  EXPECT_LT(arm.second, 1e-12) << "of one robot";
+  const auto first_round = Done("simulate.robots", {{"calibration", "0.001"}}, 1).moved[0];
+  EXPECT_GT((first_round - asked[0]).norm(), 1e-5);
+  EXPECT_EQ(first_round, Done("simulate.robots", {{"calibration", "0.001"}}, 2).moved[0]) << "in all rounds";
+  const auto tilted = rms("simulate.robots", {{"tilt", "0.001"}});
+  EXPECT_NEAR(tilted.first, 0.0024, 0.0008) << "2 m up and 1.5 m before it";
+  EXPECT_GT(tilted.second, 1e-4) << "by where it is";
+  const auto drifted = rms("simulate.robots", {{"drift", "0.001"}});
+  EXPECT_NEAR(drifted.second, 0.001, 0.0002) << "one item on";
+  const auto wandered = rms("simulate.robots", {{"bit_wander", "0.001"}});
+  EXPECT_NEAR(wandered.first, 0.001 * std::sqrt(2.0 / 3), 0.00015) << "along the facade alone";
   EXPECT_NEAR(rms("simulate.robots", {{"slip_share", "1"}, {"slip_sigma", "0.004"}}).first, 0.004, 0.0006);
   EXPECT_NEAR(rms("simulate.fitters", {{"hand_sigma", "0.002"}}).first, 0.002, 0.0003);
   const Done rounded("simulate.fitters", {{"division", "0.005"}});  // 4 and 6 mm are 5, 3 mm are 5
   expect_moved(rounded, {0, -0.005, 0.005}, {-0.005, 0, 0}, "division");
+}
+
+/// A panel is seen where its hooks really put it, with the plan that says which they are, and not at its target.
+TEST(SimulatedRobots, APanelHangsWhereItsHooksAre) {
+  if (!are_built_here()) GTEST_SKIP() << "simulate.robots is not built here";
+  const auto seen = [](const std::map<std::string, std::string>& settings, double off) {
+    InstallationPlanT plan;
+    auto panel = std::make_unique<PlannedPanelT>();
+    panel->id = "p0", panel->centre = {101, 200, 29}, panel->shift.setZero(), panel->rotation.setZero();
+    for (const double z : {28.0, 30.0})
+      for (const double x : {100.0, 102.0}) panel->corners.emplace_back(x, 200, z);
+    for (int k = 0; k < 4; ++k) {
+      auto bracket = std::make_unique<BracketSettingT>();
+      bracket->id = std::string("c") + std::to_string(k), bracket->design = panel->corners[k];
+      bracket->measured = bracket->sigma = bracket->difference_sigma = bracket->asked = Vector3d::Zero();
+      bracket->setting = bracket->low = bracket->high = Vector3d::Zero();
+      bracket->axes = {Vector3d(1, 0, 0), Vector3d(0, 0, 1), Vector3d(0, -1, 0)};
+      panel->brackets.push_back(bracket->id), panel->holds.push_back(k == 2   ? "right+up+out"
+                                                                     : k == 3 ? "up+out"
+                                                                              : "out");
+      plan.brackets.push_back(std::move(bracket));
+    }
+    PointsT truth = make_truth();
+    for (const auto& bracket : plan.brackets) {
+      auto point = std::make_unique<PointT>();
+      point->id = bracket->id, point->position = bracket->design + Vector3d(off, -off, 0), point->sigma.setZero();
+      truth.points.push_back(std::move(point));
+    }
+    plan.basis = "abc", plan.panels.push_back(std::move(panel));
+    NodeHarness node("simulate.robots");
+    node.input<File>("job", make_job()), node.input<Points>("truth", truth), node.input<InstallationPlan>("plan", plan);
+    node.set("seen_sigma", "1e-5"), node.set("face_sigma", "0");
+    for (const auto& [name, value] : settings) node.set(name, value);
+    node.run();
+    for (const auto& report : node.output<Actuals>("actuals").items)
+      if (report->item == "p0") return Vector3d(report->measured - Vector3d(101, 200, 29));
+    return Vector3d(Vector3d::Constant(std::nan("")));
+  };
+  EXPECT_LT((seen({}, 0.006) - Vector3d(0.006, -0.006, 0)).norm(), 1e-4);
+  EXPECT_LT((seen({{"off_8mm", "1"}}, 0) - Vector3d(0.008, 0, 0)).norm(), 1e-4);
+  EXPECT_GT(std::abs(seen({{"face_sigma", "0.01"}}, 0).y()), 1e-4) << "as it was made";
+  EXPECT_TRUE(std::isnan(seen({{"did_nothing", "1"}}, 0).x()));
 }
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Robot);

@@ -1,6 +1,12 @@
 #include "runtime/record/journal_guard.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -27,7 +33,9 @@ std::vector<JournalReport> reports_in(std::istream& stream) {
     JournalReport report;
     for (const char* key : {"kind", "item", "by", "at"})
       report.push_back(line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : std::string());
-    if (!report[2].empty() && !report[3].empty()) reports.push_back(std::move(report));
+    // What the program concluded follows from the reports again.
+    const bool is_told = !report[2].empty() && report[2] != "plumbline";
+    if (is_told && !report[3].empty()) reports.push_back(std::move(report));
   }
   return reports;
 }
@@ -50,28 +58,137 @@ std::vector<std::string> missing_reports(std::istream& there, std::istream& now)
   return lost;
 }
 
-std::string lost_reports(const Graph& graph, Store& store, const RunResult& result, const fs::path& out) {
+namespace {
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+constexpr const char* kJournal = "journal.jsonl";
+
+/// Beside a journal: the folders of the runs that went on from it, one a line, as seen from here.
+constexpr const char* kFollowers = "journal.next";
+
+/// What a run that would replace the journal in its own folder would lose.
+std::string lost_words(const fs::path& file, const std::string& was, const std::string& now) {
+  std::istringstream there(was), new_one(now);
+  const std::vector<std::string> lost = missing_reports(there, new_one);
+  if (lost.empty()) return {};
+  constexpr size_t kNamed = 3;
+  std::string words;
+  for (size_t i = 0; i < std::min(kNamed, lost.size()); ++i) words += (i ? ", " : "") + lost[i];
+  if (lost.size() > kNamed) words += " and " + std::to_string(lost.size() - kNamed) + " more";
+  return printable(file.string() + " has " + std::to_string(lost.size()) + (lost.size() > 1 ? " reports" : " report") +
+                   " that this run does not have: " + words +
+                   ". Nothing was written. Did somebody else run this round? Then give both runs' reports, "
+                   "or go on from that run's state; if those reports were wrong, take that file away");
+}
+
+/// Another run than that in `but` whose journal goes on from `journal`, the one in `folder`; empty: none.
+fs::path other_follower(const fs::path& folder, const std::string& journal, const fs::path& but) {
+  std::istringstream lines(text_of(folder / kFollowers));
+  for (std::string line; std::getline(lines, line);) {
+    const fs::path other = (folder / line).lexically_normal();
+    if (line.empty() || other == but) continue;
+    const std::string theirs = text_of(other / kJournal);
+    if (theirs.size() > journal.size() && theirs.starts_with(journal)) return other;
+  }
+  return {};
+}
+
+/// Folders with a journal beside a file that the run read.
+std::set<fs::path> folders_read_from(const Graph& graph) {
+  std::set<fs::path> folders;
+  for (const GraphNode& node : graph.nodes)
+    for (const auto& [name, text] : node.parameters) {
+      const plumbline_param* param = node.kind.param(name);
+      if (!param || param->kind != PLUMBLINE_FILE || text.empty()) continue;
+      const auto list = nlohmann::json::parse(text, nullptr, false);
+      const auto add = [&](const std::string& file) {
+        std::error_code gone;
+        const fs::path folder = fs::absolute(fs::path(file)).lexically_normal().parent_path();
+        if (!file.empty() && fs::is_regular_file(folder / kJournal, gone)) folders.insert(folder);
+      };
+      if (list.is_array())
+        for (const auto& file : list) add(file.is_string() ? file.get<std::string>() : std::string());
+      else
+        add(list.is_string() ? list.get<std::string>() : text);
+    }
+  return folders;
+}
+
+/// Whether somebody reported something: a journal of a simulation may be made as often as one likes.
+bool is_of_a_site(const std::string& journal) {
+  for (std::istringstream lines(journal); lines.good();) {
+    std::string text;
+    std::getline(lines, text);
+    const auto line = nlohmann::json::parse(text, nullptr, false);
+    if (line.is_object() && line.value("at", "") != "") return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+JournalGuard::JournalGuard(const Graph& graph, Store& store, const RunResult& result, fs::path out)
+    : out_(fs::absolute(out).lexically_normal()) {
   for (const GraphOutput& output : graph.outputs) {
-    if (fs::path(output.file).filename() != "journal.jsonl") continue;
+    if (fs::path(output.file).filename() != kJournal) continue;
     const auto& outputs = result.nodes[output.from.node].outputs;
     const auto found = outputs.find(output.from.port);
     if (found == outputs.end() || found->second.size() != 1) continue;
     if (std::string(graph.nodes[output.from.node].kind.output(output.from.port)->type) != artifact_traits<File>::name)
       continue;
-    std::ifstream there(out / output.file, std::ios::binary);
-    std::istringstream now(journal_of(store, found->second[0]));
-    const std::vector<std::string> lost = missing_reports(there, now);
-    if (lost.empty()) continue;
-    constexpr size_t kNamed = 3;
-    std::string words;
-    for (size_t i = 0; i < std::min(kNamed, lost.size()); ++i) words += (i ? ", " : "") + lost[i];
-    if (lost.size() > kNamed) words += " and " + std::to_string(lost.size() - kNamed) + " more";
-    return printable((out / output.file).string() + " has " + std::to_string(lost.size()) +
-                     (lost.size() > 1 ? " reports" : " report") + " that this run does not have: " + words +
-                     ". Nothing was written. Did somebody else run this round? Then give both runs' reports, "
-                     "or go on from that run's state; if those reports were wrong, take that file away");
+    const std::string now = journal_of(store, found->second[0]), there = text_of(out_ / output.file);
+    refusal_ = lost_words(out / output.file, there, now);
+    if (!refusal_.empty() || !is_of_a_site(now)) return;
+    const fs::path folder = (out_ / output.file).parent_path();
+    if (const fs::path next = other_follower(folder, there, {}); !there.empty() && there != now && !next.empty()) {
+      refusal_ = printable((out / output.file).string() + " is what " + (next / kJournal).string() +
+                           " goes on from, and this run gives another one. Nothing was written. Go on from that "
+                           "round's state; if it is to count for nothing, take its folder away");
+      return;
+    }
+    for (const fs::path& before : folders_read_from(graph))
+      if (refusal_.empty() && before != folder) follow(before, now);
   }
-  return {};
+}
+
+/// Two runs on one state would be two jobs for the same items, and each would lack what was reported to the other.
+void JournalGuard::follow(const fs::path& before, const std::string& now) {
+  const std::string journal = text_of(before / kJournal);
+  if (journal.empty() || !now.starts_with(journal)) return;
+  const fs::path note = before / kFollowers;
+  const int file = ::open(note.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  if (file < 0) {
+    refusal_ = printable("cannot write " + note.string() + " (" + std::strerror(errno) +
+                         "): without it a second run on this state would not be noticed. Nothing was written. Copy " +
+                         before.string() + " to where you may write, and go on from there");
+    return;
+  }
+  locks_.push_back(file);
+  while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
+  }
+  if (const fs::path other = other_follower(before, journal, out_); !other.empty()) {
+    refusal_ = printable("a round was already run on this state: " + (other / kJournal).string() + " goes on from " +
+                         (before / kJournal).string() +
+                         ". Nothing was written: there would be two jobs for the same "
+                         "items, and neither had what was reported to the other. Run this round into " +
+                         other.string() + " with both runs' reports, or go on from " + (other / "state.json").string() +
+                         "; if that run is to count for nothing, take its folder away");
+    return;
+  }
+  const std::string line = out_.lexically_relative(before).string() + "\n";
+  std::istringstream known(text_of(note));
+  for (std::string there; std::getline(known, there);)
+    if (there + "\n" == line) return;
+  if (::write(file, line.data(), line.size()) != static_cast<ssize_t>(line.size()))
+    refusal_ = printable("cannot write " + note.string() + ": " + std::strerror(errno) + ". Nothing was written");
+}
+
+JournalGuard::~JournalGuard() {
+  for (const int lock : locks_) ::close(lock);
 }
 
 }  // namespace plumbline::runtime

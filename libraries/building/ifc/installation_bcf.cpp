@@ -5,6 +5,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
+#include <set>
 
 #include "building/ifc/bcf_topic.hpp"
 
@@ -28,10 +29,10 @@ std::map<std::pair<std::string, std::string>, Words> history_of(const LoopStateT
     if (!line.is_object()) continue;
     const auto word = [&](const char* key) { return line.value(key, std::string()); };
     BcfComment comment{is_xml_date(word("at")) ? word("at") : options.date,
-                       word("by").empty() ? options.author : word("by"),
+                       word("by").empty() || word("by") == "plumbline" ? options.author : word("by"),
                        "round " + std::to_string(line.value("round", 0)) + ": " + word("from") + " to " + word("to") +
                            ": " + word("why")};
-    const bool no_go = word("why").rfind(kMayNotHang, 0) == 0;
+    const bool no_go = word("reason") == EnumNameItemReason(ItemReason::may_not_hang);
     history[{word("kind"), word("item")}].emplace_back(no_go ? "NO_GO" : word("to"), std::move(comment));
   }
   return history;
@@ -95,10 +96,7 @@ DeviationT surroundings_of(const InstallationPlanT& plan, const LoopStateT& stat
 class Topics {
  public:
   Topics(const InstallationPlanT& plan, const LoopStateT& state, const BcfOptions& options)
-      : state_(state),
-        by_hand_(plan.relaxations),
-        drawn_(surroundings_of(plan, state)),
-        history_(history_of(state, options)) {
+      : state_(state), drawn_(surroundings_of(plan, state)), history_(history_of(state, options)) {
     for (const auto& panel : plan.panels) panels_[panel->id] = panel.get();
     for (const auto& anchor : drawn_.anchors) anchors_[anchor->id] = anchor.get();
     for (const auto& panel : drawn_.panels) drawn_panels_[panel->name] = panel.get();
@@ -108,10 +106,8 @@ class Topics {
     std::vector<BcfIssue> issues;
     for (const std::string& control : state_.moved_control)
       issues.push_back(of_the_whole(control + " moved", "control " + control));
-    for (const std::string& words : plan.relaxations)
-      if (std::none_of(state_.items.begin(), state_.items.end(),
-                       [&](const auto& item) { return is_by_hand(*item, words); }))
-        issues.push_back(of_the_whole("By hand: " + words, "by hand " + without_figures(words)));
+    for (const std::string& words : by_hand_of_no_panel(plan))
+      issues.push_back(of_the_whole("By hand: " + words, "by hand " + without_figures(words)));
     for (const std::string& doubt : plan.doubts)
       issues.push_back(of_the_whole("The measurement is in doubt: " + doubt, "doubt " + without_figures(doubt)));
     std::vector<std::string> nowhere;
@@ -161,10 +157,16 @@ class Topics {
     return waits && panel != panels_.end() ? panel->second : nullptr;
   }
 
-  /// Whether its plan says of a panel that waits that this is to be done first.
-  bool is_by_hand(const LoopItemT& item, const std::string& words) const {
-    const PlannedPanelT* panel = waiting(item);
-    return panel && panel->gate != GateDecision::go && panel->reason.find(words) != std::string::npos;
+  /// What is to be done by hand and that no panel's own topic has.
+  std::vector<std::string> by_hand_of_no_panel(const InstallationPlanT& plan) const {
+    std::set<int> told;
+    for (const auto& item : state_.items)
+      if (const PlannedPanelT* panel = waiting(*item); panel && panel->gate != GateDecision::go)
+        told.insert(panel->by_hand.begin(), panel->by_hand.end());
+    std::vector<std::string> rest;
+    for (std::size_t r = 0; r < plan.relaxations.size(); ++r)
+      if (!told.contains(static_cast<int>(r))) rest.push_back(plan.relaxations[r]);
+    return rest;
   }
 
   std::string what_is_wrong(const LoopItemT& item) const {
@@ -173,9 +175,8 @@ class Topics {
     if (item.status == ItemStatus::relocalised && item.hangs && !item.seen) return "nobody has seen it hang";
     if (item.status == ItemStatus::rework && item.hangs) return "take it down: " + item.why;
     if (const PlannedPanelT* panel = waiting(item)) {
-      if (panel->gate == GateDecision::no_go) return kMayNotHang + panel->reason;
-      if (std::any_of(by_hand_.begin(), by_hand_.end(), [&](const auto& words) { return is_by_hand(item, words); }))
-        return "by hand first: " + panel->reason;
+      if (panel->gate == GateDecision::no_go) return "may not be hung so: " + panel->reason;
+      if (panel->gate == GateDecision::hold && !panel->by_hand.empty()) return "by hand first: " + panel->reason;
     }
     if (was_wrong(words_of(item)))
       return item.status == ItemStatus::verified ? "mended: " + item.why : "is done again: " + item.why;
@@ -218,7 +219,6 @@ class Topics {
   }
 
   const LoopStateT& state_;
-  const std::vector<std::string>& by_hand_;
   DeviationT drawn_;
   std::map<std::pair<std::string, std::string>, Words> history_;
   std::map<std::string, const PlannedPanelT*> panels_;

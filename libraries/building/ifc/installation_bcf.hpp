@@ -7,9 +7,6 @@
 
 namespace plumbline::ifc {
 
-/// With this the journal says of a panel that it turned NO_GO, or that something is to be done by hand before it hangs.
-inline constexpr const char* kMayNotHang = "may not be hung so: ";
-
 /// A .bcf (ZIP, BCF 2.1): an open topic for each bracket or panel that is rejected, waits to be done again, may not be
 /// hung as it is measured (NO_GO) or hangs and was not seen, and for control that moved; a closed one for each that was
 /// rejected, done again or not to be hung and is verified now. What is to be done by hand is in the topic of its panel;

@@ -182,11 +182,12 @@ void list_requests(Work& work) {
     all.push_back({"panels " + list_of(names, 4), "design", 0, static_cast<int>(names.size()),
                    "none of their anchors was measured"});
   }
+  const std::size_t unbuilt = work.options.grows && !names.empty() ? all.size() - 1 : all.size();
   for (const Request& request : all) {
     auto to = std::make_unique<JudgementRequestT>();
     to->asked = request.asked, to->by = request.by, to->not_judged = request.not_judged;
     to->anchors = request.anchors, to->panels = request.panels;
-    work.out.not_judged += !request.not_judged.empty();
+    work.out.not_judged += !request.not_judged.empty() && &request != all.data() + unbuilt;
     work.out.requests.push_back(std::move(to));
   }
 }
@@ -344,7 +345,9 @@ void summarise(Work& work) {
   }
   if (out.failed + panels_failed > 0)
     out.verdict = ToleranceVerdict::fail;
-  else if (out.undecided + panels_open > 0 || ((out.not_measured > 0 || out.not_judged > 0) && out.passed > 0))
+  else if (out.undecided + panels_open > 0 ||
+           ((out.not_measured > 0 || out.not_judged > 0 || out.panels.size() < work.inputs.panels.size()) &&
+            out.passed > 0))
     out.verdict = ToleranceVerdict::undecided;
   else if (out.passed > 0)
     out.verdict = ToleranceVerdict::pass;

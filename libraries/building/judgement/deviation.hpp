@@ -82,6 +82,9 @@ struct DeviationInputs {
 struct DeviationOptions {
   double tau = 0.005;  ///< [m] default tolerance, for the headline
   double risk = 0.05;  ///< pass if P >= 1 - risk, fail if P <= risk (conformance.hpp)
+  /// The building grows from campaign to campaign: a panel of which no anchor was measured is not built yet, and no
+  /// question without an answer (DeviationT::not_judged).
+  bool grows = false;
 };
 
 /// Throws std::runtime_error if ids repeat, a covariance has the wrong size, or the median deviation is above a metre:

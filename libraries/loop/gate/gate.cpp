@@ -275,8 +275,9 @@ PanelGate judge_panel(const Facade& facade, const Fit& fit, std::size_t j, std::
     gate.p_repeated = kUnknown;
     gate.reason = why_not + (gate.reason.empty() ? "" : "; " + gate.reason);
   }
-  for (const Relaxation& relaxed : fit.relaxations)
-    if (concerns(facade.panels[j], j, fit, relaxed)) gate.reason += "; " + relaxed.words;
+  for (std::size_t r = 0; r < fit.relaxations.size(); ++r)
+    if (concerns(facade.panels[j], j, fit, fit.relaxations[r]))
+      gate.relaxed.push_back(r), gate.reason += "; " + fit.relaxations[r].words;
   return gate;
 }
 

@@ -44,6 +44,7 @@ struct PanelGate {
   double p_repeated = kUnknown;
   Obstacle obstacle = Obstacle::none;
   double slips = 1;  ///< factor of p_in by brackets that slip on tightening, and by knocked plates and control
+  std::vector<std::size_t> relaxed;  ///< of Fit::relaxations: of its brackets, or of a length of its own
   std::string reason;
 };
 

@@ -23,7 +23,7 @@ SimulatedSite::SimulatedSite(const SiteOptions& options, std::uint64_t seed)
 }
 
 ErrorModel SimulatedSite::stated_errors() const {
-  const RobotErrors& r = options_.robot;
+  const RobotModel& r = options_.robot;
   ErrorModel errors;
   errors.setting = r.repeatability, errors.slip_share = r.slip_share, errors.slip = r.slip;
   errors.station = std::hypot(r.station, r.calibration);
@@ -46,8 +46,8 @@ Facade SimulatedSite::measure(int round) {
   for (int floor = 0; floor < options_.tower.floors; ++floor) {
     set_up.push_back(noise.normal3(s.set_up) + walk_[floor] * Eigen::Vector3d::UnitZ());
     if (faults.uniform() < options_.faults.control_knocked) {
-      planted_.push_back({"control knocked", "floor " + std::to_string(floor + 1), round, 0.006});
-      set_up.back() += Eigen::Vector3d(0, 0, 0.006);
+      planted_.push_back({"control knocked", "floor " + std::to_string(floor + 1), round, kControlKnock});
+      set_up.back() += Eigen::Vector3d(0, 0, kControlKnock);
     }
   }
   Random gaps(seed_, "campaign gaps", static_cast<std::uint64_t>(round));
@@ -59,7 +59,7 @@ Facade SimulatedSite::measure(int round) {
   for (std::size_t b = 0; b < facade.brackets.size(); ++b) {
     Bracket& bracket = facade.brackets[b];
     if (faults.uniform() < options_.faults.tag_bumped) {
-      plate_off_[b] = Eigen::Vector3d(0.004, 0, 0.003);
+      plate_off_[b] = kPlateBump;
       plant("tag bumped", b, round, plate_off_[b]);
     }
     bracket.deviation = truth_[b] + plate_off_[b] + set_up[bracket.floor - 1] + noise.normal3(s.single);
@@ -85,50 +85,32 @@ Facade SimulatedSite::measure(int round) {
 }
 
 void SimulatedSite::set(std::size_t b, const Eigen::Vector3d& setting, int round) {
-  const RobotErrors& r = options_.robot;
   const Bracket& bracket = design_.brackets[b];
   const auto key = static_cast<std::uint64_t>(round) * 100000u + b;
   Random station(seed_, "station", static_cast<std::uint64_t>(round) * 1000u + static_cast<unsigned>(bracket.floor));
   Random own(seed_, "setting", key);
-  Eigen::Vector3d done = setting + arm_ + station.normal3(r.station) + own.normal3(r.repeatability);
-  if (own.uniform() < r.slip_share) done += own.normal3(r.slip);
+  const Eigen::Vector3d base = station.normal3(options_.robot.station);
+  Eigen::Vector3d done = moved_by(options_.robot, setting, arm_, base, own);
   done = (set_[b] + done).cwiseMax(bracket.type.low).cwiseMin(bracket.type.high) - set_[b];
   set_[b] += done, truth_[b] += bracket.axes * done;
 }
 
 void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& actuals) {
   const std::size_t b = bracket(item.id);
-  const Faults& f = options_.faults;
   Random luck(seed_, "faults", static_cast<std::uint64_t>(round) * 100000u + b);
   auto actual = std::make_unique<ActualT>();
   actual->item = item.id, actual->revision = item.revision, actual->by = "robot-" + std::to_string(1 + item.floor % 2);
   actual->outcome = "done", actual->job = item.jobs.empty() ? "" : item.jobs.front();
   actual->measured.setConstant(kUnknown), actual->sigma.setConstant(kUnknown), actual->setting.setConstant(kUnknown);
-  std::size_t where = b;
-  Eigen::Vector3d what = item.pending;
-  bool twice = false;
-  if (luck.uniform() < f.did_nothing) {
-    plant("did nothing", b, round, what), what.setZero();
-  } else if (luck.uniform() < f.off_8mm) {
-    plant("8 mm off", b, round, {0.008, 0, 0}), what += Eigen::Vector3d(luck.uniform() < 0.5 ? 0.008 : -0.008, 0, 0);
-  } else if (luck.uniform() < f.wrong_side) {
-    plant("wrong side", b, round, 2 * what), what = -what;
-  } else if (luck.uniform() < f.wrong_item) {
-    where = (b + 1) % truth_.size();
-    plant("wrong item", b, round, what), plant("wrong item", where, round, what);
-  } else if (luck.uniform() < f.skipped) {
-    plant("skipped", b, round, Eigen::Vector3d::Zero()), what.setZero(), actual->outcome = "skipped";
-  } else if (luck.uniform() < f.twice) {
-    plant("done twice", b, round, what), twice = true;
-  } else if (luck.uniform() < f.old_revision) {
-    plant("old revision", b, round, Eigen::Vector3d::Zero()),
-        actual->revision = item.revision > 1 ? item.revision - 1 : 1000;
-  } else if (luck.uniform() < f.other_job) {
-    const Eigen::Vector3d other = luck.normal3(0.006);
-    plant("other job", b, round, other - what), what = other, actual->job = "job-of-another-tower";
-  }
-  if (what.squaredNorm() > 0) set(where, what, round);
-  if (twice) set(where, what, round + 50000);
+  const BracketTask task = task_of(options_.faults, item.pending, item.revision, luck);
+  const std::size_t where = task.other_bracket ? (b + 1) % truth_.size() : b;
+  if (!task.fault.empty()) plant(task.fault, b, round, task.left);
+  if (task.other_bracket) plant(task.fault, where, round, task.left);
+  actual->revision = task.revision;
+  if (task.skipped) actual->outcome = "skipped";
+  if (task.other_job) actual->job = "job-of-another-tower";
+  if (task.asked.squaredNorm() > 0) set(where, task.asked, round);
+  if (task.twice) set(where, task.asked, round + 50000);
   actuals.items.push_back(std::move(actual));
 }
 
@@ -138,13 +120,7 @@ void SimulatedSite::see_panel(const std::string& id, Random& luck, ActualT& actu
   for (std::size_t j = 0; j < design_.panels.size(); ++j) {
     const Panel& panel = design_.panels[j];
     if (panel.id != id) continue;
-    std::vector<Bracket> there = design_.brackets;
-    for (Bracket& bracket : there) bracket.deviation.setZero();
-    const PanelPose pose = pose_of(panel, there);
-    Eigen::VectorXd moved(pose.solve.cols());
-    for (Eigen::Index i = 0; i < moved.size(); ++i) moved[i] = pose.held[i].direction.dot(truth_[pose.held[i].bracket]);
-    const Eigen::Matrix<double, 6, 1> twist = pose.solve * moved;
-    actual.measured = panel.centre + twist.head<3>() + made_[5 * j + 4] * panel.axes.col(2) +
+    actual.measured = centre_on(panel, design_.brackets, truth_, made_[5 * j + 4]) +
                       walk_[panel.floor - 1] * Eigen::Vector3d::UnitZ() + luck.normal3(kSeen);
   }
   actual.sigma.setConstant(kSeen);

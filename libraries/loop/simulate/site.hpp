@@ -7,8 +7,8 @@
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/loop_state.hpp"
-#include "geometry/random.hpp"
 #include "loop/fit/panel_pose.hpp"
+#include "loop/simulate/robot.hpp"
 #include "loop/simulate/tower.hpp"
 
 namespace plumbline::loop {
@@ -20,35 +20,12 @@ struct SurveyErrors {
   double control_walk = 0.0002;  ///< height of a floor's control against the floor below, the same in all campaigns
 };
 
-/// Of robots [m].
-struct RobotErrors {
-  double repeatability = 0.0003;  ///< of the arm, each setting and axis
-  double calibration = 0.0002;    ///< of the arm, each axis, the same all the time
-  double station = 0.0003;        ///< of the base's localisation: tilt, drift; common to one floor and round
-  double slip_share = 0.02;       ///< of brackets that slip on tightening
-  double slip = 0.002;            ///< how far, standard deviation
-};
-
-/// Shares of items at which something goes wrong, without being reported.
-struct Faults {
-  double did_nothing = 0, off_8mm = 0, wrong_side = 0, wrong_item = 0, skipped = 0, twice = 0, old_revision = 0;
-  double tag_bumped = 0;       ///< plates of brackets that were knocked by 5 mm, seen by every campaign from then on
-  double control_knocked = 0;  ///< of floors whose control was knocked by 6 mm before a campaign
-  double hidden = 0;           ///< of anchors in each campaign that are not measured
-  double partial = 0;    ///< of floors in each campaign that are not measured again: the measurement before stands
-  double other_job = 0;  ///< of brackets set by another job's numbers and reported with its name
-  /// Each campaign looks at all anchors, so what happens between campaigns gets smaller shares.
-  static Faults all(double share) {
-    return {share, share, share, share, share, share, share, share / 50, share / 5, share / 5, share, share};
-  }
-};
-
 struct SiteOptions {
   TowerOptions tower;
   double as_built = 0.004;      ///< of anchors against the design, each axis [m]
   double shortening = 0.00001;  ///< a floor g that hangs whole lowers floor f by this times min(f, g) [m]
   SurveyErrors survey;
-  RobotErrors robot;
+  RobotModel robot;
   Faults faults;
   double edge = 0.0005, face = 0.0005;  ///< of manufacture [m]
 };

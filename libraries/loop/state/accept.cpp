@@ -48,19 +48,26 @@ bool may_not_hang(const LoopItemT& item) {
   return item.kind == "panel" && item.status == ItemStatus::rejected && item.hangs && !item.seen;
 }
 
-bool accept_item(LoopStateT& state, const std::string& id) {
+Because told(const LoopStateT& state, const Teller& teller, std::string why) {
+  const std::string who = teller.by.empty() ? Teller().by : teller.by;
+  std::vector<std::string> rests_on;
+  if (!state.basis.empty()) rests_on.push_back(state.basis);
+  return {std::move(why), {}, {}, std::move(rests_on), ItemReason::other, who, teller.at};
+}
+
+bool accept_item(LoopStateT& state, const std::string& id, const Teller& teller) {
   bool found = accept_control(state, id);
   for (auto& item : state.items) {
     if (item->id == id && item->hangs && !item->seen) {
       found = item->seen = true;
-      note(state, *item, {"a person has seen it hang", {}, {}, {}});
+      note(state, *item, told(state, teller, "a person has seen it hang"));
     }
     if (item->id != id || item->status != ItemStatus::rejected) continue;
     found = true, item->reworks = item->waited = 0;
     item->place.clear();  // somebody has looked at what it contradicted
     // What hangs is not released again: the next measurement judges it.
     move(state, *item, item->hangs ? ItemStatus::relocalised : ItemStatus::planned,
-         {"accepted by a person", {}, {}, {}});
+         told(state, teller, "accepted by a person"));
     if (item->kind == "bracket") item->expected.setConstant(kUnknown);
   }
   return found;
@@ -72,7 +79,7 @@ std::string look_word(const LoopStateT& state, const std::string& name) {
 
 std::string hangs_word(const LoopStateT& state, const std::string& name) { return look_word(state, name + kHangs); }
 
-std::string accept_look(LoopStateT& state, const std::string& word) {
+std::string accept_look(LoopStateT& state, const std::string& word, const Teller& teller) {
   std::string name;
   if (const std::string why = other_look(state, word, name); !why.empty()) return why;
   const bool says_it_hangs = name.ends_with(kHangs) && panel_of(state, name) == nullptr;
@@ -81,18 +88,19 @@ std::string accept_look(LoopStateT& state, const std::string& word) {
   if (panel && may_not_hang(*panel) && !says_it_hangs)
     return "'" + word + "' does not say whether it hangs: if it does, say '" + hangs_word(state, name) +
            "', else reported.with.removed=['" + look_word(state, name) + "']";
-  return accept_item(state, name) ? std::string()
-                                  : "'" + name +
-                                        "' is no rejected bracket or panel of the state, no panel that nobody has "
-                                        "seen hang and no control that it reports as moved";
+  return accept_item(state, name, teller)
+             ? std::string()
+             : "'" + name +
+                   "' is no rejected bracket or panel of the state, no panel that nobody has "
+                   "seen hang and no control that it reports as moved";
 }
 
-std::string remove_look(LoopStateT& state, const std::string& word) {
+std::string remove_look(LoopStateT& state, const std::string& word, const Teller& teller) {
   std::string name;
   if (const std::string why = other_look(state, word, name); !why.empty()) return why;
   LoopItemT* panel = panel_of(state, name);
   if (!panel || !panel->hangs) return "'" + name + "' is no panel that hangs by what was reported";
-  unhang(state, *panel, {"a person took it down, or found that it does not hang", {}, {}, {}});
+  unhang(state, *panel, told(state, teller, "a person took it down, or found that it does not hang"));
   return {};
 }
 

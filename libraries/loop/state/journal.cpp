@@ -17,6 +17,7 @@ std::string journal_line(const JournalEntry& entry, const std::string& previous)
   line["previous"] = previous, line["round"] = entry.round;
   line["item"] = entry.item, line["kind"] = entry.kind, line["from"] = entry.from, line["to"] = entry.to;
   line["by"] = entry.by, line["at"] = entry.at, line["why"] = entry.why, line["rests_on"] = entry.rests_on;
+  if (!entry.reason.empty()) line["reason"] = entry.reason;
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -13,6 +13,7 @@ struct JournalEntry {
   std::string from, to;               ///< states
   std::string by, at, why;            ///< who, when (ISO 8601; may be empty in a simulation), reason
   std::vector<std::string> rests_on;  ///< hashes of the artifacts it rests on
+  std::string reason = {};            ///< the reason for programs, a name of ItemReason; empty: none
 };
 
 /// What the first line has for the hash of the line before: 64 zeros.
@@ -21,7 +22,8 @@ std::string journal_start();
 /// Hash that the next line carries: of the last line, without its end. journal_start() of an empty journal.
 std::string journal_head(const std::vector<std::string>& lines);
 
-/// One line without its end: keys previous, round, item, kind, from, to, by, at, why, rests_on, in this order.
+/// One line without its end: keys previous, round, item, kind, from, to, by, at, why, rests_on, in this order; then
+/// reason, if there is one.
 std::string journal_line(const JournalEntry& entry, const std::string& previous);
 
 /// Number (from 1) of the first line that is not JSON, lacks a key or whose `previous` is not the hash of the line

@@ -11,17 +11,14 @@ bool Round::may_do_again(LoopItemT& item, const Because& because) {
   move(state_, item, ItemStatus::rework, because);
   if (++item.reworks <= options_.most_reworks) return true;
   move(state_, item, ItemStatus::rejected,
-       {"after " + std::to_string(options_.most_reworks) + " reworks: " + because.why,
-        {},
-        {},
-        because.rests_on,
-        ItemReason::reworked_too_often});
+       by_plan("after " + std::to_string(options_.most_reworks) + " reworks: " + because.why,
+               ItemReason::reworked_too_often));
   return false;
 }
 
 void Round::do_again(LoopItemT& item, const Because& because) {
   if (!may_do_again(item, because)) return;
-  move(state_, item, ItemStatus::planned, {"to be planned again: " + because.why, {}, {}, because.rests_on});
+  move(state_, item, ItemStatus::planned, by_plan("to be planned again: " + because.why));
 }
 
 void Round::verify_brackets() {
@@ -70,7 +67,7 @@ void Round::verify(LoopItemT& item, const BracketSettingT& bracket, const std::s
   // What it has used of its range is what was measured, not what was asked.
   const Eigen::Vector3d off = along_axes(bracket, bracket.measured - place_of(item, bracket));
   if (off.allFinite()) item.setting += off;
-  move(state_, item, ItemStatus::verified, {why, {}, {}, rests_on_});
+  move(state_, item, ItemStatus::verified, by_plan(why));
   item.expected = bracket.measured, item.pending.setZero();
 }
 
@@ -85,13 +82,13 @@ void Round::look_again(LoopItemT& item, const BracketSettingT& bracket) {
   axes << bracket.axes[0], bracket.axes[1], bracket.axes[2];
   item.setting = setting_of(item, bracket.measured, axes);
   if (item.status == ItemStatus::executed)
-    move(state_, item, ItemStatus::relocalised, {"measured on control that was looked at", {}, {}, rests_on_});
+    move(state_, item, ItemStatus::relocalised, by_plan("measured on control that was looked at"));
   if (item.status != ItemStatus::relocalised) return;
   if (carries(item.id)) {
     verify(item, bracket, "carries a panel, which is judged by where this bracket is now");
     return;
   }
-  const Because because{"to be planned on control that was looked at", {}, {}, rests_on_};
+  const Because because = by_plan("to be planned on control that was looked at");
   item.pending.setZero();
   move(state_, item, ItemStatus::rework, because), move(state_, item, ItemStatus::planned, because);
 }
@@ -99,7 +96,7 @@ void Round::look_again(LoopItemT& item, const BracketSettingT& bracket) {
 void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, double off, bool is_there) {
   const double most = doubt(bracket).maxCoeff();
   move(state_, item, ItemStatus::relocalised,
-       {"measured " + text::millimetres(off) + " from where it was to be", {}, {}, rests_on_});
+       by_plan("measured " + text::millimetres(off) + " from where it was to be"));
   const std::string how = is_there ? "" : explanation(item, bracket, most);
   if (is_there) {
     verify(item, bracket, "within " + text::millimetres(most));
@@ -114,13 +111,13 @@ void Round::judge_setting(LoopItemT& item, const BracketSettingT& bracket, doubl
 }
 
 void Round::give_to_a_person(LoopItemT& item, const std::string& why) {
-  const Because because{why, {}, {}, rests_on_, ItemReason::look};
+  const Because because = by_plan(why, ItemReason::look);
   reject_item(state_, item, because);
   reject_what_stands_on(state_, item, because);
   for (const auto& panel : plan_.panels)
     if (std::find(panel->brackets.begin(), panel->brackets.end(), item.id) != panel->brackets.end())
       if (LoopItemT& hung = *this->item("panel", panel->id); hung.status != ItemStatus::planned)
-        reject_item(state_, hung, {"its bracket " + item.id + " " + because.why, {}, {}, rests_on_, because.reason});
+        reject_item(state_, hung, by_plan("its bracket " + item.id + " " + because.why, because.reason));
 }
 
 bool Round::can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) const {
@@ -176,19 +173,17 @@ void Round::verify_panels() {
     LoopItemT& item = *this->item("panel", panel->id);
     if (!panel->installed || !(panel->p_in >= 0) || touches_moved_floor(*panel) || !can_be_judged(*panel, item))
       continue;
-    const Because because{panel->reason, {}, {}, rests_on_};
+    const Because because = by_plan(panel->reason);
     if (item.status == ItemStatus::executed) move(state_, item, ItemStatus::relocalised, because);
     if (const std::string why = place_contradiction(*panel, item); !why.empty()) {
-      reject_item(state_, item, {why, {}, {}, rests_on_, ItemReason::measured_elsewhere});
+      reject_item(state_, item, by_plan(why, ItemReason::measured_elsewhere));
       continue;
     }
     const bool is_right = panel->gate == GateDecision::go && panel->p_in >= options_.verified;
     if (item.status == ItemStatus::verified && !is_right)
-      move(state_, item, ItemStatus::relocalised,
-           {"no longer sure to hang right: " + panel->reason, {}, {}, rests_on_});
+      move(state_, item, ItemStatus::relocalised, by_plan("no longer sure to hang right: " + panel->reason));
     if (item.status == ItemStatus::rework && is_right)
-      move(state_, item, ItemStatus::relocalised,
-           {"hangs within its limits again: " + panel->reason, {}, {}, rests_on_});
+      move(state_, item, ItemStatus::relocalised, by_plan("hangs within its limits again: " + panel->reason));
     if (item.status != ItemStatus::relocalised) continue;
     if (is_right && !item.seen)
       stay(item,
@@ -197,7 +192,7 @@ void Round::verify_panels() {
     else if (is_right)
       move(state_, item, ItemStatus::verified, because);
     else if (1 - panel->p_in >= options_.verified)
-      may_do_again(item, {"hangs outside its limits: " + panel->reason, {}, {}, rests_on_});
+      may_do_again(item, by_plan("hangs outside its limits: " + panel->reason));
   }
 }
 

@@ -15,6 +15,7 @@
 #include "loop/fit/facade.hpp"
 #include "loop/state/copied_places.hpp"
 #include "loop/state/date.hpp"
+#include "loop/state/hash.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/place_doubts.hpp"
 #include "loop/state/report_order.hpp"
@@ -54,13 +55,24 @@ std::string control_without_floor(const LoopStateT& state) {
   return {};
 }
 
+namespace {
+
+void write_line(LoopStateT& state, const LoopItemT& item, ItemStatus to, const Because& because) {
+  const bool has_reason = because.reason != ItemReason::other;
+  state.journal.push_back(journal_line(
+      {state.round, item.id, item.kind, name_of(item.status), name_of(to),
+       because.by.empty() ? because.told_by : because.by, because.at.empty() ? because.told_at : because.at,
+       because.why, because.rests_on, has_reason ? EnumNameItemReason(because.reason) : ""},
+      journal_head(state.journal)));
+}
+
+}  // namespace
+
 void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& because) {
   if (!may_follow(item.status, to))
     throw std::logic_error(item.kind + " " + item.id + " cannot go from " + name_of(item.status) + " to " +
                            name_of(to));
-  state.journal.push_back(journal_line({state.round, item.id, item.kind, name_of(item.status), name_of(to), because.by,
-                                        because.at, because.why, because.rests_on},
-                                       journal_head(state.journal)));
+  write_line(state, item, to, because);
   item.status = to, item.why = because.why, item.reason = because.reason;
   if (to == ItemStatus::planned || to == ItemStatus::rejected) item.control = 0;
   if (!because.by.empty()) item.by = because.by;
@@ -68,9 +80,7 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
 }
 
 void note(LoopStateT& state, LoopItemT& item, const Because& because) {
-  state.journal.push_back(journal_line({state.round, item.id, item.kind, name_of(item.status), name_of(item.status),
-                                        because.by, because.at, because.why, because.rests_on},
-                                       journal_head(state.journal)));
+  write_line(state, item, item.status, because);
   item.why = because.why, item.reason = because.reason;
 }
 
@@ -97,7 +107,13 @@ void reject_what_stands_on(LoopStateT& state, const LoopItemT& sill, const Becau
     if (item->kind == "panel" && item->status != ItemStatus::planned && item->status != ItemStatus::rejected &&
         std::count(sill.holds.begin(), sill.holds.end(), item->id) > 0)
       reject_item(state, *item,
-                  {"its sill " + sill.id + " " + because.why, because.by, {}, because.rests_on, because.reason});
+                  {"its sill " + sill.id + " " + because.why,
+                   because.by,
+                   {},
+                   because.rests_on,
+                   because.reason,
+                   because.told_by,
+                   because.told_at});
 }
 
 const LoopItemT* sill_for_a_person(const LoopStateT& state, const std::string& panel) {
@@ -267,11 +283,23 @@ bool says_sill_was_knocked(const LoopItemT& item, const ActualT& actual, const s
 /// ": " and what else a report says.
 std::string note_of(const ActualT& actual) { return actual.note.empty() ? "" : ": " + actual.note; }
 
-void take_knock(LoopStateT& state, LoopItemT& sill, const ActualT& actual) {
-  const Because because{"reported failed" + note_of(actual), actual.by, actual.at, {}};
+/// The hash of the file that a report was read from; of one that was read from none, of itself.
+std::string digest_of(const ActualT& actual) {
+  if (!actual.digest.empty()) return actual.digest;
+  return sha256_hex(actual.item + "\n" + actual.job + "\n" + std::to_string(actual.revision) + "\n" + actual.by + "\n" +
+                    actual.at + "\n" + actual.outcome);
+}
+
+Because by_report(const ActualT& actual, std::string why, const std::string& now) {
+  const std::string who = actual.by.empty() ? "not said in the report" : actual.by;
+  return {std::move(why), actual.by, actual.at, {digest_of(actual)}, ItemReason::other, who, now};
+}
+
+void take_knock(LoopStateT& state, LoopItemT& sill, const ActualT& actual, const std::string& now) {
+  const Because because = by_report(actual, "reported failed" + note_of(actual), now);
   reject_item(state, sill, because);
   sill.expected.setConstant(kUnknown);
-  reject_what_stands_on(state, sill, {"was " + because.why, actual.by, actual.at, {}});
+  reject_what_stands_on(state, sill, by_report(actual, "was " + because.why, now));
 }
 
 /// Why a report that a panel does not hang any more is not taken. One of the time before it was hung again would have
@@ -291,12 +319,11 @@ bool is_removal(const ActualT& actual) { return actual.outcome == "removed"; }
 /// Nobody knows whether it hangs: neither of the two reports is better than the other.
 void take_contradiction(LoopStateT& state, LoopItemT& panel, const ActualT& actual, const std::string& now) {
   const bool has_date = seconds_of(actual.at) && future_doubt(actual, now).empty();
-  reject_item(state, panel,
-              {"reported done, then " + actual.outcome + ", look whether it hangs" + note_of(actual),
-               actual.by,
-               has_date ? actual.at : "",
-               {},
-               ItemReason::look});
+  Because because =
+      by_report(actual, "reported done, then " + actual.outcome + ", look whether it hangs" + note_of(actual), now);
+  if (!has_date) because.at.clear();
+  because.reason = ItemReason::look;
+  reject_item(state, panel, because);
   panel.seen = false;
 }
 
@@ -365,12 +392,12 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
     int named = 0;
     LoopItemT* item = item_of(state, actual->item, named);
     if (named == 1 && says_sill_was_knocked(*item, *actual, now)) {
-      take_knock(state, *item, *actual);
+      take_knock(state, *item, *actual, now);
       continue;
     }
     if (named == 1 && shows_what_was_reported(*item, *actual, copied, now)) {
       item->seen = true, item->place = place_of_report(*actual);
-      note(state, *item, {"measured where it hangs", actual->by, actual->at, {}});
+      note(state, *item, by_report(*actual, "measured where it hangs", now));
       continue;
     }
     if (named == 1 && contradicts(*item, *actual)) {
@@ -387,10 +414,10 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
       refused.push_back(report + why_not);
       continue;
     }
-    const Because because{
-        actual->note.empty() ? "reported " + actual->outcome : actual->note, actual->by, actual->at, {}};
+    const Because because =
+        by_report(*actual, actual->note.empty() ? "reported " + actual->outcome : actual->note, now);
     if (is_removal(*actual)) {
-      unhang(state, *item, {"reported removed" + note_of(*actual), actual->by, actual->at, {}});
+      unhang(state, *item, by_report(*actual, "reported removed" + note_of(*actual), now));
     } else if (actual->outcome == "done") {
       move(state, *item, ItemStatus::executed, because);
       // What is asked for stays: the next measurement judges by it, and corrects what the bracket has used of its
@@ -402,7 +429,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
         doubted->push_back(report + doubt);
       item->at = actual->at;  // of the work, not of its release: none is none
     } else {
-      move(state, *item, ItemStatus::planned, {actual->outcome + ": " + because.why, actual->by, actual->at, {}});
+      move(state, *item, ItemStatus::planned, by_report(*actual, actual->outcome + ": " + because.why, now));
       item->pending.setZero();
       // Somebody who failed may have moved it: the next measurement says where it is.
       if (actual->outcome == "failed") item->expected.setConstant(kUnknown);
@@ -435,14 +462,15 @@ std::string time_doubt(const LoopStateT& state, const std::string& now) {
   return {};
 }
 
-void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why) {
+void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why,
+            const Teller& teller) {
   for (const std::string& id : moved_control)
     if (std::find(state.moved_control.begin(), state.moved_control.end(), id) == state.moved_control.end())
       state.moved_control.push_back(id);
   for (auto& item : state.items) {
     if (item->status != ItemStatus::released) continue;
-    move(state, *item, ItemStatus::stale, {why, {}, {}, {}});
-    move(state, *item, ItemStatus::planned, {"stale: " + why, {}, {}, {}});
+    move(state, *item, ItemStatus::stale, told(state, teller, why));
+    move(state, *item, ItemStatus::planned, told(state, teller, "stale: " + why));
     item->pending.setZero();
   }
 }

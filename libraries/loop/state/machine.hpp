@@ -67,14 +67,20 @@ std::string time_doubt(const LoopStateT& state, const std::string& now);
 /// changed.
 void apply_plan(LoopStateT& state, const InstallationPlanT& plan, const MachineOptions& options);
 
+/// Who says something that no report and no measurement says, and when (ISO 8601 with zone; empty: not said).
+struct Teller {
+  std::string by = "a person", at = {};
+};
+
 /// Everything released becomes stale: control has another adjustment, or points of it moved.
-void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why);
+void recall(LoopStateT& state, const std::vector<std::string>& moved_control, const std::string& why,
+            const Teller& teller = {});
 
 /// A rejected item that a person has looked at: planned again, as it is measured next. "control of floor 3" of
 /// LoopState::moved_control: its next measurement is the reference for the floor. Any other name in there ("CP3")
 /// blocks everything until it is accepted. A panel that hangs is to be measured again. A panel that hangs by its report
 /// alone: a person has seen it. False if it is none of these.
-bool accept_item(LoopStateT& state, const std::string& id);
+bool accept_item(LoopStateT& state, const std::string& id, const Teller& teller = {});
 
 /// Whether nobody knows if it hangs, so that to have looked at it does not say what was found: given to a person, and
 /// seen by nothing.
@@ -83,11 +89,11 @@ bool may_not_hang(const LoopItemT& item);
 /// accept_item() of what a person looked at after this state's last round: "F01-C02-R1@4" of round 4, as next_words()
 /// asks for it. A name alone, or of another round, accepts nothing: left in a command it would accept what nobody has
 /// looked at. Of a panel that may not hang the word is "F01-P02 hangs@4". Why nothing is accepted; empty: it is.
-std::string accept_look(LoopStateT& state, const std::string& word);
+std::string accept_look(LoopStateT& state, const std::string& word, const Teller& teller = {});
 
 /// "F01-P02@4", in the same way: a panel that somebody took down after this state's last round, or found not hanging.
 /// Why nothing changes; empty: it is planned again.
-std::string remove_look(LoopStateT& state, const std::string& word);
+std::string remove_look(LoopStateT& state, const std::string& word, const Teller& teller = {});
 
 /// "F01-C02-R1@4": what accept_look() and remove_look() take after this state's last round.
 std::string look_word(const LoopStateT& state, const std::string& name);

@@ -96,6 +96,7 @@ std::unique_ptr<PlannedPanelT> panel_artifact(const Facade& facade, const std::s
     out->measure = facade.brackets[gate.measure.bracket].id;
     out->p_in_measured = gate.measure.p_in;
   }
+  for (const std::size_t relaxed : gate.relaxed) out->by_hand.push_back(static_cast<int>(relaxed));
   out->robot_sigma = gate.robot_sigma, out->p_in_repeated = gate.p_repeated;
   return out;
 }

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text/words.hpp"
-#include "building/ifc/installation_bcf.hpp"
 #include "loop/state/round.hpp"
 
 namespace plumbline::loop {
@@ -26,6 +25,21 @@ bool says_nothing_of_its_brackets(const PlannedPanelT& panel) {
   return panel.obstacle == PanelObstacle::not_measured ||
          (panel.gate == GateDecision::hold && panel.obstacle != PanelObstacle::none &&
           panel.obstacle != PanelObstacle::not_said);
+}
+
+/// Panels whose last line in a journal says may_not_hang.
+std::set<std::string> told_not_to_hang(const std::vector<std::string>& journal) {
+  std::set<std::string> panels;
+  for (const std::string& text : journal) {
+    const auto line = nlohmann::json::parse(text, nullptr, false);
+    if (!line.is_object() || line.value("kind", "") != "panel") continue;
+    const std::string panel = line.value("item", "");
+    if (line.value("reason", "") == EnumNameItemReason(ItemReason::may_not_hang))
+      panels.insert(panel);
+    else
+      panels.erase(panel);
+  }
+  return panels;
 }
 
 }  // namespace
@@ -98,13 +112,10 @@ void Round::unset_what_does_not_do() {
       // The same campaign once more is none that it waited for.
       if (has_its_turn(*panel) && plan_.basis != state_.basis && ++hung.waited > kMostWaits) {
         reject_item(state_, hung,
-                    {"waited for " + std::to_string(kMostWaits) +
-                         " campaigns more, and none decided it: measure it more precisely, or have its brackets set "
-                         "by hand, then accept it; " +
-                         panel->reason,
-                     {},
-                     {},
-                     rests_on_});
+                    by_plan("waited for " + std::to_string(kMostWaits) +
+                            " campaigns more, and none decided it: measure it more precisely, or have its brackets set "
+                            "by hand, then accept it; " +
+                            panel->reason));
         continue;
       }
       measured_again_.insert(panel->id);
@@ -115,7 +126,7 @@ void Round::unset_what_does_not_do() {
     for (const std::string& id : panel->brackets) {
       LoopItemT* bracket = item("bracket", id);
       if (bracket && bracket->status == ItemStatus::verified && !carries(id))
-        do_again(*bracket, {"panel " + panel->id + " would not hang right on it: " + panel->reason, {}, {}, rests_on_});
+        do_again(*bracket, by_plan("panel " + panel->id + " would not hang right on it: " + panel->reason));
     }
   }
 }
@@ -165,19 +176,19 @@ Waiting Round::why_not_yet(const PlannedPanelT& panel) const {
 }
 
 void Round::note_may_not_hang(const PlannedPanelT& panel, LoopItemT& item) {
-  const bool by_hand = std::any_of(plan_.relaxations.begin(), plan_.relaxations.end(), [&](const std::string& words) {
-    return panel.reason.find(words) != std::string::npos;
-  });
-  if (panel.gate == GateDecision::go || (panel.gate == GateDecision::hold && !by_hand)) return;
-  if (last_words_.empty())
-    for (const std::string& text : state_.journal)
-      if (const auto line = nlohmann::json::parse(text, nullptr, false); line.is_object() && line["kind"] == "panel")
-        last_words_[line["item"].get<std::string>()] = line["why"].get<std::string>();
-  if (last_words_[panel.id].rfind(ifc::kMayNotHang, 0) == 0) return;
+  if (panel.gate == GateDecision::go || (panel.gate == GateDecision::hold && panel.by_hand.empty())) return;
+  if (!may_not_hang_) may_not_hang_ = told_not_to_hang(state_.journal);
+  if (!may_not_hang_->insert(panel.id).second) return;
   const std::string why = item.why;
   const ItemReason reason = item.reason;
-  note(state_, item, {ifc::kMayNotHang + panel.reason, {}, options_.at, rests_on_});
+  note(state_, item, by_plan("may not be hung so: " + panel.reason, ItemReason::may_not_hang));
   stay(item, why, reason);
+}
+
+Because Round::released(const std::string& why) const {
+  Because because = by_plan(why);
+  because.at = options_.at;  // reports on it that are older are refused
+  return because;
 }
 
 void Round::release() {
@@ -202,7 +213,7 @@ void Round::release() {
     item.waited = 0;
     item.revision = revision(), item.expected = panel->centre + panel->shift, item.jobs.clear(), item.seen = false;
     item.place.clear(), item.told_from = std::nan("");
-    move(state_, item, ItemStatus::released, {panel->reason, {}, options_.at, rests_on_});
+    move(state_, item, ItemStatus::released, released(panel->reason));
   }
 }
 
@@ -216,11 +227,11 @@ bool Round::bracket_is_ready(const std::string& id) {
   if (bracket.fixed) return false;
   item.expected = bracket.measured;
   if (bracket.setting.cwiseAbs().maxCoeff() < kDeadBand) {
-    move(state_, item, ItemStatus::verified, {"needs no setting", {}, {}, rests_on_});
+    move(state_, item, ItemStatus::verified, by_plan("needs no setting"));
     return true;
   }
   item.pending = bracket.setting, item.revision = revision(), item.jobs.clear();
-  move(state_, item, ItemStatus::released, {"gate of its panels is GO", {}, options_.at, rests_on_});
+  move(state_, item, ItemStatus::released, released("gate of its panels is GO"));
   return false;
 }
 

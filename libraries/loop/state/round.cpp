@@ -100,6 +100,10 @@ LoopItemT* Round::item(const std::string& kind, const std::string& id) const {
   return found == item_of_.end() ? nullptr : found->second;
 }
 
+Because Round::by_plan(std::string why, ItemReason reason) const {
+  return {std::move(why), {}, {}, rests_on_, reason, kProgram, options_.at};
+}
+
 std::string Round::doubt_of_everything() const {
   if (const std::string name = control_without_floor(state_); !name.empty())
     return name + " moved, and nobody knows what hangs on it: look at it, then accept it";
@@ -128,7 +132,7 @@ void Round::take_control() {
     if (item->status == ItemStatus::released)
       recall_item(*item, "stale: " + why);
     else if (item->kind == "bracket" && item->status == ItemStatus::verified)
-      move(state_, *item, ItemStatus::relocalised, {why, {}, {}, rests_on_});
+      move(state_, *item, ItemStatus::relocalised, by_plan(why));
     if (item->kind == "bracket") item->expected.setConstant(kUnknown), item->unset.clear();
   }
 }
@@ -140,7 +144,7 @@ void Round::take_readings() {
 }
 
 void Round::recall_item(LoopItemT& item, const std::string& why) {
-  const Because because{why, {}, {}, rests_on_};
+  const Because because = by_plan(why);
   move(state_, item, ItemStatus::stale, because), move(state_, item, ItemStatus::planned, because);
   item.pending.setZero();
 }
@@ -180,11 +184,8 @@ void Round::find_floors_that_moved() {
 void Round::doubt_what_stands_on_moved_control() {
   for (auto& item : state_.items) {
     if (!moved_floors_.count(item->floor)) continue;
-    const Because because{"the anchors of floor " + std::to_string(item->floor) +
-                              " moved together since they were measured last: check their control",
-                          {},
-                          {},
-                          rests_on_};
+    const Because because = by_plan("the anchors of floor " + std::to_string(item->floor) +
+                                    " moved together since they were measured last: check their control");
     if (item->status == ItemStatus::released)
       recall_item(*item, because.why);
     else if (item->status == ItemStatus::verified)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <set>
 
 #include "loop/state/bracket_places.hpp"
@@ -23,6 +24,8 @@ class Round {
 
  private:
   LoopItemT* item(const std::string& kind, const std::string& id) const;
+  /// What follows from this plan and its measurement.
+  Because by_plan(std::string why, ItemReason reason = ItemReason::other) const;
   /// Why nothing can be told by this plan; empty: something can.
   std::string doubt_of_everything() const;
   /// Nothing is verified, done again or released; what waits to be judged says why.
@@ -107,6 +110,7 @@ class Round {
   /// In the journal, once, of a panel that turned NO_GO or before which something is to be done by hand: who was told
   /// of it reads there that it is over, too.
   void note_may_not_hang(const PlannedPanelT& panel, LoopItemT& item);
+  Because released(const std::string& why) const;
   bool bracket_is_ready(const std::string& id);
   /// Whether a panel that is HOLD is likely to be GO as it is planned, once more campaigns leave no error of their own.
   /// Brackets that were set for it are left where they are only if it is more likely inside than not.
@@ -121,8 +125,9 @@ class Round {
   std::map<std::string, const BracketSettingT*> bracket_of_;
   std::vector<std::string> rests_on_;
   std::set<int> moved_floors_;
-  std::set<std::string> measured_again_;           ///< panels that wait for another campaign
-  std::map<std::string, std::string> last_words_;  ///< of panels in the journal; filled when it is asked for
+  std::set<std::string> measured_again_;  ///< panels that wait for another campaign
+  /// Panels whose last line in the journal says may_not_hang; filled when it is asked for.
+  std::optional<std::set<std::string>> may_not_hang_;
   bool raised_ = false;
 };
 

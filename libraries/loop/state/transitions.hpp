@@ -5,16 +5,25 @@
 #include <utility>
 #include <vector>
 
-#include "artifacts/loop_state.hpp"
+#include "loop/state/machine.hpp"
 
 namespace plumbline::loop {
 
-/// Why an item changes: in words, who, when (ISO 8601), hashes of what that rests on, and for programs.
+/// Who says in the journal what follows from a measurement or a plan.
+inline constexpr const char* kProgram = "plumbline";
+
+/// Why an item changes.
 struct Because {
-  std::string why, by, at;
-  std::vector<std::string> rests_on;
-  ItemReason reason = ItemReason::other;
+  std::string why;                        ///< in words
+  std::string by, at;                     ///< who worked on it and when (ISO 8601); empty: nobody, or it is not said
+  std::vector<std::string> rests_on;      ///< hashes
+  ItemReason reason = ItemReason::other;  ///< for programs
+  std::string told_by = kProgram;         ///< of a change that is no work: who says so
+  std::string told_at;                    ///< and when; empty: not said
 };
+
+/// Of what a person says: it rests on the measurement of the round before, which that person had when looking.
+Because told(const LoopStateT& state, const Teller& teller, std::string why);
 
 /// Changes the status and writes it into the journal. Throws std::logic_error for what may not follow.
 void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& because);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "artifacts/frame_artifact.hpp"
+#include "base/text/words.hpp"
 #include "build/evaluate/design_input.hpp"
 #include "build/evaluate/metrics.hpp"
 #include "build/evaluate/point_input.hpp"
@@ -42,6 +43,14 @@ std::string about_common_errors(std::size_t points) {
 
 }  // namespace
 
+std::vector<std::string> EvaluateDeviation::measured_in_part(const DeviationT& judged) const {
+  std::vector<std::string> panels;
+  for (const auto& panel : judged.panels)
+    if (!panel->missing.empty() && !panel->fixings.empty())
+      panels.push_back((panel->name.empty() ? panel->guid : panel->name) + " without " + text::join(panel->missing, 8));
+  return panels;
+}
+
 void EvaluateDeviation::run(Context& context) {
   judgement::ToleranceTable table;
   table.tau = *tau, table.from_design = *design_tolerances;
@@ -64,6 +73,7 @@ void EvaluateDeviation::run(Context& context) {
   inputs.common_unknown = network && network->covariances() && network->covariances()->size() > 0 &&
                           !(model->covariance() && model->covariance()->size() > 0);
   const bool common_unknown = inputs.common_unknown;
+  const bool grows = *unmeasured_panels == "not_built";
   const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
   inputs.doubts = trust.doubts, inputs.misfits = trust.misfits, inputs.misfit_factor = trust.factor;
   const auto fitted = judgement::fitted_datum(*model, frames ? &*frames : nullptr);
@@ -76,7 +86,7 @@ void EvaluateDeviation::run(Context& context) {
     dropped = "The covariance of the model holds values that are not finite; it is not used.";
   }
   inputs.model.covariance *= inputs.misfit_factor;
-  DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk});
+  DeviationT result = judgement::judge_deviations(std::move(inputs), {*tau, *risk, grows});
   if (!dropped.empty()) result.warnings.push_back(dropped);
   if (common_unknown) result.warnings.push_back(about_common_errors(model->points()->size()));
   if (fitted) result.datum = judgement::about_best_fit(*fitted);
@@ -87,6 +97,9 @@ void EvaluateDeviation::run(Context& context) {
     judgement::take_surfaces(surface_judgement.unpack(), result, judgement::panel_storeys(design.unpack()));
   for (const auto& doubt : result.doubts) context.warn("Nothing is decided: " + ifc::in_words(*doubt));
   for (const auto& misfit : result.misfits) context.warn(ifc::in_words(*misfit));
+  const std::vector<std::string> in_part = grows ? measured_in_part(result) : std::vector<std::string>();
+  for (const std::string& panel : in_part)
+    context.warn("Measured in part: " + panel + ": measure what is missing; nothing is decided of that panel.");
   for (const auto& request : result.requests)
     if (!request->not_judged.empty()) context.warn("Not judged: " + request->asked + ": " + request->not_judged + ".");
   for (const std::string& warning : result.warnings) context.warn(warning);
@@ -96,7 +109,7 @@ void EvaluateDeviation::run(Context& context) {
   context.metric("anchors_not_measured", result.not_measured, "1");
   context.metric("not_judged", result.not_judged, "1");
   // A measurement that proves nothing, and a question without an answer: exit code 3 (framework/cli/run.cpp).
-  if (result.not_judged > 0 || !result.doubts.empty()) context.metric("invalid", 1, "1");
+  if (result.not_judged > 0 || !result.doubts.empty() || !in_part.empty()) context.metric("invalid", 1, "1");
   deviation.commit(result);
   FileT file;
   file.name = "stake_out.csv", file.media_type = "text/csv";

@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 15,
+      "evaluate.deviation", "", 16,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
@@ -76,6 +76,10 @@ struct EvaluateDeviation : Node {
       "anchors that are measured places of such a sill: 'name~^SILL-'; no panel hangs on them"};
   Param<double> panel_reach{"panel_reach", kPanelReach, "m", between(0, 10),
                             "anchors so near to a panel hold it, where the design does not say"};
+  Param<std::string> unmeasured_panels{
+      "unmeasured_panels", "asked", one_of("asked", "not_built"),
+      "panels of which no anchor was measured: asked for, and exit code 3; or not built yet, as while a tower is "
+      "measured floor by floor: then those that were measured in part are told, and end with it"};
   Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};
   Out<File> stake_out{"stake_out",
                       "stake_out.csv: PtID;E;N;H and corrections in the survey's frame, as site instruments import it"};
@@ -84,6 +88,8 @@ struct EvaluateDeviation : Node {
 
  private:
   bool hangs_on_the_design(DeviationInputs& inputs) const;
+  /// Panels by name, each with the anchors of its that were not measured while others were; of a tower that is built.
+  std::vector<std::string> measured_in_part(const DeviationT& judged) const;
 };
 
 }  // namespace plumbline::judgement

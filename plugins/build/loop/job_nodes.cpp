@@ -8,6 +8,7 @@
 #include "loop/job/layout_files.hpp"
 #include "loop/job/signature.hpp"
 #include "loop/state/date.hpp"
+#include "loop/state/hash.hpp"
 #include "loop/state/plan_artifact.hpp"
 
 namespace plumbline::loop {
@@ -69,6 +70,7 @@ void ReadActuals::run(Context& context) {
                   : *format == "hilti"   ? read_staked(text, LayoutFormat::hilti, name, survey)
                   : *format == "trimble" ? read_staked(text, LayoutFormat::trimble, name, survey)
                                          : read_staked(text, LayoutFormat::leica, name, survey);
+  for (const auto& item : read.items) item->digest = sha256_hex(text);
   for (const auto* lines : {&read.refused, &read.ignored})
     for (const std::string& line : *lines) context.warn(line);
   if (read.items.empty())

@@ -39,7 +39,7 @@ struct WriteJob : Node {
 };
 
 struct ReadActuals : Node {
-  static constexpr Info info{"read.actuals", "", 3,
+  static constexpr Info info{"read.actuals", "", 4,
                              "What robots and people report: actuals.json, or staked points of a layout tool"};
   In<File> file{"file", "the file"};
   Optional<Transform> frames{"frames", frame("to=building,from=?S"),
@@ -54,7 +54,7 @@ struct ReadActuals : Node {
 /// What a surveyor needs who measures a simulated site once more.
 struct SimulateSite : Node {
   static constexpr Info info{
-      "simulate.site", "", 2,
+      "simulate.site", "", 3,
       "Set-ups and control marks before a simulated facade, for simulate.survey: the site is measured again"};
   In<Points> truth{"truth", frame("frame=?F"), "hooks as they really are; their y axis points into the building"};
   Param<double> distance{"distance", 14.0, "m", between(3, 60), "of the set-ups from the facade"};
@@ -63,10 +63,22 @@ struct SimulateSite : Node {
   Param<std::vector<std::string>> knocked{
       "knocked", std::vector<std::string>{},
       "control marks that were knocked by 6 mm upward, of K1 to K6: a fault to be found"};
+  Optional<LoopState> state{"state", frame("frame=?F"),
+                            "the round before: which round this is; without, the first (number 0)"};
+  Param<int64_t> knocked_from{"knocked_from", 0, between(0, 1000),
+                              "the round from which on these are knocked, counted from 0: while the loop runs"};
+  Param<double> knock_share{"knock_share", 0.0, "1", between(0, 1),
+                            "of control marks that are knocked in each round, and stay so"};
+  Param<double> bump_share{"bump_share", 0.0, "1", between(0, 1),
+                           "of plates that are knocked by 5 mm in each round, and stay so: their hooks do not move"};
+  Param<int64_t> fault_seed{"fault_seed", 1, between(0, 1000000), "which ones: drawn by it, the same in all rounds"};
   Out<Points> markers{"markers", frame("frame=?F"), "hooks and marks as they really are"};
   Out<SurveyObservations> set_ups{"set_ups", frame("frame=?F"), "what each set-up is to sight"};
   Out<Points> control{"control", frame("frame=?F"), "the marks as they are known"};
   void run(Context& context) override;
+
+ private:
+  void bump_plates(PointsT& site, std::int64_t round, Context& context);
 };
 
 }  // namespace plumbline::loop

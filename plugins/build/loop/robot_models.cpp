@@ -1,20 +1,24 @@
 #include "build/loop/robot_models.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
 #include "geometry/random.hpp"
 #include "loop/gate/station_error.hpp"
+#include "loop/simulate/robot.hpp"
 
 namespace plumbline::loop {
 namespace {
 
-/// Revision of a job that was left from another loop: there is none before the first.
-constexpr int kOtherLoop = 1000;
+/// Where the base stands before the item that a robot works on first on a floor, along its right, up, out [m].
+const Eigen::Vector3d kBase(0, -2, 1.5);
 
-/// Who hangs a panel sees it to a millimetre.
-Eigen::Vector3d seen_panel(const Job& job, const JobItem& item, Random& own) {
-  return job.origin + item.target + own.normal3(0.001);
+/// The panel after this one in the job; null: it has no other.
+const JobItem* other_panel(const Job& job, std::size_t index) {
+  for (std::size_t k = 1; k < job.items.size(); ++k)
+    if (const JobItem& other = job.items[(index + k) % job.items.size()]; other.kind == "panel") return &other;
+  return nullptr;
 }
 
 }  // namespace
@@ -29,51 +33,86 @@ void SimulateRobots::run(Context& context) {
 }
 
 /// Where robots find their place, the plan has it from the same poses.
-RobotErrors SimulateRobots::errors() const { return {*repeatability, believed ? 0.0 : *station_sigma}; }
+RobotErrors SimulateRobots::errors() const {
+  const double base = believed ? 0.0 : std::hypot(*station_sigma, *tilt * kBase.norm(), *drift);
+  return {std::hypot(*repeatability, *bit_wander), std::hypot(base, *calibration)};
+}
 
-Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, const JobItem& item, std::uint64_t seed) const {
-  if (!believed) return Random(seed, "station", static_cast<std::uint64_t>(item.floor)).normal3(*station_sigma);
+Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, std::size_t index, std::uint64_t seed) const {
+  const JobItem& item = todo.items[index];
   const Eigen::Vector3d place = todo.origin + item.target;
-  const PoseT& pose = nearest_station(believed_, place);
-  for (const auto& place_of : standing_.poses)
-    if (place_of->path == pose.path)
-      return item.design_rotation.conjugate() * station_error(pose.cam_from_world, place_of->cam_from_world, place);
-  throw std::runtime_error("a robot believes to stand at " + pose.path + ", and 'standing' has no such place");
+  if (believed) {
+    const PoseT& pose = nearest_station(believed_, place);
+    for (const auto& place_of : standing_.poses)
+      if (place_of->path == pose.path)
+        return item.design_rotation.conjugate() * station_error(pose.cam_from_world, place_of->cam_from_world, place);
+    throw std::runtime_error("a robot believes to stand at " + pose.path + ", and 'standing' has no such place");
+  }
+  const auto floor = static_cast<std::uint64_t>(item.floor);
+  Eigen::Vector3d off = Random(seed, "station", floor).normal3(*station_sigma);
+  std::size_t first = index;
+  Random drifts(seed, "drift", floor), tilts(seed, "tilt", floor);
+  for (std::size_t i = 0; i <= index; ++i)
+    if (todo.items[i].floor == item.floor) first = std::min(first, i), off += drifts.normal3(*drift);
+  const Eigen::Vector3d from_first = item.design_rotation.conjugate() * (item.target - todo.items[first].target);
+  return off + tilts.normal3(*tilt).cross(from_first - kBase);
 }
 
 Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed) {
+  return todo.items[index].kind == "bracket" ? set_bracket(todo, index, seed) : hang_panel(todo, index, seed);
+}
+
+Deed SimulateRobots::set_bracket(const Job& todo, std::size_t index, std::uint64_t seed) {
   const JobItem& item = todo.items[index];
-  Random luck(seed, "fault " + item.id);
-  Random own(seed, "setting " + item.id);
+  Faults faults;
+  faults.did_nothing = *did_nothing, faults.off_8mm = *off_8mm, faults.wrong_side = *wrong_side;
+  faults.wrong_item = *wrong_item, faults.skipped = *skipped, faults.twice = *twice;
+  faults.old_revision = *old_revision, faults.other_job = *other_job;
+  RobotModel model;
+  model.repeatability = *repeatability, model.wander = *bit_wander;
+  model.slip_share = *slip_share, model.slip = *slip_sigma;
+  Random luck(seed, "fault " + item.id), own(seed, "setting " + item.id);
   Deed deed = asked(item);
-  const bool is_bracket = item.kind == "bracket";
-  bool untouched = false;
-  deed.is_fault = true;
-  if (luck.uniform() < *skipped) {
-    deed.outcome = "skipped", untouched = true;
-  } else if (luck.uniform() < *old_revision) {
-    deed.revision = deed.revision > 1 ? deed.revision - 1 : kOtherLoop;
-  } else if (luck.uniform() < *did_nothing) {
-    untouched = true;
-  } else if (is_bracket && luck.uniform() < *off_8mm) {
-    deed.moved.x() += 0.008;
-  } else if (is_bracket && luck.uniform() < *wrong_side) {
-    deed.moved = -deed.moved;
-  } else if (is_bracket && luck.uniform() < *wrong_item) {
-    deed.where = todo.items[(index + 1) % todo.items.size()].id;
-  } else {
-    deed.is_fault = false;
-  }
-  if (untouched) {
+  const BracketTask task = task_of(faults, item.setting, item.revision, luck);
+  deed.is_fault = !task.fault.empty(), deed.revision = task.revision;
+  if (task.skipped) deed.outcome = "skipped";
+  if (task.other_job) deed.job = "job-of-another-tower";
+  if (task.other_bracket) deed.where = todo.items[(index + 1) % todo.items.size()].id;
+  if (task.asked.isZero(0)) {
     deed.where.clear();
     return deed;
   }
-  if (is_bracket) {
-    deed.moved += off_by_base(todo, item, seed) + own.normal3(*repeatability);
-    if (own.uniform() < *slip_share) deed.moved += own.normal3(*slip_sigma);
+  const Eigen::Vector3d arm = Random(static_cast<std::uint64_t>(*robot_seed), "arm " + deed.by).normal3(*calibration);
+  const Eigen::Vector3d base = off_by_base(todo, index, seed);
+  deed.moved = moved_by(model, task.asked, arm, base, own);
+  if (task.twice) deed.moved += moved_by(model, task.asked, arm, base, own);
+  return deed;
+}
+
+Deed SimulateRobots::hang_panel(const Job& todo, std::size_t index, std::uint64_t seed) {
+  const JobItem& item = todo.items[index];
+  Random luck(seed, "fault " + item.id), own(seed, "setting " + item.id);
+  Deed deed = asked(item);
+  const JobItem* where = &item;
+  Eigen::Vector3d aside = Eigen::Vector3d::Zero();
+  deed.is_fault = true;
+  if (luck.uniform() < *skipped) {
+    deed.outcome = "skipped", where = nullptr;
+  } else if (luck.uniform() < *old_revision) {
+    deed.revision = deed.revision > 1 ? deed.revision - 1 : kOtherLoop;
+  } else if (luck.uniform() < *did_nothing) {
+    where = nullptr;
+  } else if (luck.uniform() < *off_8mm) {
+    aside.x() = 0.008;
+  } else if (const JobItem* other = other_panel(todo, index); other && luck.uniform() < *wrong_item) {
+    where = other;
   } else {
-    deed.measured = seen_panel(todo, item, own);
+    deed.is_fault = false;
   }
+  if (!where) return deed;
+  const double face = Random(static_cast<std::uint64_t>(*robot_seed), "face " + where->id).normal(*face_sigma);
+  deed.measured = centre_of(todo, *where, face) + item.design_rotation * aside + own.normal3(*seen_sigma);
+  deed.sigma = *seen_sigma;
   return deed;
 }
 
@@ -83,10 +122,11 @@ RobotErrors SimulateFitters::errors() const { return {std::hypot(*hand_sigma, *d
 Deed SimulateFitters::work(const Job& todo, std::size_t index, std::uint64_t seed) {
   const JobItem& item = todo.items[index];
   Random own(seed, "hand " + item.id);
+  constexpr double kSeen = 0.001;
   Deed deed = asked(item);
   deed.by = "fitters";
   if (item.kind != "bracket") {
-    deed.measured = seen_panel(todo, item, own);
+    deed.measured = centre_of(todo, item, 0) + own.normal3(kSeen), deed.sigma = kSeen;
     return deed;
   }
   if (*division > 0) deed.moved = *division * (deed.moved / *division).array().round().matrix();

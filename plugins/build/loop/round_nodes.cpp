@@ -7,6 +7,7 @@
 #include "loop/job/job.hpp"
 #include "loop/job/layout_files.hpp"
 #include "loop/state/date.hpp"
+#include "loop/state/hash.hpp"
 #include "loop/state/state_file.hpp"
 
 namespace plumbline::loop {
@@ -33,12 +34,14 @@ void ReadState::run(Context& context) {
   state.commit(read);
 }
 
-void ReadReports::take(ActualsT read, ActualsT& into) {
+void ReadReports::take(ActualsT read, const std::string& text, ActualsT& into) {
   // Of another tool, or of a day on which nothing was done.
   if (read.items.empty() && read.refused.empty() && !read.sources.empty())
     into.refused.push_back(read.sources.front() + ": has no report or point in it");
+  const std::string digest = sha256_hex(text);
   for (auto& item : read.items) {
     if (item->at.empty()) item->at = *at;
+    item->digest = digest;
     into.items.push_back(std::move(item));
   }
   into.sources.insert(into.sources.end(), read.sources.begin(), read.sources.end());
@@ -54,15 +57,23 @@ void ReadReports::run(Context& context) {
                              std::to_string(jobs->size()) + " jobs; expected for each the job that it answers");
   const SurveyLink survey = frames ? survey_link(frames.unpack()) : SurveyLink();
   ActualsT all;
-  for (const FilePath& file : *json) take(read_actuals_json(text_of(file), name_of_file(file), survey), all);
+  for (const FilePath& file : *json) {
+    const std::string text = text_of(file);
+    take(read_actuals_json(text, name_of_file(file), survey), text, all);
+  }
   const auto take_staked = [&](const std::vector<FilePath>& files, LayoutFormat format) {
-    for (const FilePath& file : files) take(read_staked(text_of(file), format, name_of_file(file), survey), all);
+    for (const FilePath& file : files) {
+      const std::string text = text_of(file);
+      take(read_staked(text, format, name_of_file(file), survey), text, all);
+    }
   };
   take_staked(*hilti, LayoutFormat::hilti);
   take_staked(*trimble, LayoutFormat::trimble);
   take_staked(*leica, LayoutFormat::leica);
-  for (std::size_t i = 0; i < states->size(); ++i)
-    take(vda_actuals(text_of((*states)[i]), read_job(text_of((*jobs)[i])), name_of_file((*states)[i]), survey), all);
+  for (std::size_t i = 0; i < states->size(); ++i) {
+    const std::string text = text_of((*states)[i]);
+    take(vda_actuals(text, read_job(text_of((*jobs)[i])), name_of_file((*states)[i]), survey), text, all);
+  }
   for (const auto& item : all.items)
     if (item->at.empty()) {
       context.warn("the report on " + item->item +

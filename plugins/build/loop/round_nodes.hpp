@@ -20,7 +20,7 @@ struct ReadState : Node {
 };
 
 struct ReadReports : Node {
-  static constexpr Info info{"read.reports", "", 3,
+  static constexpr Info info{"read.reports", "", 4,
                              "What robots and people report since the last round, out of as many files as there are"};
   Optional<Transform> frames{"frames", frame("to=building,from=?S"),
                              "what the survey was moved by into the building's frame: staked points, and what answers "
@@ -39,7 +39,8 @@ struct ReadReports : Node {
   void run(Context& context) override;
 
  private:
-  void take(ActualsT read, ActualsT& into);
+  /// `text`: of the file.
+  void take(ActualsT read, const std::string& text, ActualsT& into);
 };
 
 }  // namespace plumbline::loop

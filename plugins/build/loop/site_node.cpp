@@ -2,6 +2,8 @@
 #include <algorithm>
 
 #include "build/loop/job_nodes.hpp"
+#include "geometry/random.hpp"
+#include "loop/simulate/robot.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -32,9 +34,25 @@ Eigen::Vector3d steady(const Eigen::Vector3d& place) {
   return width * ((place.array() - line) / width).floor() + line;
 }
 
+/// Whether something that happens with this share in each round has happened by `round`, counted from 0.
+bool has_happened(double share, std::int64_t round, std::uint64_t seed, const std::string& what) {
+  Random luck(seed, what);
+  bool happened = false;
+  for (std::int64_t r = 0; r <= round && share > 0; ++r) happened = luck.uniform() < share || happened;
+  return happened;
+}
+
 }  // namespace
 
-void SimulateSite::run(Context&) {
+void SimulateSite::bump_plates(PointsT& site, std::int64_t round, Context& context) {
+  int bumped = 0;
+  for (auto& point : site.points)
+    if (has_happened(*bump_share, round, static_cast<std::uint64_t>(*fault_seed), "bump " + point->id))
+      point->position += kPlateBump, ++bumped;
+  context.metric("plates_bumped", bumped, "1");
+}
+
+void SimulateSite::run(Context& context) {
   PointsT site = truth.unpack();
   site.covariance.clear();
   if (site.points.empty()) throw std::runtime_error("the truth has no points");
@@ -42,6 +60,8 @@ void SimulateSite::run(Context&) {
   for (const auto& point : site.points) low = low.cwiseMin(point->position), high = high.cwiseMax(point->position);
   // Marks stay where they are when a bracket is set that lies outermost.
   low = steady(low), high = steady(high);
+  const std::int64_t round = state ? state->round() : 0;
+  bump_plates(site, round, context);
   PointsT known;
   const double before = low.y() - 2, beside = 6;
   int number = 0;
@@ -49,9 +69,12 @@ void SimulateSite::run(Context&) {
     for (const double x : {low.x() - beside, 0.5 * (low.x() + high.x()), high.x() + beside}) {
       const std::string id = "K" + std::to_string(++number);
       const double y = number == 2 || number == 5 ? low.y() - *distance - 8 : before;
-      const bool is_knocked = std::count(knocked->begin(), knocked->end(), id) > 0;
+      const bool is_named = std::count(knocked->begin(), knocked->end(), id) > 0;
+      const bool is_knocked = (is_named && round >= *knocked_from) ||
+                              has_happened(*knock_share, round, static_cast<std::uint64_t>(*fault_seed), "knock " + id);
       const Eigen::Vector3d place(x, y, z);
-      site.points.push_back(make_point(id, place + Eigen::Vector3d(0, 0, is_knocked ? 0.006 : 0), 0, "control"));
+      site.points.push_back(
+          make_point(id, place + Eigen::Vector3d(0, 0, is_knocked ? kControlKnock : 0), 0, "control"));
       known.points.push_back(make_point(id, place, *control_sigma, "control"));
     }
   const std::size_t n = 3 * known.points.size();

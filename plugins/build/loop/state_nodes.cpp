@@ -35,14 +35,19 @@ void UpdateState::run(Context& context) {
     note_refused(state, actuals.refused), note_refused(state, objections);
     taken += actuals.items.size() - objections.size(), refused += actuals.refused.size() + objections.size();
   }
-  if (!moved_control->empty()) recall(state, *moved_control, "control point " + moved_control->front() + " moved");
+  const Teller teller{*by, *now};
+  if (!moved_control->empty())
+    recall(state, *moved_control, "control point " + moved_control->front() + " moved", teller);
   for (const std::string& id : *accept)
-    if (const std::string objection = accept_look(state, id); !objection.empty())
+    if (const std::string objection = accept_look(state, id, teller); !objection.empty())
       // It may be left from a round before: no error.
       context.warn("'accept': " + objection + ": nothing is accepted");
   for (const std::string& id : *removed)
-    if (const std::string objection = remove_look(state, id); !objection.empty())
+    if (const std::string objection = remove_look(state, id, teller); !objection.empty())
       context.warn("'removed': " + objection + ": nothing changes");
+  const bool is_told = !moved_control->empty() || !accept->empty() || !removed->empty();
+  if (is_told && by->empty() && !now->empty())
+    context.warn("who looked is not said: the journal has 'a person'; reported.with.by=NAME says it");
   context.metric("reports_taken", static_cast<double>(taken), "1");
   context.metric("reports_refused", static_cast<double>(refused), "1");
   after.commit(state);

@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 7,
+  static constexpr Info info{"update.state", "", 8,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};
@@ -32,12 +32,14 @@ struct UpdateState : Node {
   Param<std::string> now{"now", "",
                          "when this round is, ISO 8601 with zone: reports that are dated later are refused; empty: not "
                          "said"};
+  Param<std::string> by{"by", "",
+                        "who says what accept, removed and moved_control say: the journal has it; empty: 'a person'"};
   Out<LoopState> after{"state", frame("frame=?F"), "the state with these reports"};
   void run(Context& context) override;
 };
 
 struct ReleaseState : Node {
-  static constexpr Info info{"release.state", "", 7,
+  static constexpr Info info{"release.state", "", 8,
                              "Verifies by a new plan what was done, and releases what is GO and whose turn it is"};
   In<LoopState> before{"state", frame("frame=?F"), "the state with all reports"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan on the measurement made since, with this state"};

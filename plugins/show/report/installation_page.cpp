@@ -220,7 +220,9 @@ void write_drift(Markup& html, const std::map<int, Heights>& floors) {
   const double now = highest.now / highest.n - lowest.now / lowest.n;
   const double without = highest.without / highest.n - lowest.without / lowest.n;
   html.element("p", "From floor " + floor_word(low) + " to floor " + floor_word(high) + " the mean height drifts by " +
-                        signed_mm(now, 1) + " mm; without what was set it would by " + signed_mm(without, 1) + " mm.");
+                        signed_mm(now, 1) + " mm; without what was set it would by " + signed_mm(without, 1) +
+                        " mm: the drift that closing the loop prevented is " +
+                        signed_mm(std::abs(without) - std::abs(now), 1) + " mm.");
 }
 
 /// What the heights of anchors that panels hang on would be without what was set, and are: by floor, so that drift

@@ -20,9 +20,10 @@ inline std::unique_ptr<LoopItemT> loop_item(const std::string& kind, const std::
 
 /// A line of the journal without its chain.
 inline std::string journal_words(const LoopItemT& item, const std::string& from, const std::string& to,
-                                 const std::string& why) {
+                                 const std::string& why, const std::string& reason = "other") {
   return "{\"round\": 1, \"kind\": \"" + item.kind + "\", \"item\": \"" + item.id + "\", \"from\": \"" + from +
-         "\", \"to\": \"" + to + "\", \"by\": \"robot-1\", \"at\": \"2026-05-02T08:00:00Z\", \"why\": \"" + why + "\"}";
+         "\", \"to\": \"" + to + "\", \"by\": \"robot-1\", \"at\": \"2026-05-02T08:00:00Z\", \"why\": \"" + why +
+         "\", \"reason\": \"" + reason + "\"}";
 }
 
 /// Each panel hangs on two anchors, and waits for the panel before it.

@@ -194,18 +194,37 @@ TEST(InstallationBcf, APanelThatMightNotBeHungIsClosedWhenItHangs) {
   const std::string by_hand = "bracket anchor 1 would have to move 31.0 mm up, it has 25.0: re-drill";
   site.plan.relaxations = {by_hand};
   item.status = ItemStatus::planned, panel.gate = GateDecision::hold, panel.reason = "p 0.100; " + by_hand;
+  panel.by_hand = {0};
   const auto files = topics_of(site);
   EXPECT_EQ(markup_about(files, "By hand: "), "none") << "its panel has it";
   const std::string open = markup_about(files, "Panel " + item.id + ": by hand first: p 0.100; " + by_hand);
   EXPECT_NE(open.find("TopicStatus=\"Open\""), std::string::npos) << open;
-  site.state.journal.push_back(test::journal_words(item, "PLANNED", "PLANNED", kMayNotHang + panel.reason));
-  site.plan.relaxations.clear(), panel.gate = GateDecision::go, item.status = ItemStatus::released;
+  site.state.journal.push_back(test::journal_words(item, "PLANNED", "PLANNED", "may not be hung so", "may_not_hang"));
+  site.plan.relaxations.clear(), panel.by_hand.clear(), panel.gate = GateDecision::go,
+                                                        item.status = ItemStatus::released;
   EXPECT_NE(markup_about(topics_of(site), "Panel " + item.id + ": may be hung").find("TopicStatus=\"Open\""),
             std::string::npos);
   item.status = ItemStatus::verified, item.why = "p 0.990", item.hangs = item.seen = true;
   const std::string closed = markup_about(topics_of(site), "Panel " + item.id + ": mended: p 0.990");
   EXPECT_NE(closed.find("TopicStatus=\"Closed\""), std::string::npos) << closed;
   EXPECT_EQ(closed.substr(0, 36), open.substr(0, 36)) << "the topic keeps its id";
+}
+
+/// Words may be another's, or of another version: what is to be done of which panel the plan says by number.
+TEST(InstallationBcf, NoTopicRestsOnTheWordsOfAReason) {
+  Site site("IFC4");
+  LoopItemT& item = *site.state.items.back();
+  PlannedPanelT& panel = *site.plan.panels.back();
+  site.plan.relaxations = {"re-drill"};
+  item.status = ItemStatus::planned, panel.gate = GateDecision::hold, panel.reason = "p 0.100; nothing to re-drill";
+  EXPECT_NE(markup_about(topics_of(site), "By hand: re-drill"), "none") << "that panel does not say it";
+  panel.by_hand = {0}, panel.reason = "p 0.100";
+  EXPECT_EQ(markup_about(topics_of(site), "By hand: "), "none");
+  EXPECT_NE(markup_about(topics_of(site), "Panel " + item.id + ": by hand first: p 0.100"), "none");
+  // A word in the journal that begins as the program's own does is no reason.
+  item.status = ItemStatus::released, panel.by_hand.clear(), panel.gate = GateDecision::go;
+  site.state.journal = {test::journal_words(item, "PLANNED", "PLANNED", "may not be hung so: said somebody")};
+  EXPECT_EQ(markup_about(topics_of(site), "Panel " + item.id), "none");
 }
 
 /// The same thing in another campaign, by other millimetres.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include "artifacts/actuals.hpp"
 #include "artifacts/file.hpp"
@@ -145,6 +147,62 @@ TEST(SimulateSite, AKnockedMarkIsElsewhereThanItIsKnown) {
     }
   node.set("knocked", "K7");
   EXPECT_NE(said_of(node).find("'knocked' names K7, and the control marks are K1 to K6"), std::string::npos);
+}
+
+PointsT four_hooks() {
+  PointsT truth;
+  for (double x : {0.0, 6.0})
+    for (double z : {3.0, 6.0}) {
+      auto point = std::make_unique<PointT>();
+      point->id = "A" + std::to_string(truth.points.size()), point->position = Eigen::Vector3d(x, 10, z);
+      point->sigma.setZero();
+      truth.points.push_back(std::move(point));
+    }
+  return truth;
+}
+
+/// How far each point is from where it should be, by id, in a round of a loop.
+std::map<std::string, Eigen::Vector3d> off_in_round(int round, const std::map<std::string, std::string>& words) {
+  NodeHarness node("simulate.site");
+  const PointsT hooks = four_hooks();
+  LoopStateT state;
+  state.round = round;
+  node.input<Points>("truth", hooks), node.input<LoopState>("state", state);
+  for (const auto& [name, value] : words) node.set(name, value);
+  node.seed(static_cast<std::uint64_t>(round) + 1), node.run();
+  const PointsT real = node.output<Points>("markers"), known = node.output<Points>("control");
+  std::map<std::string, Eigen::Vector3d> off;
+  for (const auto& point : real.points)
+    for (const PointsT* ideal : {&hooks, &known})
+      for (const auto& there : ideal->points)
+        if (there->id == point->id) off[point->id] = point->position - there->position;
+  return off;
+}
+
+/// While the loop runs, and from then on.
+TEST(SimulateSite, MarksAndPlatesAreKnockedWhileTheLoopRuns) {
+  for (const int round : {0, 1, 2, 3}) {
+    const auto named = off_in_round(round, {{"knocked", "K2"}, {"knocked_from", "2"}});
+    EXPECT_NEAR(named.at("K2").z(), round >= 2 ? 0.006 : 0, 1e-12) << round;
+    EXPECT_LT(named.at("K1").norm(), 1e-12);
+    EXPECT_LT(named.at("A0").norm(), 1e-12) << "a plate";
+  }
+  std::set<std::string> knocked, bumped;
+  for (int round = 0; round < 12; ++round) {
+    const auto off = off_in_round(round, {{"knock_share", "0.2"}, {"bump_share", "0.2"}});
+    for (const auto& [id, by] : off) {
+      auto& known = id[0] == 'K' ? knocked : bumped;
+      if (known.count(id) > 0) {
+        EXPECT_GT(by.norm(), 0.004) << id << " stays so";
+      }
+      if (by.norm() > 1e-12) {
+        EXPECT_NEAR(by.norm(), id[0] == 'K' ? 0.006 : 0.005, 1e-12);
+        known.insert(id);
+      }
+    }
+  }
+  EXPECT_GE(knocked.size(), 2u);
+  EXPECT_GE(bumped.size(), 2u);
 }
 
 struct Ended {

@@ -69,7 +69,8 @@ TEST(Rounds, APanelThatTurnsNoGoIsInTheJournal) {
   }
   InstallationPlanT by_hand = make_plan("third");
   by_hand.relaxations = {"re-drill b2"};
-  by_hand.panels[1]->gate = GateDecision::hold, by_hand.panels[1]->reason = "p 0.500; re-drill b2";
+  by_hand.panels[1]->gate = GateDecision::hold, by_hand.panels[1]->reason = "p 0.500; set it by hand";
+  by_hand.panels[1]->by_hand = {0};
   next_plan(state, std::move(by_hand));
   EXPECT_EQ(lines(), 2);
 }

@@ -114,6 +114,7 @@ TEST(InstallationPage, TheDriftThatTheLoopPreventedIsANumber) {
   EXPECT_NE(page.find("From floor 1 to floor 12 the mean height drifts by +0.3 mm; without what was set it would by "),
             std::string::npos)
       << page;
+  EXPECT_NE(page.find(" mm: the drift that closing the loop prevented is "), std::string::npos) << page;
   EXPECT_EQ(page.substr(0, page.find("id=\"items\"")).find("500.0"), std::string::npos) << "k0 is no part of it";
 }
 
