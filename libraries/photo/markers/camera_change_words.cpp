@@ -6,6 +6,7 @@
 
 #include "base/text/words.hpp"
 #include "photo/markers/camera_changes.hpp"
+#include "photo/markers/camera_splits.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -19,12 +20,25 @@ std::string list_of(const std::vector<int>& members, const std::vector<std::stri
   return text::join(names, 4);
 }
 
+/// "from IMG_0015.JPG to IMG_0028.JPG and from IMG_0040.JPG on".
+std::string stretches_in_words(const std::vector<int>& second, const std::vector<std::string>& paths) {
+  std::string words;
+  for (const auto& [first, last] : runs_of(second))
+    words += (words.empty() ? "" : " and ") + (first == last ? "in " + paths[first]
+                                               : last + 1 == std::ssize(paths)
+                                                   ? "from " + paths[first] + " on"
+                                                   : "from " + paths[first] + " to " + paths[last]);
+  return words;
+}
+
 std::string where(const CameraChange& change, const CameraEvidence& evidence) {
   const std::string count = std::to_string(change.second.size());
   const std::string list = " (" + list_of(change.second, evidence.paths) + ")";
   switch (change.split) {
     case Split::from_on:
       return "from " + evidence.paths[change.second.front()] + " on";
+    case Split::stretches:
+      return stretches_in_words(change.second, evidence.paths);
     case Split::drift:
       return "from " + evidence.paths.front() + " to " + evidence.paths.back() + ", bit by bit,";
     case Split::every:

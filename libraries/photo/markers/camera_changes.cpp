@@ -1,15 +1,13 @@
 #include "photo/markers/camera_changes.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 
 #include "geometry/linear_algebra/decompositions.hpp"
+#include "photo/markers/camera_splits.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
@@ -18,20 +16,16 @@ namespace {
 using Split = CameraChange::Split;
 using What = CameraChange::What;
 
-constexpr std::size_t fewest_photographs = 8, smallest_part = 3;
+constexpr std::size_t fewest_photographs = 8;
 constexpr double told_from = 5;  // logarithm of the odds, 150 to 1
 constexpr double told_of_place_from = 8, mostly = 0.9;
 constexpr double clear_from = 0.9;  // probability of a split, of a cause
 constexpr double significant = 5;   // logarithm of a likelihood ratio
 
-/// A way to weigh the photographs against each other, with the part of all changes that are expected to be of it.
-struct Contrast {
-  Split split = Split::from_on;
-  Eigen::VectorXd weights;
-  std::vector<int> second;
-  int period = 0;
-  double log_prior = 0;
-};
+bool can_be_compared(const CameraEvidence& evidence, const std::vector<RigidTransform>& cam_from_object) {
+  return evidence.score.size() >= fewest_photographs && cam_from_object.size() == evidence.score.size() &&
+         !evidence.parameters.empty();
+}
 
 /// What may differ, and by how much it usually would.
 struct Hypothesis {
@@ -39,82 +33,6 @@ struct Hypothesis {
   Eigen::MatrixXd directions;
   Eigen::VectorXd sizes;
 };
-
-std::optional<Contrast> of_parts(Split split, const std::vector<bool>& second, double log_prior, int period = 0) {
-  const auto count = static_cast<std::size_t>(std::count(second.begin(), second.end(), true));
-  if (count < smallest_part || second.size() - count < smallest_part) return std::nullopt;
-  Contrast contrast{split, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(second.size())), {}, period, log_prior};
-  for (std::size_t i = 0; i < second.size(); ++i)
-    if (second[i]) contrast.weights(static_cast<Eigen::Index>(i)) = 1, contrast.second.push_back(static_cast<int>(i));
-  return contrast;
-}
-
-/// By the order of the photographs: of the changes that are expected 0.4 are a cut, 0.2 a drift, 0.2 every so many.
-std::vector<Contrast> contrasts_in_order(std::size_t n) {
-  std::vector<Contrast> contrasts;
-  constexpr std::size_t most_cuts = 60;
-  const std::size_t stride = 1 + n / most_cuts;
-  const double cuts = static_cast<double>((n - 2 * smallest_part) / stride + 1);
-  for (std::size_t cut = smallest_part; cut + smallest_part <= n; cut += stride) {
-    std::vector<bool> second(n);
-    std::fill(second.begin() + static_cast<std::ptrdiff_t>(cut), second.end(), true);
-    if (auto one = of_parts(Split::from_on, second, std::log(0.4 / cuts))) contrasts.push_back(*one);
-  }
-  Contrast drift{
-      Split::drift, Eigen::VectorXd::LinSpaced(static_cast<Eigen::Index>(n), -0.5, 0.5), {}, 0, std::log(0.2)};
-  for (std::size_t i = n / 2; i < n; ++i) drift.second.push_back(static_cast<int>(i));
-  contrasts.push_back(drift);
-  for (const std::size_t period : {2, 3, 4})
-    for (std::size_t first = 0; first < (period == 2 ? 1 : period); ++first) {
-      std::vector<bool> second(n);
-      for (std::size_t i = first; i < n; i += period) second[i] = true;
-      if (auto one = of_parts(Split::every, second, std::log(0.2 / 8), static_cast<int>(period)))
-        contrasts.push_back(*one);
-    }
-  return contrasts;
-}
-
-/// The camera's x axis in the object: held one way or upside down against most.
-std::optional<Contrast> upside_down(const std::vector<RigidTransform>& poses) {
-  std::vector<bool> turned;
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();
-  for (const RigidTransform& pose : poses) {
-    const Eigen::Vector3d x = pose.rotation.conjugate() * Eigen::Vector3d::UnitX();
-    axes += x * x.transpose();
-  }
-  const Eigen::Vector3d common = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(axes).eigenvectors().col(2);
-  for (const RigidTransform& pose : poses)
-    turned.push_back((pose.rotation.conjugate() * Eigen::Vector3d::UnitX()).dot(common) < 0);
-  if (2 * std::count(turned.begin(), turned.end(), true) > std::ssize(poses)) turned.flip();
-  return of_parts(Split::upside_down, turned, std::log(0.1));
-}
-
-/// Photographs sorted by what each says of its own along `directions`, cut at every place: as many ways as there are
-/// subsets of the size, so each counts as little.
-std::vector<Contrast> groups(const EffectFit& fit, const Eigen::MatrixXd& directions) {
-  Eigen::MatrixXd steps;
-  Eigen::VectorXd weight;
-  fit.own_steps(directions, steps, weight);
-  if (!steps.allFinite() || !(weight.sum() > 0)) return {};
-  const Eigen::RowVectorXd mean = weight.transpose() * steps / weight.sum();
-  const Eigen::MatrixXd centred = weight.cwiseMax(0).cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
-  const linear_algebra::SingularValues svd(centred, Eigen::ComputeThinV);
-  const Eigen::VectorXd value = steps * svd.matrixV().col(0);
-  const auto n = static_cast<std::size_t>(value.size());
-  std::vector<int> order(n);
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return value(a) < value(b); });
-  std::vector<Contrast> contrasts;
-  for (std::size_t cut = smallest_part; cut + smallest_part <= n; ++cut) {
-    std::vector<bool> second(n);
-    const bool above = 2 * cut >= n;  // the smaller part is the second
-    for (std::size_t k = above ? cut : 0; k < (above ? n : cut); ++k) second[order[k]] = true;
-    const double all = static_cast<double>(n), part = static_cast<double>(above ? n - cut : cut);
-    const double log_ways = std::lgamma(all + 1) - std::lgamma(part + 1) - std::lgamma(all - part + 1);
-    if (auto one = of_parts(Split::some, second, std::log(0.1 / all) - log_ways)) contrasts.push_back(*one);
-  }
-  return contrasts;
-}
 
 std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamera& c) {
   const double w = c.width;
@@ -219,6 +137,8 @@ class Search {
       if (hypothesis.what == What::turned && upside_down_) contrasts.push_back(*upside_down_);
       if (hypothesis.what != What::aspect)
         for (Contrast& group : groups(fit, divided_by(hypothesis))) contrasts.push_back(std::move(group));
+      for (Contrast& there_and_back : stretches(fit, hypothesis.directions, hypothesis.sizes))
+        contrasts.push_back(std::move(there_and_back));
       for (Contrast& contrast : contrasts) {
         stop_point();
         Candidate one{&hypothesis, std::move(contrast), {}, 0};
@@ -330,9 +250,7 @@ std::optional<Strengths::Kind> scatter_like(What what) {
 
 std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
                                         const std::vector<RigidTransform>& cam_from_object) {
-  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
-      evidence.parameters.empty())
-    return std::nullopt;
+  if (!can_be_compared(evidence, cam_from_object)) return std::nullopt;
   const EffectModel model(evidence, camera, cam_from_object);
   const Search search(model, camera, cam_from_object);
   Strengths fitted_to;
@@ -396,9 +314,7 @@ bool divides(const CameraChange& change) { return change.split != Split::drift; 
 
 std::vector<Scatter> causes_of_scatter(const CameraEvidence& evidence, const BrownCamera& camera,
                                        const std::vector<RigidTransform>& cam_from_object) {
-  if (evidence.score.size() < fewest_photographs || cam_from_object.size() != evidence.score.size() ||
-      evidence.parameters.empty())
-    return {};
+  if (!can_be_compared(evidence, cam_from_object)) return {};
   const EffectModel model(evidence, camera, cam_from_object);
   const Optimum all = most_likely(model, {});
   const auto needed = [&](const std::vector<Strengths::Kind>& kinds) {
@@ -423,6 +339,11 @@ CameraTruth judge_camera(CameraEvidence evidence, const BrownCamera& camera,
   truth.empirical = empirical_covariance(truth.evidence, cam_from_object);
   truth.change = find_change(truth.evidence, camera, cam_from_object);
   if (!truth.change) truth.scatter = causes_of_scatter(truth.evidence, camera, cam_from_object);
+  if (!can_be_compared(truth.evidence, cam_from_object)) return truth;
+  const EffectModel model(truth.evidence, camera, cam_from_object);
+  const Strengths strengths = most_likely(model, {}).strengths;  // a change counts as scatter
+  truth.own_effects = model.own_roots(strengths), truth.common_effects = model.common_roots(strengths);
+  truth.corner_factor = std::max(1.0, strengths.of(Strengths::factor));
   return truth;
 }
 

@@ -14,7 +14,8 @@
 namespace plumbline::markers {
 
 struct CameraChange {
-  enum class Split { from_on, drift, every, some, upside_down };
+  /// `stretches`: there and back, once or more often; `some`: in no order.
+  enum class Split { from_on, drift, every, some, upside_down, stretches };
   /// `undistorted`: a program took the distortion away; `turned`: a program turned the pictures by 180 degrees;
   /// `several`: principal distance, principal point and distortion together, as of another camera.
   enum class What { focus, aspect, principal_point, distortion, undistorted, turned, several };
@@ -42,13 +43,13 @@ struct CameraChange {
 };
 
 /// Compares the likelihood of the photographs' scores (photograph_effects.hpp) with and without a change: at every cut
-/// in the order of their names, bit by bit, in every second to fourth one, in the photographs that fall into two groups
-/// by themselves, in those that are held upside down; in the principal distance, the aspect, the principal point, the
-/// distortion, or all of them. Each may be of any plausible size, which is integrated over, so that a change that could
-/// be any must explain more (marginal likelihood; MacKay 2003, 28). What scatters from photograph to photograph and
-/// what goes with the places they were taken from is estimated beside every change. `cam_from_object`: poses in the
-/// order of the evidence. Nothing with fewer than eight photographs, and up to odds of 150 to 1 (3000 to 1 where
-/// the order of the names is that of the places).
+/// in the order of their names, bit by bit, in every second to fourth one, in stretches between which it goes there and
+/// back, in the photographs that fall into two groups by themselves, in those that are held upside down; in the
+/// principal distance, the aspect, the principal point, the distortion, or all of them. Each may be of any plausible
+/// size, which is integrated over, so that a change that could be any must explain more (marginal likelihood; MacKay
+/// 2003, 28). What scatters from photograph to photograph and what goes with the places they were taken from is
+/// estimated beside every change. `cam_from_object`: poses in the order of the evidence. Nothing with fewer than eight
+/// photographs, and up to odds of 150 to 1 (3000 to 1 where the order of the names is that of the places).
 std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
                                         const std::vector<RigidTransform>& cam_from_object);
 
@@ -77,6 +78,10 @@ struct CameraTruth {
   std::vector<Scatter> scatter;  ///< causes, where there is no change
   std::optional<CameraChange> change;
   double focal_length = 0;  ///< fx [px]
+  /// Roots of the covariance of what each photograph's camera has beside the common one, rows as the scores in
+  /// `evidence`: by itself, and in columns that all share; empty with fewer than eight photographs.
+  std::vector<Eigen::MatrixXd> own_effects, common_effects;
+  double corner_factor = 1;  ///< variance factor of the corners beside them, at least 1
 };
 
 /// Relative change of the principal distance from one half of the photographs to the other below which find_change()

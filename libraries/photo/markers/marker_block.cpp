@@ -187,9 +187,9 @@ MarkerResult adjust_as_given(const MarkerBlock& block, const MarkerOptions& opti
   MarkerRun& run = *owned;
   drop_insignificant_insets(block, options, trial, run);
   fill_cameras(block, run, result);
-  judge_cameras(block, run.model, *run.layout, run.adjusted, result);
   fill_markers(block, run, result);
   fill_images(block, run, result);
+  judge_cameras(block, run.model, *run.layout, run.adjusted, result);
   fill_views(block, run, result);
   if (options.distance) scale_by_distance(block, *options.distance, result);
   if (has_layout(block)) {

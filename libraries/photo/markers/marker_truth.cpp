@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "photo/markers/marker_scatter.hpp"
+
 namespace plumbline::markers {
 namespace {
 
@@ -60,6 +62,7 @@ void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bun
     const std::string of = block.cameras.size() > 1 ? "camera " + block.cameras[c].id + ": " : "";
     for (const std::string& text : warnings_of(camera.truth)) result.warnings.push_back(of + text);
   }
+  add_scatter(model, layout, shares, cofactor, result);
 }
 
 std::string as_two_cameras(const MarkerBlock& block, const MarkerOptions& options, const MarkerResult& result,

@@ -7,8 +7,9 @@
 
 namespace plumbline::markers {
 
-/// What its photographs say of each camera that is estimated: `truth`, the covariance that this leaves it, warnings.
-/// `adjusted` is that of the model at its state, result.cameras has the formal covariances.
+/// What its photographs say of each camera that is estimated: `truth`, the covariance that this leaves it, warnings;
+/// and what that makes of the covariances of tags and photographs (marker_scatter.hpp). `adjusted` is that of the model
+/// at its state, `result` has the formal covariances of cameras, tags and photographs.
 void judge_cameras(const MarkerBlock& block, const MarkerModel& model, const bundle::Layout& layout,
                    const bundle::Adjusted& adjusted, MarkerResult& result);
 

@@ -24,7 +24,13 @@ Strengths bounds(const EffectModel&, bool upper) {
   return s;
 }
 
-/// Principal columns of `rows`' deviations from their mean, rms 1; those that hardly differ are left out.
+/// Of the columns of EffectModel::effects_.
+Eigen::Matrix<double, 5, 1> rms_of(const Strengths& strengths) {
+  const double point = strengths.of(Strengths::principal_point), rows = strengths.of(Strengths::rows);
+  return (Eigen::Matrix<double, 5, 1>() << strengths.of(Strengths::focus), point, point, rows, rows).finished();
+}
+
+/// Principal columns of `rows' deviations from their mean, rms 1; those that hardly differ are left out.
 void add_main_columns(Eigen::MatrixXd rows, int most, std::vector<Eigen::VectorXd>& columns) {
   constexpr double hardly = 1e-3;  // [rad], relative: nobody holds a camera as still
   rows.rowwise() -= rows.colwise().mean().eval();
@@ -92,12 +98,27 @@ Eigen::VectorXd EffectModel::direction(const std::array<double, 9>& nine) const 
   return result;
 }
 
+std::vector<Eigen::MatrixXd> EffectModel::own_roots(const Strengths& strengths) const {
+  return std::vector<Eigen::MatrixXd>(size(),
+                                      scale_.cwiseInverse().asDiagonal() * effects_ * rms_of(strengths).asDiagonal());
+}
+
+std::vector<Eigen::MatrixXd> EffectModel::common_roots(const Strengths& strengths) const {
+  const Eigen::MatrixXd one = strengths.of(Strengths::place) * (scale_.cwiseInverse().asDiagonal() * place_effects_);
+  const Eigen::Index d = one.cols();
+  std::vector<Eigen::MatrixXd> roots;
+  for (std::size_t i = 0; i < size(); ++i) {
+    Eigen::MatrixXd root(one.rows(), d * static_cast<Eigen::Index>(places_.size()));
+    for (std::size_t a = 0; a < places_.size(); ++a)
+      root.middleCols(d * static_cast<Eigen::Index>(a), d) = places_[a](static_cast<Eigen::Index>(i)) * one;
+    roots.push_back(root);
+  }
+  return roots;
+}
+
 EffectFit::EffectFit(const EffectModel& model, const Strengths& strengths) : model_(model) {
   const double factor = strengths.of(Strengths::factor);
-  Eigen::Matrix<double, 5, 1> rms;
-  rms << strengths.of(Strengths::focus), strengths.of(Strengths::principal_point),
-      strengths.of(Strengths::principal_point), strengths.of(Strengths::rows), strengths.of(Strengths::rows);
-  const Eigen::MatrixXd root = model.effects_ * rms.asDiagonal();
+  const Eigen::MatrixXd root = model.effects_ * rms_of(strengths).asDiagonal();
   const Eigen::Index p = model.parameters_, d = model.place_effects_.cols(),
                      z = static_cast<Eigen::Index>(model.places_.size()), m = p + z * d;
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
@@ -164,17 +185,27 @@ StepFit EffectFit::fit(const Step& step) const {
   return result;
 }
 
+void EffectFit::own_scores(const Eigen::MatrixXd& directions, std::vector<Eigen::VectorXd>& scores,
+                           std::vector<Eigen::MatrixXd>& information) const {
+  const Eigen::Index p = model_.parameters_;
+  for (std::size_t i = 0; i < model_.size(); ++i) {
+    scores.emplace_back(directions.transpose() * (scores_[i] - information_[i].leftCols(p) * common_.head(p)));
+    information.emplace_back(directions.transpose() * information_[i] * directions);
+  }
+}
+
 void EffectFit::own_steps(const Eigen::MatrixXd& directions, Eigen::MatrixXd& steps,
                           Eigen::VectorXd& information) const {
-  const Eigen::Index p = model_.parameters_, n = static_cast<Eigen::Index>(model_.size()), k = directions.cols();
+  std::vector<Eigen::VectorXd> scores;
+  std::vector<Eigen::MatrixXd> own;
+  own_scores(directions, scores, own);
+  const Eigen::Index n = static_cast<Eigen::Index>(model_.size()), k = directions.cols();
   steps.resize(n, k), information.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    const Eigen::MatrixXd own = directions.transpose() * information_[at] * directions;
-    const Eigen::VectorXd left = scores_[at] - information_[at].leftCols(p) * common_.head(p);
-    const Eigen::MatrixXd floor = 1e-9 * own.trace() * Eigen::MatrixXd::Identity(k, k);
-    steps.row(i) = linear_algebra::solve_symmetric(own + floor, directions.transpose() * left).transpose();
-    information(i) = own.trace();
+    const Eigen::MatrixXd floor = 1e-9 * own[at].trace() * Eigen::MatrixXd::Identity(k, k);
+    steps.row(i) = linear_algebra::solve_symmetric(own[at] + floor, scores[at]).transpose();
+    information(i) = own[at].trace();
   }
 }
 

@@ -44,6 +44,11 @@ class EffectModel {
   std::size_t size() const { return scores_.size(); }
   /// Of the photographs: line of sight (two columns), roll, distance; mean 0, rms 1, those that differ.
   const std::vector<Eigen::VectorXd>& places() const { return places_; }
+  /// Root of the covariance of what each photograph has of its own at `strengths`, in the units of the evidence: own
+  /// columns, of variance 1, which no other photograph shares.
+  std::vector<Eigen::MatrixXd> own_roots(const Strengths& strengths) const;
+  /// The same of what goes with the place: columns that all photographs share.
+  std::vector<Eigen::MatrixXd> common_roots(const Strengths& strengths) const;
   /// A direction in the nine parameters, in the model's units; those that are not estimated are left out.
   Eigen::VectorXd direction(const std::array<double, 9>& nine) const;
 
@@ -73,6 +78,9 @@ class EffectFit {
 
   double log_likelihood() const { return log_likelihood_; }  ///< marginal, without a step
   StepFit fit(const Step& step) const;
+  /// Slope and information of each photograph's logarithm of the likelihood along `directions`, at the common camera.
+  void own_scores(const Eigen::MatrixXd& directions, std::vector<Eigen::VectorXd>& scores,
+                  std::vector<Eigen::MatrixXd>& information) const;
   /// What each photograph by itself says of a step along `directions`: estimates, one a row, and how well they are
   /// known.
   void own_steps(const Eigen::MatrixXd& directions, Eigen::MatrixXd& steps, Eigen::VectorXd& information) const;

@@ -78,7 +78,8 @@ std::vector<PhotographShare> shares_of(int photographs, int kept_count, const st
   }
   for (std::size_t b = 0; b < blocks; ++b) {
     const Eigen::LDLT<Eigen::MatrixXd> factor(own[b]);
-    shares[b].information -= coupling[b].transpose() * factor.solve(coupling[b]);
+    shares[b].pose_by = -factor.solve(coupling[b]);
+    shares[b].information += coupling[b].transpose() * shares[b].pose_by;
     shares[b].score -= coupling[b].transpose() * factor.solve(right[b]);
   }
   return shares;

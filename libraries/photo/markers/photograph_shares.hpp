@@ -15,6 +15,7 @@ struct PhotographShare {
   std::vector<int> columns;     ///< kept unknowns it depends on, ascending; effects follow from kept_count on
   Eigen::VectorXd score;        ///< slope of −½ vᵀPv in these, the pose eliminated
   Eigen::MatrixXd information;  ///< normal matrix of these, the pose eliminated
+  Eigen::MatrixXd pose_by;      ///< how the estimated pose moves with these, the photograph's observations as they are
 };
 
 /// Some whitened rows of a photograph.

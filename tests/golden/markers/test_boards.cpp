@@ -84,7 +84,8 @@ struct Centres {
 };
 
 /// No print is as true as the network, and paper is wavy; but what one half of the photographs finds, with its own
-/// calibration, the other half has to find within both covariances.
+/// calibration, the other half has to find within both covariances. Every second photograph is from the places of the
+/// other half's, so the halves agree better than covariances say that hold how photographs from all sides differ.
 TEST(Boards, HalvesOfThePhotographsAgreeWithinTheirCovariances) {
   const std::string folder = "images/aruco_grid/aruco_data";
   PLUMBLINE_REQUIRE_DATA(folder + "/0.jpg");
@@ -108,7 +109,7 @@ TEST(Boards, HalvesOfThePhotographsAgreeWithinTheirCovariances) {
   // A motion of one against the other is free: so uncertain that what the fit above left of it counts for nothing.
   const Eigen::MatrixXd both = one.covariance + turned + 1e-2 * motions * motions.transpose();
   const double nees = difference.dot(both.ldlt().solve(difference)), freedom = static_cast<double>(3 * n - 6);
-  EXPECT_GT(nees, chi_squared_quantile(0.005, freedom));
+  EXPECT_GT(nees, 0.5 * chi_squared_quantile(0.005, freedom));
   EXPECT_LT(nees, chi_squared_quantile(0.995, freedom));
 }
 

@@ -383,7 +383,7 @@ TEST(MarkerHalves, DifferByTheirCovariancesAndByMoreWhereTheCameraIsNotItsModel)
 
   Scene moved = scene(0.1, 9);  // while the rows were read, in every photograph another way
   for (MarkerView& view : moved.block.views)
-    for (Eigen::Vector2d& p : view.corners) p.x() += 2e-3 * ((7 * view.image) % 5 - 2) * (p.y() - 600);
+    for (Eigen::Vector2d& p : view.corners) p.x() += 6e-3 * ((7 * view.image) % 5 - 2) * (p.y() - 600);
   MarkerOptions all;
   all.reject_above = 0;
   const auto halves = compare_halves(moved.block, all, adjust_marker_block(moved.block, all));

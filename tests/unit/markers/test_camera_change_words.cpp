@@ -119,13 +119,17 @@ TEST(CameraChanges, EveryChangeHasItsWords) {
   EXPECT_EQ(split(Split::some, 0), "in 4 photographs" + list);
   change.second.push_back(8);
   EXPECT_EQ(split(Split::some, 0), "in 5 photographs (a4, a5, a6, a7 and 1 more)");
+  change.second = {1, 2, 3, 6};
+  EXPECT_EQ(split(Split::stretches, 0), "from a2 to a4 and in a7");
+  change.second = {3, 4, 5, 6, 8};
   change.split = Split::upside_down;
   EXPECT_EQ(
       said(What::turned, {1, 2}, {0.5, 0.25}, true),
       "in the 5 photographs that are held upside down against the others (a4, a5, a6, a7 and 1 more) the principal "
       "point lies elsewhere by 1.0 ± 0.5, 2.0 ± 0.2 px: pictures that a program turned by 180 degrees, or a "
       "board or tags that are not as the model has them");
-  for (const auto which : {Split::from_on, Split::drift, Split::every, Split::some, Split::upside_down}) {
+  for (const auto which :
+       {Split::from_on, Split::drift, Split::every, Split::some, Split::upside_down, Split::stretches}) {
     change.split = which;
     EXPECT_EQ(divides(change), which != Split::drift);
   }

@@ -284,6 +284,24 @@ TEST(CameraChange, IsNamedWithItsPhotographs) {
   EXPECT_THAT(words, HasSubstr("(IMG_1.JPG, IMG_2.JPG, IMG_7.JPG, IMG_11.JPG and 1 more)"));
 }
 
+/// A zoom for a while was a rolling shutter; one of two stretches was "from the second stretch on".
+TEST(CameraChange, ThereAndBackIsNamedWithItsStretches) {
+  const auto words_of = [](const std::vector<int>& zoomed, double by) {
+    const auto views = photographs(30, 7, [&](int k, const auto&) {
+      return Own{std::find(zoomed.begin(), zoomed.end(), k) != zoomed.end() ? 1 + by : 1.0};
+    });
+    const Calibration c = calibrate(views, 1600, 1200, {});
+    return c.truth.change ? in_words(*c.truth.change, c.truth.evidence) : "no change";
+  };
+  EXPECT_THAT(words_of({10, 11, 12, 13, 14, 15, 16}, 0.02),
+              testing::AllOf(HasSubstr("from IMG_10.JPG to IMG_16.JPG the principal distance is"),
+                             testing::ContainsRegex("(1.9|2.0). ± 0...? % longer"), HasSubstr("focus or zoom")));
+  EXPECT_THAT(words_of({3, 4, 5, 6, 7, 8, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29}, 0.02),
+              HasSubstr("from IMG_3.JPG to IMG_8.JPG and from IMG_20.JPG on the principal distance is"));
+  EXPECT_THAT(words_of({5, 6, 7, 8, 18, 19, 20, 21, 22}, -0.03),
+              HasSubstr("from IMG_5.JPG to IMG_8.JPG and from IMG_18.JPG to IMG_22.JPG the principal distance is"));
+}
+
 /// Of a board whose points carry no numbers a mirrored picture is one of a board, too.
 /// A board that was printed 0.6 % too wide was a rolling shutter, or pictures that a program stretched.
 TEST(BoardAspect, IsToldFromACameraThatChanges) {
