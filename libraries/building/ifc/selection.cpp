@@ -54,7 +54,7 @@ bool Selection::needs_properties() const {
                      [](const Term& term) { return term.key.find('.') != std::string::npos; });
 }
 
-bool Selection::matches(const Term& term, const ElementFacts& element) const {
+bool Selection::matches(const Term& term, const ElementFacts& element) {
   // Bounded, because std::regex recurses once a character.
   const auto fits = [&](const std::string& value) {
     return term.expression ? std::regex_search(value.substr(0, 1000), term.pattern) : value == term.value;

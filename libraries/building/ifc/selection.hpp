@@ -51,13 +51,16 @@ class Selection {
   bool needs_properties() const;
   const std::string& text() const { return text_; }
 
- private:
   struct Term {
     std::string key, value;
     bool expression = false;
     std::regex pattern;
   };
-  bool matches(const Term& term, const ElementFacts& element) const;
+  /// None of '*'.
+  const std::vector<Term>& terms() const { return terms_; }
+  static bool matches(const Term& term, const ElementFacts& element);
+
+ private:
   std::string text_;
   std::vector<Term> terms_;
 };

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 namespace plumbline::judgement {
 namespace {
@@ -99,6 +100,26 @@ std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::ve
   return others_alone;
 }
 
+namespace {
+
+/// Panels that ought to hang on as many anchors: of one size [cm, whichever way the axes lie], and alike in whether
+/// they share anchors with a panel below and above. In a stack the lowest has those at its top alone: its sills hold no
+/// panel.
+using Likeness = std::tuple<std::array<long, 3>, bool, bool>;
+
+Likeness likeness_of(const PanelCase& panel, const std::vector<int>& holds, const DeviationInputs& inputs) {
+  const Eigen::Vector3d size = 100 * (panel.high - panel.low);
+  std::array<long, 3> extent = {std::lround(size.x()), std::lround(size.y()), std::lround(size.z())};
+  std::sort(extent.begin(), extent.end());
+  const double middle = (panel.frame_from_panel * Eigen::Vector3d(0.5 * (panel.low + panel.high))).z();
+  bool below = false, above = false;
+  for (const std::size_t anchor : panel.anchors)
+    if (holds[anchor] > 1) (inputs.anchors[anchor].design.z() < middle ? below : above) = true;
+  return {extent, below, above};
+}
+
+}  // namespace
+
 void tell_of_nearness(const std::vector<std::size_t>& panels, double reach, DeviationInputs& inputs) {
   if (panels.empty()) return;
   const std::size_t all = inputs.panels.size();
@@ -107,16 +128,13 @@ void tell_of_nearness(const std::vector<std::size_t>& panels, double reach, Devi
            "which anchors hold a panel: the design says it of {} of {}; the others hang on those within {:.3g} m",
            all - panels.size(), all, reach),
        "panel_reach", 0, static_cast<int>(panels.size()), ""});
-  using Extent = std::array<long, 3>;  // [cm], whichever way the panel's axes lie
-  std::map<Extent, std::vector<const PanelCase*>> alike;
-  for (const std::size_t p : panels) {
-    const Eigen::Vector3d size = 100 * (inputs.panels[p].high - inputs.panels[p].low);
-    Extent extent = {std::lround(size.x()), std::lround(size.y()), std::lround(size.z())};
-    std::sort(extent.begin(), extent.end());
-    alike[extent].push_back(&inputs.panels[p]);
-  }
+  std::vector<int> holds(inputs.anchors.size());  // panels, by anchor
+  for (const PanelCase& panel : inputs.panels)
+    for (const std::size_t anchor : panel.anchors) ++holds[anchor];
+  std::map<Likeness, std::vector<const PanelCase*>> alike;
+  for (const std::size_t p : panels) alike[likeness_of(inputs.panels[p], holds, inputs)].push_back(&inputs.panels[p]);
   const auto name_of = [](const PanelCase& panel) { return panel.name.empty() ? panel.guid : panel.name; };
-  for (const auto& [extent, of] : alike) {
+  for (const auto& [likeness, of] : alike) {
     const auto [least, most] = std::minmax_element(
         of.begin(), of.end(), [](const auto* a, const auto* b) { return a->anchors.size() < b->anchors.size(); });
     if ((*least)->anchors.size() == (*most)->anchors.size()) continue;

@@ -21,7 +21,8 @@ std::vector<char> find_own_anchors(std::vector<PanelCase>& panels, const std::ve
 
 /// Which anchors hold a panel decides what it passes by. `panels` (indices of inputs.panels): those of which the design
 /// does not say it, and anchors within `reach` [m] were supposed. Adds a request that counts them, and a warning where
-/// panels of one size came to different numbers of anchors.
+/// panels of one size came to different numbers of anchors, though they share some with panels above and below alike:
+/// the lowest of a stack, whose sills hold no panel, and the highest have fewer.
 void tell_of_nearness(const std::vector<std::size_t>& panels, double reach, DeviationInputs& inputs);
 
 }  // namespace plumbline::judgement

@@ -22,6 +22,7 @@ const std::map<std::string, std::string>& column_names() {
                                                            {"note", "note"},
                                                            {"remark", "note"},
                                                            {"bemerkung", "note"},
+                                                           {"optional", "optional"},
                                                            {"vertical", "vertical"},
                                                            {"vertikal", "vertical"},
                                                            {"horizontal", "horizontal"},
@@ -89,8 +90,8 @@ class ClassTable {
       const auto& [name, unit, written] = table_.header[i];
       if (written.empty() && is_empty(i)) continue;  // spreadsheets end lines with delimiters
       const bool axis = is_axis(name);
-      if (!axis && name != "class" && name != "select" && name != "note")
-        wrong(table_.header_line, "unknown column '" + written + "', expected " + kColumns + ", note");
+      if (!axis && name != "class" && name != "select" && name != "note" && name != "optional")
+        wrong(table_.header_line, "unknown column '" + written + "', expected " + kColumns + ", note, optional");
       else if (axis && unit != "mm" && unit != "m")
         wrong(table_.header_line, "column '" + written + "' has " +
                                       (unit.empty() ? std::string("no unit") : "the unit '" + unit + "'") +
@@ -114,6 +115,15 @@ class ClassTable {
     return &row.cells[at->second];
   }
 
+  /// Whether a building may have nothing of this row.
+  bool is_optional(const text::CsvRow& row) {
+    const text::CsvCell* given = cell(row, "optional");
+    if (!given || given->text == "no" || given->text == "nein") return false;
+    if (given->text != "yes" && given->text != "ja" && given->text != "x")
+      wrong(row.line, "column 'optional' is '" + given->text + "', expected yes, no or nothing");
+    return true;
+  }
+
   void take_row(const text::CsvRow& row) {
     const text::CsvCell *named = cell(row, "class"), *select = cell(row, "select");
     const std::size_t before = wrong_.size();
@@ -125,6 +135,7 @@ class ClassTable {
     if (!select)
       wrong(row.line,
             "column 'select' is empty, expected which elements, such as class=IfcPlate & storey=Level 2, or *");
+    const bool optional = is_optional(row);
     std::string lengths;
     for (const Axis axis : kAxes) {
       const text::CsvCell* given = cell(row, name_of(axis));
@@ -144,6 +155,7 @@ class ClassTable {
     try {
       ToleranceRule rule = parse_rule(select->text + ": " + lengths);
       rule.text = shown_ + ":" + std::to_string(row.line) + ", class " + named->text + ": " + rule.text;
+      rule.of_table = true, rule.optional = optional;
       rules_.push_back(std::move(rule));
     } catch (const std::runtime_error& error) {
       wrong(row.line, error.what());

@@ -40,6 +40,8 @@ struct ToleranceRule {
   ifc::Selection selection;
   std::map<Axis, Tolerance> tolerances;  ///< value 0 and nothing below: this axis is not judged
   std::string text;
+  bool of_table = false;  ///< a row of the project's table, which is for all of its buildings
+  bool optional = false;  ///< such a row that says itself that a building may have nothing of it
 };
 
 /// Throws std::runtime_error that quotes the rule and says what is expected: an unknown axis, a length without unit (mm

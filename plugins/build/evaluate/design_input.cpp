@@ -184,7 +184,7 @@ class Builder {
 
   DeviationInputs take() {
     sides_.group(inputs_);
-    account_.add_requests(inputs_);
+    account_.add_requests(design_, inputs_);
     warn_of_storeys(inputs_);
     warn_of_compass();
     account_.warn_of_wider(inputs_);

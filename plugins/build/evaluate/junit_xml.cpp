@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <vector>
 
 #include "base/text/text.hpp"
@@ -11,6 +12,7 @@
 #include "building/ifc/limit_words.hpp"
 #include "building/ifc/shift_words.hpp"
 #include "building/ifc/surface_words.hpp"
+#include "building/judgement/facade_order.hpp"
 #include "building/judgement/worst_first.hpp"
 
 namespace plumbline::judgement {
@@ -117,6 +119,8 @@ std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building
   std::vector<const AnchorDeviationT*> anchors;
   for (const AnchorDeviationT* anchor : judgement::worst_first(deviation))
     if (anchor->design.allFinite()) anchors.push_back(anchor);
+  by_facade(deviation, anchors);
+  const std::map<std::string, std::string> codes = facade_codes(deviation);
   const Eigen::Matrix3d survey_from_building = building_from_survey.linear().inverse();
   std::string text;
   for (const AnchorDeviationT* anchor : anchors) {
@@ -133,7 +137,10 @@ std::string stake_out_csv(const DeviationT& deviation, const FrameLink& building
     for (int k = 0; k < 3; ++k) text += ";" + fixed(place[k], 4);
     if (!deviation.doubts.empty()) correction.setConstant(NAN);  // no order rests on a measurement that proves nothing
     for (int k = 0; k < 3; ++k) text += ";" + fixed(correction[k], 4);
-    text += std::string(";") + EnumNameToleranceVerdict(anchor->verdict) + "\n";
+    text += std::string(";") + EnumNameToleranceVerdict(anchor->verdict);
+    if (const auto code = codes.find(facade_name(anchor->facade)); !codes.empty())
+      text += ";" + (code == codes.end() ? std::string() : code->second);
+    text += "\n";
   }
   return text;
 }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "build/evaluate/unused_row.hpp"
+#include "building/judgement/figures.hpp"
+
 namespace plumbline::judgement {
 
 RuleAccount::RuleAccount(const ToleranceTable& tolerances, const Mounting& mounting, const HeldBelow& held_below)
@@ -47,12 +50,19 @@ void RuleAccount::note(const ToleranceFindings& findings, const std::string& gui
 std::string RuleAccount::why_idle(std::size_t rule) const {
   const auto later = widened_.find(rule);
   if (in_force_.contains(rule) || later == widened_.end()) return {};
+  // A rule of the run stands in the place of the project's row because somebody wants it so; that is told.
+  if (tolerances_.rules[rule].of_table && !tolerances_.rules[later->second].of_table) return {};
   return "it holds nowhere: '" + tolerances_.rules[later->second].text +
          "' stands after it and is wider; put the narrower rule last, or take it out";
 }
 
 /// A rule that decides nothing because a later one, at least as narrow, is about what it is about and more.
 void RuleAccount::warn_of_idle(std::size_t rule, DeviationInputs& inputs) const {
+  if (const auto wider = widened_.find(rule); wider != widened_.end() && !in_force_.contains(rule)) {
+    inputs.warnings.push_back("The row '" + tolerances_.rules[rule].text + "' holds nowhere in this run: its rule '" +
+                              tolerances_.rules[wider->second].text + "' stands in its place and is wider.");
+    return;
+  }
   const auto replaced = replaced_.find(rule);
   if (in_force_.contains(rule) || replaced == replaced_.end()) return;
   const std::set<std::string>& own = selected_.at(rule);
@@ -67,27 +77,48 @@ void RuleAccount::warn_of_idle(std::size_t rule, DeviationInputs& inputs) const 
   }
 }
 
-Request RuleAccount::request_of(std::size_t i) const {
+/// Empty: it is judged, or the row of a table is for what this building does not have.
+std::string RuleAccount::not_judged(std::size_t i, const Request& request, const DesignT& design) const {
   const ToleranceRule& rule = tolerances_.rules[i];
-  Request request{rule.text, "rule", rules_[i].first, rules_[i].second, ""};
-  if (request.anchors + request.panels == 0) request.not_judged = "it selects no anchor and no panel";
-  for (const auto& [axis, tolerance] : rule.tolerances) {
-    const bool judged =
-        (request.anchors > 0 && judged_of_anchors(axis)) || (request.panels > 0 && judged_of_panels(axis));
-    if (!judged && request.not_judged.empty())
-      request.not_judged = std::string(name_of(axis)) + " is not judged of " +
-                           (request.panels > 0 ? "panels" : "anchors") + ", and it selects nothing else";
+  if (request.anchors + request.panels == 0) {
+    const std::string why = rule.of_table ? why_unused(rule, design) : std::string();
+    if (rule.of_table && why.empty()) return why;
+    return "it selects no anchor and no panel" + (why.empty() ? "" : ": " + why);
   }
-  if (request.not_judged.empty()) request.not_judged = why_idle(i);
+  for (const auto& [axis, tolerance] : rule.tolerances) {
+    if ((request.anchors > 0 && judged_of_anchors(axis)) || (request.panels > 0 && judged_of_panels(axis))) continue;
+    // A building without panels has no joints that the project's table could be about.
+    if (rule.of_table && judged_of_panels(axis) && held_by_.empty()) continue;
+    return std::string(name_of(axis)) + " is not judged of " + (request.panels > 0 ? "panels" : "anchors") +
+           ", and it selects nothing else";
+  }
+  return why_idle(i);
+}
+
+Request RuleAccount::request_of(std::size_t i, const DesignT& design) const {
+  Request request{tolerances_.rules[i].text, "rule", rules_[i].first, rules_[i].second, ""};
+  request.not_judged = not_judged(i, request, design);
   return request;
 }
 
-void RuleAccount::add_requests(DeviationInputs& inputs) const {
+void RuleAccount::warn_of_unused(const std::vector<std::size_t>& rows, DeviationInputs& inputs) const {
+  constexpr std::size_t kNamed = 8;
+  std::vector<std::string> names;
+  for (const std::size_t row : rows) names.push_back("'" + tolerances_.rules[row].text + "'");
+  if (!names.empty())
+    inputs.warnings.push_back(
+        "The project's table has rows that nothing in this building is of: " + list_of(names, kNamed) + ".");
+}
+
+void RuleAccount::add_requests(const DesignT& design, DeviationInputs& inputs) const {
+  std::vector<std::size_t> unused;
   for (std::size_t i = 0; i < tolerances_.rules.size(); ++i) {
-    Request request = request_of(i);
+    Request request = request_of(i, design);
     if (request.not_judged.empty()) warn_of_idle(i, inputs);
+    if (request.not_judged.empty() && request.anchors + request.panels == 0) unused.push_back(i);
     inputs.requests.push_back(std::move(request));
   }
+  warn_of_unused(unused, inputs);
   const std::vector<std::string> mounting = ifc::texts_of(mounting_.rules), held = ifc::texts_of(held_below_.rules);
   for (std::size_t i = 0; i < mounting.size(); ++i)
     inputs.requests.push_back(

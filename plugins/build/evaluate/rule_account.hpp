@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "artifacts/design.hpp"
 #include "building/ifc/rule_use.hpp"
 #include "building/judgement/deviation.hpp"
 #include "building/judgement/mounting.hpp"
@@ -29,8 +30,9 @@ class RuleAccount {
 
   /// Every rule with what it is about; one that selects nothing, or asks for an axis that what it selects does not
   /// have, is not judged; nor is one that a later, wider one replaces wherever it would hold. One that decides nothing
-  /// because a later one decides is a warning.
-  void add_requests(DeviationInputs& inputs) const;
+  /// because a later one decides is a warning. So are rows of the project's table that this building has nothing of
+  /// (unused_row.hpp), or that a rule of the run replaces.
+  void add_requests(const DesignT& design, DeviationInputs& inputs) const;
 
   /// Properties of the design that are wider than what holds without them are warnings.
   void warn_of_wider(DeviationInputs& inputs) const;
@@ -39,7 +41,9 @@ class RuleAccount {
   void note(const ToleranceFindings& findings, const std::string& guid);
   std::string why_idle(std::size_t rule) const;
   void warn_of_idle(std::size_t rule, DeviationInputs& inputs) const;
-  Request request_of(std::size_t rule) const;
+  Request request_of(std::size_t rule, const DesignT& design) const;
+  std::string not_judged(std::size_t rule, const Request& request, const DesignT& design) const;
+  void warn_of_unused(const std::vector<std::size_t>& rows, DeviationInputs& inputs) const;
 
   const ToleranceTable& tolerances_;
   const Mounting& mounting_;

@@ -59,7 +59,10 @@ void write_requests(Markup& html, const DeviationT& deviation) {
     html.element("td", std::to_string(request->anchors));
     html.element("td", std::to_string(request->panels));
     html.element("td", {{"class", "words"}},
-                 request->not_judged.empty() ? "yes" : "NOT JUDGED: " + request->not_judged);
+                 !request->not_judged.empty() ? "NOT JUDGED: " + request->not_judged
+                 : request->by == "rule" && request->anchors + request->panels == 0
+                     ? "nothing in this building is of it"
+                     : "yes");
   }
 }
 

@@ -140,7 +140,8 @@ void expect_agreement(const Campaign& c, const std::string& epoch, std::array<in
       const std::size_t line = stake_out.find("\n" + a.id + ";");
       ASSERT_NE(line, std::string::npos) << a.id;
       const std::size_t line_end = stake_out.find('\n', line + 1);
-      EXPECT_TRUE(stake_out.substr(line, line_end - line).ends_with(";" + word(a.verdict))) << a.id;
+      const std::string told = stake_out.substr(line, line_end - line) + (d.facades.size() > 1 ? "" : ";");
+      EXPECT_NE(told.find(";" + word(a.verdict) + ";"), std::string::npos) << told;
       if (a.deviation.allFinite()) {
         EXPECT_LT((corrections_in(stake_out.substr(line + 1, line_end - line)) + a.deviation).norm(), 0.1 * mm) << a.id;
       }

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "building/ifc/facade_artifact.hpp"
+#include "building/judgement/tolerance_classes.hpp"
 #include "small_building.hpp"
 
 namespace plumbline::judgement {
@@ -114,6 +115,74 @@ TEST(DesignInput, PanelsThatTakeAnchorsByNearnessAreTold) {
   fifth.is_anchor = true;
   EXPECT_NE(said(site.judge()).find("different numbers of anchors, PS-1 on 4 and PS-0 on 5:"), std::string::npos)
       << said(site.judge());
+}
+
+/// In a stack the brackets at the joints are of the panels below and above, and the lowest panel stands on sills: it
+/// has fewer, and every such building was told to look whether that is so.
+TEST(DesignInput, TheLowestPanelOfAStackHasFewerAnchorsThanOthers) {
+  Site site({0, -1, 0});
+  std::erase_if(site.design.elements, [](const auto& element) { return element->is_panel; });
+  for (int column = 0; column < 3; ++column)
+    site.add("S-3" + std::to_string(column), "IfcMechanicalFastener", {2.0 * column, 0, 9}).is_anchor = true;
+  for (int floor = 0; floor < 3; ++floor) {
+    DesignElementT& panel = site.add("P" + std::to_string(floor), "IfcPlate", {0, -0.1, 3.0 * floor});
+    panel.is_panel = true, panel.box_low = {0.01, -0.02, 0}, panel.box_high = {1.99, 0.02, 3};
+  }
+  std::string said;
+  for (const std::string& warning : site.judge().warnings) said += warning + "\n";
+  EXPECT_EQ(said.find("different numbers of anchors"), std::string::npos) << said;
+  DesignElementT& fifth = site.add("S-K1", "IfcMechanicalFastener", {0.6, 0, 4.5});
+  fifth.is_anchor = true;
+  DesignElementT& fourth = site.add("P3", "IfcPlate", {2, -0.1, 3});
+  fourth.is_panel = true, fourth.box_low = {0.01, -0.02, 0}, fourth.box_high = {1.99, 0.02, 3};
+  site.add("P4", "IfcPlate", {2, -0.1, 6});
+  DesignElementT& last = *site.design.elements.back();
+  last.is_panel = true, last.box_low = {0.01, -0.02, 0}, last.box_high = {1.99, 0.02, 3};
+  said.clear();
+  for (const std::string& warning : site.judge().warnings) said += warning + "\n";
+  EXPECT_NE(said.find("different numbers of anchors"), std::string::npos) << "one of a middle row took a fifth\n"
+                                                                          << said;
+}
+
+/// A project's table is for all of its buildings: what this one has nothing of is told, a slip of the pen is not
+/// judged.
+TEST(DesignInput, RowsForOtherBuildingsAreToldAndSlipsAreNotJudged) {
+  const Site site({0, -1, 0});
+  for (const auto& element : site.design.elements) element->storey = "Level 1";
+  std::vector<std::string> warnings;
+  const auto judged = [&](const std::string& rows, const std::vector<std::string>& rules = {}) {
+    judgement::ToleranceTable table;
+    table.rules = parse_tolerance_classes("class,select,optional,vertical_mm,joint_mm\n" + rows, "t.csv");
+    for (const std::string& rule : rules) table.rules.push_back(judgement::parse_rule(rule));
+    const DeviationT result = site.judge(table);
+    warnings = result.warnings;
+    std::string why;
+    for (const auto& request : result.requests) why += request->not_judged;
+    return why;
+  };
+  for (const char* row : {"A,class=IfcDoor,,3,\n", "A,storey=Level 12,,3,\n", "A,class=IfcPlate & name=S-10,,3,\n",
+                          "A,name~^T-,yes,3,\n", "A,storey=Ground,ja,3,\n"}) {
+    EXPECT_EQ(judged(row), "") << row;
+    EXPECT_NE(testing::PrintToString(warnings).find("rows that nothing in this building is of: 't.csv:2, class A: "),
+              std::string::npos)
+        << testing::PrintToString(warnings);
+  }
+  EXPECT_EQ(
+      judged("A,class=IfcMechanicalFastenr,,3,\n"),
+      "it selects no anchor and no panel: no anchor and no panel has the class 'IfcMechanicalFastenr', the nearest "
+      "here is 'IfcMechanicalFastener'; a row for other buildings says 'yes' in the column 'optional'");
+  for (const auto& [row, part] : std::vector<std::pair<std::string, std::string>>{
+           {"A,class=IfcFastener,,3,\n", "nearest here is 'IfcMechanicalFastener'"},
+           {"A,storey=Levle 1,,3,\n", "the nearest here is 'Level 1'"},
+           {"A,storey=Ground,,3,\n", "has the storey 'Ground'; a row"},
+           {"A,name~^T-,,3,\n", "has a name in which '^T-' finds anything"},
+           {"A,class=IfcMechanicalFastener,,,3\n", "joint is not judged of anchors"}})
+    EXPECT_NE(judged(row).find(part), std::string::npos) << row << judged(row);
+  EXPECT_NE(judged("A,*,,3,\n", {"class=IfcDoor: vertical=3mm"}), "") << "a rule of the run is for this building";
+  EXPECT_EQ(judged("A,*,,2,\n", {"*: vertical=8mm"}), "") << "whoever runs it wants it wider";
+  EXPECT_NE(testing::PrintToString(warnings).find("holds nowhere in this run: its rule '*: vertical=8mm'"),
+            std::string::npos)
+      << testing::PrintToString(warnings);
 }
 
 /// The facade looks to the south: out is along y, whether the table gives an azimuth or not.

@@ -12,6 +12,7 @@
 
 #include "../bim/facing.hpp"
 #include "building/judgement/deviation.hpp"
+#include "building/judgement/facade_order.hpp"
 #include "record.hpp"
 #include "small_building.hpp"
 #include "test_support.hpp"
@@ -144,6 +145,45 @@ TEST(StakeOut, BeginsWithTheAnchorThatThePageBeginsWith) {
   fail_by(0, 0.0065), fail_by(4, -0.0081);
   const std::string table = stake_out_csv(deviation);
   EXPECT_EQ(table.substr(0, table.find(';')), "F3C1");
+}
+
+/// Worst first over all facades sent the crew round the building for one anchor after another.
+TEST(StakeOut, OfSeveralFacadesGoesByFacade) {
+  DeviationT deviation = built();
+  for (const char* name : {"North (0°)", "South"}) {
+    deviation.facades.push_back(std::make_unique<FacadeT>());
+    deviation.facades.back()->name = name, deviation.facades.back()->out.setZero();
+    deviation.facades.back()->centre.setZero();
+  }
+  for (std::size_t i = 0; i < deviation.anchors.size(); ++i) {
+    auto& facade = deviation.anchors[i]->facade;
+    facade = std::make_unique<FacadeFrameT>();
+    facade->facade = i < 3 ? "North (0°)" : "South";
+  }
+  deviation.anchors[4]->verdict = ToleranceVerdict::fail;
+  const std::string table = stake_out_csv(deviation);
+  std::string order;
+  for (std::size_t at = table.find('\n'); at != std::string::npos; at = table.find('\n', at + 1))
+    order += table.substr(0, at).ends_with(";NORTH_0") ? 'N' : table.substr(0, at).ends_with(";SOUTH") ? 'S' : '?';
+  EXPECT_EQ(order, "NNN" + std::string(deviation.anchors.size() - 3, 'S')) << table;
+  const std::size_t first = table.find(";SOUTH");
+  EXPECT_NE(table.substr(0, first).find("F3C1;2.0000;0.0000;9.0000;0.0000;0.0000;-0.0040;fail"), std::string::npos)
+      << table;
+}
+
+/// What every instrument and CAD program takes, and no two alike.
+TEST(StakeOut, CodesOfFacadesAreShortAndTheirOwn) {
+  DeviationT deviation;
+  for (const char* name : {"A (180°)", "A 180", "Süd"}) {
+    deviation.facades.push_back(std::make_unique<FacadeT>());
+    deviation.facades.back()->name = name;
+  }
+  const auto codes = facade_codes(deviation);
+  EXPECT_EQ(codes.at("A (180°)"), "A_180");
+  EXPECT_EQ(codes.at("A 180"), "A_180_2");
+  EXPECT_EQ(codes.at("Süd"), "S_D");
+  deviation.facades.resize(1);
+  EXPECT_TRUE(facade_codes(deviation).empty()) << "nothing needs it";
 }
 
 /// All files of one building with everything in it: what is in them is recomputed in parts, and held here as a whole.

@@ -69,6 +69,7 @@ TEST(ToleranceClasses, WhatIsWrongIsToldAllAtOnceWithLineAndColumn) {
     EXPECT_NE(told.find(part), std::string::npos) << part << "\n" << told;
   for (const auto& [csv, part] : std::vector<std::pair<std::string, std::string>>{
            {"class,select,flatness_mm\nA,*,3\n", "t.csv:1: unknown column 'flatness_mm'"},
+           {"class,select,optional,vertical_mm\nA,*,perhaps,3\n", "t.csv:2: column 'optional' is 'perhaps'"},
            {"class,select,vertical\nA,*,3\n", "t.csv:1: column 'vertical' has no unit"},
            {"class,select,vertical_in\nA,*,3\n", "mm or m"},
            {"class,vertical_mm\nA,3\n", "found no column 'select'"},
