@@ -106,6 +106,7 @@ RenderOptions render_options(const Campaign& c, std::size_t index) {
   options.exposure = 1 + 0.05 * (2 * random.uniform() - 1);
   options.seed = derive_seed(c.seed, "image", index);
   options.perturbations = c.options.perturbations;
+  options.panels = c.panels, options.panel_contrast = c.options.panels;
   return options;
 }
 
@@ -154,6 +155,11 @@ Campaign make_campaign(const CampaignOptions& options, std::uint64_t seed) {
       anchor.built = now->second;
     }
   c.obstruction = make_obstruction(c.building, options.obstruction, seed);
+  if (options.panels > 0) {
+    if (places.size() > 1)
+      throw std::invalid_argument("panels hang before a flat facade only; the shape is " + options.shape);
+    c.panels = hang_panels(c.building, options.panel_sigma, seed);
+  }
   if (options.readings) c.observations = observe(c.building, c.plan, options.survey, c.seed);
   return c;
 }
@@ -262,6 +268,7 @@ void write_truth(const Campaign& c, const std::filesystem::path& folder) {
     for (const double v : s.axis) set_ups += "," + number(v);
     set_ups += "," + number(s.instrument_height) + "," + number(s.orientation) + "\n";
   }
+  if (!c.panels.empty()) write_file(folder / "panels.csv", panels_truth(c.panels));
   std::string ground = "id,x_m,y_m,z_m\n";
   for (const GroundPoint& p : c.plan.ground_points) {
     ground += p.id;

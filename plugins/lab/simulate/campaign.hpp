@@ -25,6 +25,8 @@ struct CampaignOptions {
   double light_gradient = 0.2;  ///< relative change of the light across the facade
   double haze = 0;              ///< share of the light that dust or mist scatters in; contrast falls by it
   ObstructionOptions obstruction;
+  double panels = 0;           ///< contrast of the texture of the design's panels; 0: none hangs
+  double panel_sigma = 0.002;  ///< how far they hang from their place, each [m]
   bool design_in_millimetres = false;
   bool readings = true;              ///< take those of the total station; without them `observations` stays empty
   Perturbations perturbations = {};  ///< those of plates are in building.flaws, too
@@ -40,6 +42,7 @@ struct Campaign {
   SimulatedCamera camera;
   std::vector<CameraStation> stations;
   Obstruction obstruction;
+  std::vector<HungPanel> panels;
   StationPlan plan;
   survey::SurveyObservations observations;
 };
@@ -68,7 +71,8 @@ void write_images(const Campaign& campaign, const std::filesystem::path& folder,
 /// Bytes that one image takes while it is rendered and encoded, generously.
 std::uint64_t image_memory(const CameraProfile& profile);
 
-/// truth/: anchors.csv, cameras.csv, camera.yaml, tags.csv, set_ups.csv, corners.csv. The folder must exist.
+/// truth/: anchors.csv, cameras.csv, camera.yaml, tags.csv, set_ups.csv, corners.csv, and panels.csv where panels
+/// hang. The folder must exist.
 void write_truth(const Campaign& campaign, const std::filesystem::path& folder);
 
 }  // namespace plumbline::simulate

@@ -7,6 +7,7 @@
 
 #include "building/ifc/ifc_guid.hpp"
 #include "building/step/step_writer.hpp"
+#include "panels.hpp"
 
 namespace plumbline::simulate {
 namespace {
@@ -214,10 +215,10 @@ class DesignWriter {
 
   /// `column`: that of its facade, which follows the `first` columns of others.
   Id write_panel(int floor, int first, int column, Id wall_placement, Id slab, const std::vector<Id>& anchors) {
-    const std::string name = fmt::format("F{:02}-P{:02}", floor, first + column);
-    const double pitch = building_.options.spacing, joint = 0.01;
-    const Id at = placement(wall_placement, {pitch * column, -0.20, 0.5 * joint});
-    const Id form = box(0, 0, pitch - joint, 0.05, building_.storey_height - joint);
+    const std::string name = panel_name(floor, first + column);
+    const double pitch = building_.options.spacing, joint = PanelGrid::joint;
+    const Id at = placement(wall_placement, {pitch * column, PanelGrid::middle, 0.5 * joint});
+    const Id form = box(0, 0, pitch - joint, PanelGrid::thickness, building_.storey_height - joint);
     const Id panel = add("IFCPLATE", {guid(name), reference(owner_), text(name), null, text("Facade panel"),
                                       reference(at), reference(form), text(name), enumeration("CURTAIN_PANEL")});
     add("IFCRELCONNECTSWITHREALIZINGELEMENTS",

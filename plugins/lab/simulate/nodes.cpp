@@ -42,6 +42,12 @@ struct SimulateCampaign : simulate::SimulatedSite {
   Param<double> blur{"blur", -1.0, "px", between(-1, 10), "point spread function, 1 sigma; negative: the profile's"};
   Param<double> light_gradient{"light_gradient", 0.2, "1", between(0, 0.9), "change of the light across the facade"};
   Param<double> haze{"haze", 0.0, "1", between(0, 0.95), "share of the light that dust or mist scatters in"};
+  Param<double> panels{
+      "panels", 0.0, "1", between(0, 1),
+      "contrast of the texture of the design's panels, which then hang at their places, the plates seen "
+      "through them; 0: none hangs. truth/panels.csv has how they hang"};
+  Param<double> panel_sigma{"panel_sigma", 0.002, "m", between(0, 0.02),
+                            "how far panels hang from the design's face; their tilts and bows are half as large"};
   Param<std::string> ifc_unit{"ifc_unit", "millimetre", one_of("millimetre", "metre"), "length unit of the design IFC"};
   Param<std::string> photographs{"photographs", "rendered", one_of("rendered", "observed"),
                                  "observed: observations.csv with the corners and noise of pixel_sigma, in no time"};
@@ -63,6 +69,7 @@ struct SimulateCampaign : simulate::SimulatedSite {
     o.blur = *blur;
     o.light_gradient = *light_gradient;
     o.haze = *haze;
+    o.panels = *panels, o.panel_sigma = *panel_sigma;
     o.design_in_millimetres = *ifc_unit == "millimetre";
     if (*site_seed >= 0) o.visit = context.seed();
     if (now)
@@ -77,6 +84,8 @@ struct SimulateCampaign : simulate::SimulatedSite {
     if (*shape != "flat" && !observed)
       throw std::runtime_error("photographs are rendered of a flat facade only: shape=" + *shape +
                                " needs photographs=observed");
+    if (observed && *panels > 0)
+      throw std::runtime_error("panels are in rendered photographs only: take photographs=rendered, or leave them out");
     if (observed) refuse_what_is_rendered_only();
     const auto campaign_folder = folder.make_folder(), truth_folder = truth.make_folder();
     simulate::write_campaign_files(campaign, campaign_folder.path, observed);

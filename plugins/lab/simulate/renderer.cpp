@@ -142,6 +142,9 @@ struct Renderer::Scene {
   std::vector<float> x, z, light;  ///< at every 16th pixel
   std::vector<PlateRaster> plates;
   std::vector<Strip> uprights, ledgers;  ///< tubes as this camera sees them on the wall
+  std::vector<HungPanel> panels;
+  double panel_contrast = 1;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of the camera
   float haze = 0;
   Perturbations perturbations;
   bool real = false;             ///< exposure by RealExposure
@@ -161,6 +164,12 @@ struct Renderer::Scene {
       const float slope = (right - left) / RayGrid::step;
       for (std::size_t i = 0; i < RayGrid::step; ++i) out[c * RayGrid::step + i] = left + static_cast<float>(i) * slope;
     }
+  }
+
+  void hang(const std::vector<float>& row_x, const std::vector<float>& row_z, std::vector<float>& reflectance) const {
+    if (!panels.empty())
+      paint_panels(panels, centre, kWallDepth, static_cast<double>(wall.pixel), panel_contrast, row_x, row_z,
+                   reflectance);
   }
 
   void composite(int row, std::vector<float>& reflectance) const {
@@ -194,6 +203,7 @@ struct Renderer::Scene {
     shade_wall(row_x.data(), row_z.data(), out.size(), wall, out.data());
     if (perturbations.clutter > 0)
       draw_clutter(row_x.data(), row_z.data(), out.size(), static_cast<float>(perturbations.clutter), wall, out.data());
+    hang(row_x, row_z, out);
     composite(row, out);
     cover(row_x, row_z, out);
     for (std::size_t i = 0; i < out.size(); ++i) out[i] *= illumination[i];
@@ -370,6 +380,7 @@ Renderer::Renderer(const Building& building, const SimulatedCamera& camera, cons
                                          (1 + 0.05 * stain(x, z, options.seed))));
   }
 
+  s.panels = options.panels, s.panel_contrast = options.panel_contrast, s.centre = centre;
   s.haze = static_cast<float>(options.haze);
   if (centre.y() < obstruction.plane) {  // else the tubes stand behind the camera
     const double enlargement = distance / (obstruction.plane - centre.y());
@@ -409,6 +420,7 @@ void Renderer::render(int band, Band& out) const {
     } else {
       s.interpolate(s.light, row, light);
       shade_wall(x.data(), z.data(), line, s.wall, reflectance.data());
+      s.hang(x, z, reflectance);
       s.composite(row, reflectance);
       s.cover(x, z, reflectance);
       expose(reflectance.data(), light.data(), line, s.noise_seed + static_cast<std::uint32_t>(row) * 0x85ebca77u,

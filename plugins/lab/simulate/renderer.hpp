@@ -14,6 +14,7 @@
 #include "building.hpp"
 #include "camera.hpp"
 #include "obstruction.hpp"
+#include "panels.hpp"
 #include "perturbations.hpp"
 
 namespace plumbline::simulate {
@@ -24,7 +25,9 @@ struct RenderOptions {
   double light_gradient = 0.2;  ///< relative change of the light across the facade
   double haze = 0;              ///< share of scattered light in the image, 0 to 1: contrast falls by it
   double exposure = 1.0;
-  Perturbations perturbations = {};  ///< those of the camera, the print and the scene
+  Perturbations perturbations = {};    ///< those of the camera, the print and the scene
+  std::vector<HungPanel> panels = {};  ///< painted over the wall, behind the plates; none: the wall is seen
+  double panel_contrast = 1;           ///< of their texture
   std::uint64_t seed = 1;
 };
 

@@ -1,7 +1,11 @@
 // site_surfaces.yaml and photo_surfaces.yaml as a whole, on the folder of a small simulated site with rendered
 // photographs.
 
+#include <cmath>
+#include <cstdio>
+#include <map>
 #include <memory>
+#include <sstream>
 #include <vector>
 
 #include "program.hpp"
@@ -54,6 +58,65 @@ TEST_F(PhotoSurfaces, WhatASiteAsksForAndNobodyCanMeasureWithholdsReadyToInstall
   EXPECT_TRUE(has(file("site/as_built.ifc"), "ASB_PanelSurface"));
   EXPECT_TRUE(has(file("site/surface_verdicts.csv"), "NOT JUDGED"));
   EXPECT_FALSE(has(file("site/surface_verdicts.csv"), "PASS")) << "nothing smooth is invented on a plain wall";
+}
+
+/// Rows of a table by their first cell, cells by the header's names.
+std::map<std::string, std::map<std::string, std::string>> table_of(const std::string& text) {
+  std::map<std::string, std::map<std::string, std::string>> rows;
+  std::istringstream lines(text);
+  std::vector<std::string> header;
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string> cells;
+    std::istringstream stream(line);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    if (header.empty()) {
+      header = cells;
+      continue;
+    }
+    for (size_t c = 1; c < std::min(cells.size(), header.size()); ++c) rows[cells[0]][header[c]] = cells[c];
+  }
+  return rows;
+}
+
+/// From the folder of a site to its as-built model: tags, survey, orientations with their joint covariance, depth,
+/// panels, joints, verdicts. Each planted quantity lies within what is stated of it.
+TEST_F(PhotoSurfaces, PanelsThatHangAreMeasuredFromTheCampaignToTheModel) {
+  made->write(
+      "hung.yaml",
+      "plumbline: 1\nvars: {seed: 3}\nnodes:\n  site: {use: simulate.campaign, with: {floors: 1, columns: 3, camera: "
+      "quick_6mp, images_per_floor: 6, panels: 1, panel_sigma: 0.003}}\noutputs: {site: site.folder, truth: "
+      "site.truth}\n");
+  const Answer hung = (*made)({"run", "hung.yaml", "--out", "hung"});
+  ASSERT_EQ(hung.code, 0) << hung.err;
+  const Answer answer = (*made)({"run", std::string(source_dir()) + "/pipelines/site_surfaces.yaml", "folder=hung/site",
+                                 "--out", "surfaces", "rule=*: offset=15mm, step=15mm, narrowest=6mm, widest=14mm"});
+  EXPECT_LE(answer.code, 3) << answer.err;
+  const auto planted = table_of(file("hung/truth/panels.csv")), found = table_of(file("surfaces/panels.csv"));
+  ASSERT_EQ(planted.size(), 2U);
+  const std::pair<const char*, const char*> quantities[] = {{"offset_mm", "offset_sigma_mm"},
+                                                            {"tilt_right_mm_per_m", "tilt_right_sigma"},
+                                                            {"tilt_up_mm_per_m", "tilt_up_sigma"},
+                                                            {"bow_across_mm", "bow_across_sigma"},
+                                                            {"bow_up_mm", "bow_up_sigma"}};
+  double squares = 0;
+  for (const auto& [name, truth] : planted) {
+    ASSERT_TRUE(found.contains(name)) << answer.err;
+    const auto& panel = found.at(name);
+    ASSERT_EQ(panel.at("not_measured"), "") << name;
+    for (const auto& [quantity, sigma] : quantities) {
+      const double error = std::stod(panel.at(quantity)) - std::stod(truth.at(quantity));
+      std::printf("%s %s: %s, error %.3f, stated %s\n", name.c_str(), quantity, truth.at(quantity).c_str(), error,
+                  panel.at(sigma).c_str());
+      EXPECT_LT(std::abs(error), 4 * std::stod(panel.at(sigma)) + 0.02) << name << " " << quantity;
+      squares += std::pow(error / std::stod(panel.at(sigma)), 2) / 10;
+    }
+    EXPECT_LT(std::stod(panel.at("offset_sigma_mm")), 1);
+  }
+  EXPECT_LT(squares, 4) << "of ten quantities";
+  EXPECT_TRUE(has(file("surfaces/as_built.ifc"), "ASB_PanelSurface"));
+  EXPECT_TRUE(has(file("surfaces/as_built.ifc"), "ASB_Joint"));
+  const std::string joints = file("surfaces/joints.csv");
+  EXPECT_TRUE(has(joints, "F01-P01,F01-P02,up,,10.00,")) << joints;
 }
 
 TEST_F(PhotoSurfaces, ASurfaceThatNobodyCanMeasureIsNotUsed) {
