@@ -77,6 +77,7 @@ AsBuiltIfc AsBuiltWriter::write() {
   }
   write_surfaces();
   write_products();
+  write_document();
   result_.additions = appender_.take_lines();
   result_.instances_added = appender_.count();
   return std::move(result_);
@@ -159,6 +160,26 @@ void AsBuiltWriter::write_products() {
         options_.solids && element != elements.end() && element->second->has_box && panel->shift.allFinite())
       products_.add_panel(*panel, *element->second);
   products_.finish();
+}
+
+/// Who finds a value or a solid in the model finds where it comes from.
+void AsBuiltWriter::write_document() {
+  if (options_.document.empty()) return;
+  std::set<InstanceId> objects = {model_.all("IFCPROJECT").at(0).id()};
+  for (const auto& anchor : deviation_.anchors)
+    if (anchor->instance != 0 && anchor->deviation.allFinite()) objects.insert(anchor->instance);
+  for (const auto& panel : deviation_.panels)
+    if (panel->instance != 0) objects.insert(panel->instance);
+  objects.insert(products_.products().begin(), products_.products().end());
+  std::vector<std::string> related;
+  for (const InstanceId object : objects) related.push_back(step::reference(object));
+  const std::string name = "As-built survey" + (options_.epoch.empty() ? "" : " " + options_.epoch);
+  std::vector<std::string> reference = {step::text(options_.document), step::text("as-built/" + options_.epoch),
+                                        step::text(name)};
+  if (model_.schema() != Schema::ifc2x3)
+    reference.insert(reference.end(), {step::text("Report of the measurement and the judgement"), step::null});
+  appender_.add_root("IFCRELASSOCIATESDOCUMENT", key("document"), name, "Where what was added comes from",
+                     {step::list(related), step::reference(appender_.add("IFCDOCUMENTREFERENCE", reference))});
 }
 
 const char* label_of(ToleranceVerdict verdict) {

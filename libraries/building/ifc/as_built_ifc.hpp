@@ -35,6 +35,7 @@ struct AsBuiltIfcOptions {
   std::int64_t image_count = -1;           ///< images that took part; below 0: not known
   std::int64_t reading_count = -1;         ///< readings of the survey that took part; below 0: not known
   std::int64_t readings_left_out = 0;      ///< and those that were read beside them
+  std::string document = "report.html";    ///< what the document reference leads to, beside the file; empty: none
   const SurfacesT* surfaces = nullptr;     ///< panels and joints as they were measured; null: they were not
   const SurfaceJudgementT* surface_judgement = nullptr;  ///< their verdicts; null: they were not judged
 };
@@ -49,9 +50,10 @@ const char* label_of(ToleranceVerdict verdict);  ///< "PASS", "FAIL", "UNDECIDED
 
 /// Writes ASB_AnchorDeviation, ASB_ModelVsSurvey and ASB_Uncertainty on anchors, ASB_Provenance on all of them
 /// together, ASB_FloorStatistics on storeys, ASB_InterFloor on a group of two storeys, ASB_PanelFit on panels,
-/// ASB_PanelSurface and ASB_Joint on panels whose surfaces were measured. Lengths are in the project's unit. The same
-/// input gives the same bytes. Throws std::runtime_error if `deviation` names instances that the file does not have, or
-/// the file holds this epoch already. See enriched() for the whole file.
+/// ASB_PanelSurface and ASB_Joint on panels whose surfaces were measured. An IfcDocumentReference ties the project, all
+/// elements that were measured and all products that were added to the report. Lengths are in the project's unit. The
+/// same input gives the same bytes. Throws std::runtime_error if `deviation` names instances that the file does not
+/// have, or the file holds this epoch already. See enriched() for the whole file.
 AsBuiltIfc write_as_built(const step::File& file, const Design& design, const DeviationT& deviation,
                           const AccuracyT& accuracy, const AsBuiltIfcOptions& options);
 

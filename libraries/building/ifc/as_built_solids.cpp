@@ -98,7 +98,7 @@ void ProductWriter::add_survey_point(const AnchorDeviationT& anchor, const std::
   const InstanceId point = appender_.add_root("IFCANNOTATION", key, name, "Measured position of the anchor", rest);
   appender_.add_root("IFCRELASSIGNSTOPRODUCT", key, "", "",
                      {list({reference(point)}), null, reference(anchor.instance)});
-  contained_[container.key].push_back(point);
+  contained_[container.key].push_back(point), products_.push_back(point);
 }
 
 /// Colours of Okabe and Ito (2008), which colour-blind people tell apart.
@@ -142,7 +142,7 @@ void ProductWriter::add_proxy(const std::string& key, const std::string& name, c
       {text(object_type), reference(placement), reference(shape("Body", "SweptSolid", solid)), null, null});
   appender_.add_root("IFCRELASSIGNSTOPRODUCT", key + "/solid", "", "",
                      {list({reference(proxy)}), null, reference(element)});
-  contained_[container.key].push_back(proxy);
+  contained_[container.key].push_back(proxy), products_.push_back(proxy);
 }
 
 void ProductWriter::add_marker(const AnchorDeviationT& anchor, const std::string& name) {

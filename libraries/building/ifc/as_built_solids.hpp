@@ -42,6 +42,8 @@ class ProductWriter {
   /// The panel's box where its anchors hold it, a millimetre larger all around.
   void add_panel(const PanelDeviationT& panel, const Element& element);
   void finish();
+  /// All that were added.
+  const std::vector<InstanceId>& products() const { return products_; }
 
  private:
   const Container& container_of(const std::string& storey_guid) const;
@@ -58,6 +60,7 @@ class ProductWriter {
   InstanceId context_ = 0, origin_ = 0;
   std::map<std::string, Container> containers_;  // by GlobalId of the storey; "" for the rest
   std::map<std::string, std::vector<InstanceId>> contained_;
+  std::vector<InstanceId> products_;
   std::vector<std::string> layered_;  // representations, as references
   std::map<std::pair<ToleranceVerdict, bool>, InstanceId> styles_;
   std::map<ToleranceVerdict, InstanceId> profiles_;

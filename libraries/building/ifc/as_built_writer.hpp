@@ -50,6 +50,7 @@ class AsBuiltWriter {
   void write_panel(const PanelDeviationT& panel);
   void write_surfaces();
   void write_products();
+  void write_document();
 
   Model model_;
   const Design& design_;

@@ -6,9 +6,11 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "building/ifc/facade_artifact.hpp"
+#include "building/judgement/facade_order.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -22,11 +24,12 @@ const char* word(ToleranceVerdict verdict) {
 
 /// Green, yellow, red, grey of AutoCAD's index.
 int colour_of(const std::string& layer) {
-  return layer.ends_with("_PASS")         ? 3
-         : layer.ends_with("_UNDECIDED")  ? 2
-         : layer.ends_with("_FAIL")       ? 1
-         : layer.starts_with("DEVIATION") ? 5
-                                          : 8;
+  const std::size_t behind = layer.find('_');  // "ANCHOR_FAIL_A_180": the verdict stands before the facade
+  const auto is = [&](const std::string& verdict) {
+    return behind != std::string::npos && (layer.substr(behind + 1) + "_").starts_with(verdict + "_");
+  };
+  if (layer.starts_with("DEVIATION")) return 5;
+  return is("PASS") ? 3 : is("UNDECIDED") ? 2 : is("FAIL") ? 1 : 8;
 }
 
 /// A group of a DXF is a line: what would end it is left out, what is not ASCII is escaped.
@@ -117,9 +120,14 @@ std::string deviation_dxf(const DeviationT& deviation, double exaggeration) {
   Drawing drawing;
   // Whoever measures a line in the drawing has to see it: DXF has no other place that every program shows.
   const std::string layer_of_deviations = fmt::format("DEVIATION_{:g}_TIMES_AS_LONG", exaggeration);
+  const std::map<std::string, std::string> codes = facade_codes(deviation);
+  const auto of_facade = [&](const std::unique_ptr<FacadeFrameT>& frame) {
+    const auto code = codes.find(facade_name(frame));
+    return code == codes.end() ? std::string() : "_" + code->second;
+  };
   for (const auto& anchor : deviation.anchors) {
     if (!anchor->design.allFinite()) continue;
-    const std::string layer = std::string("ANCHOR_") + word(anchor->verdict);
+    const std::string layer = std::string("ANCHOR_") + word(anchor->verdict) + of_facade(anchor->facade);
     const ifc::FacadeFrame frame = ifc::frame_or_none(anchor->facade);
     drawing.point(layer, anchor->design);
     drawing.text(layer, anchor->design, frame, deviation_words(*anchor, frame));
@@ -133,7 +141,7 @@ std::string deviation_dxf(const DeviationT& deviation, double exaggeration) {
         if (corner->name == name) return Eigen::Vector3d(corner->design);
       return Eigen::Vector3d(panel->corners[0]->design);
     };
-    drawing.outline(std::string("PANEL_") + word(panel->verdict),
+    drawing.outline(std::string("PANEL_") + word(panel->verdict) + of_facade(panel->facade),
                     {at("bottom_left"), at("bottom_right"), at("top_right"), at("top_left")});
   }
   return drawing.finish();

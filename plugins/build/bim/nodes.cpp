@@ -125,6 +125,9 @@ struct WriteIfc : Node {
   Param<std::string> observation_time{"observation_time", "",
                                       "for ASB_Provenance, ISO 8601; empty: that of the survey"};
   Param<std::string> run_id{"run_id", "", "for ASB_Provenance; empty: derived from the hashes of the inputs"};
+  Param<std::string> document{
+      "document", "report.html",
+      "where the report lies, beside the file or as a URL, for the document reference; empty: none"};
   Out<plumbline::File> out{"file", "the as-built IFC, by reference"};
 
   std::optional<Instant> measured_at() const {
@@ -180,6 +183,7 @@ struct WriteIfc : Node {
       context.warn(
           undated(static_cast<bool>(survey), "the additions carry the latest date of the design", "observation_time"));
     add_provenance(read, when, options);
+    options.document = *document;
     SurfacesT measured;
     if (surfaces) measured = surfaces.unpack(), options.surfaces = &measured;
     const DeviationT judged = deviation.unpack();

@@ -83,6 +83,28 @@ TEST_P(AsBuiltFile, KeepsTheDesignsBytesAndIsStable) {
   EXPECT_TRUE(after.warnings.empty()) << after.warnings[0];
 }
 
+/// Who finds a value or a solid in the model is led to the report; an epoch has a reference of its own.
+TEST_P(AsBuiltFile, WhatIsAddedIsTiedToTheReport) {
+  AsBuiltIfcOptions options;
+  options.epoch = "2026-05";
+  const step::File file(enrich(design_bytes(), options).bytes, "e.ifc");
+  const Model model(file);
+  const auto relations = model.all("IFCRELASSOCIATESDOCUMENT");
+  ASSERT_EQ(relations.size(), 1u);
+  const auto arguments = file.arguments(*file.find(relations[0].id()));
+  const auto document = file.arguments(*file.find(arguments.at(5).id));
+  EXPECT_EQ(document.at(0).text, "report.html");
+  EXPECT_EQ(document.at(2).text, "As-built survey 2026-05");
+  std::set<std::uint64_t> related;
+  for (const step::Value& object : arguments.at(4).items) related.insert(object.id);
+  EXPECT_TRUE(related.contains(model.all("IFCPROJECT").at(0).id()));
+  const auto proxies = model.all("IFCBUILDINGELEMENTPROXY");
+  EXPECT_FALSE(proxies.empty());
+  for (const Entity& proxy : proxies) EXPECT_TRUE(related.contains(proxy.id())) << proxy.text("Name");
+  options.document.clear();
+  EXPECT_EQ(enrich(design_bytes(), options).bytes.find("IFCDOCUMENTREFERENCE"), std::string::npos);
+}
+
 TEST_P(AsBuiltFile, IsValidAgainstTheExpressSchema) {
   const std::string path = std::string("ifc/express/") + schema_name(GetParam()) + ".exp";
   PLUMBLINE_REQUIRE_DATA(path);

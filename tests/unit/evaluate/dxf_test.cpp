@@ -11,6 +11,7 @@
 
 #include "building/ifc/facade_artifact.hpp"
 #include "building/judgement/deviation_dxf.hpp"
+#include "building/judgement/facade_order.hpp"
 #include "test_support.hpp"
 
 namespace plumbline::judgement {
@@ -93,6 +94,29 @@ TEST(DeviationDxf, SaysWhereEverythingIsInTheFrameOfItsFacade) {
   ASSERT_EQ(corners.size(), 4u);
   EXPECT_LT((corners[1] - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9) << "around, whatever their order";
   EXPECT_LT((corners[2] - Eigen::Vector3d(2, 0, 3)).norm(), 1e-9);
+}
+
+/// Four facades on one layer are four elevations in one heap.
+TEST(DeviationDxf, OfSeveralFacadesEachHasItsLayers) {
+  DeviationT deviation = example();
+  for (const char* name : {"A (180°)", "A 180", "Süd"}) {
+    deviation.facades.push_back(std::make_unique<FacadeT>());
+    deviation.facades.back()->name = name;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!deviation.anchors[i]->facade) deviation.anchors[i]->facade = std::make_unique<FacadeFrameT>();
+    deviation.anchors[i]->facade->facade = deviation.facades[i]->name;
+  }
+  const auto codes = facade_codes(deviation);
+  EXPECT_EQ(codes.at("A (180°)"), "A_180");
+  EXPECT_EQ(codes.at("A 180"), "A_180_2");
+  EXPECT_EQ(codes.at("Süd"), "S_D");
+  const std::string dxf = deviation_dxf(deviation);
+  for (const auto& [layer, colour] :
+       {std::pair{"ANCHOR_PASS_A_180", 3}, std::pair{"ANCHOR_FAIL_A_180_2", 1}, std::pair{"ANCHOR_UNDECIDED_S_D", 2}})
+    EXPECT_NE(dxf.find("LAYER\n2\n" + std::string(layer) + "\n70\n0\n62\n" + std::to_string(colour) + "\n"),
+              std::string::npos)
+        << layer;
 }
 
 /// GDAL, another reader, where it is installed.
