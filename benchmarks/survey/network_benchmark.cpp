@@ -1,7 +1,8 @@
 // How long a network takes: simulated facades of the sizes the project promises, adjusted with covariance and
 // reliability, as a library call, as the whole pipeline, and by gama-local where that is on the PATH.
-//   survey_network_benchmark [MARKERS SET_UPS SIGHTS_PER_MARKER [RUNS [known]]]
-// `known`: the three markers at its corners and in the middle are held, so that there is control to check.
+//   survey_network_benchmark [MARKERS SET_UPS SIGHTS_PER_MARKER [RUNS [known|reading|prism]]]
+// `known`: the three markers at its corners and in the middle are held, so that there is control to check. `reading`:
+// one distance is 50 mm too long; `prism`: all distances of one set-up are 34.4 mm too long.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -42,7 +43,7 @@ double normal(std::uint64_t& state) {
 
 /// A long facade in rows of ten markers; each set-up sees the markers nearest along it, `sights` set-ups for each
 /// marker.
-SurveyObservations facade(int markers, int set_ups, int sights, bool known) {
+SurveyObservations facade(int markers, int set_ups, int sights, const std::string& mistake) {
   SurveyObservations s;
   std::uint64_t state = 42;
   const int columns = (markers + 9) / 10;
@@ -51,7 +52,7 @@ SurveyObservations facade(int markers, int set_ups, int sights, bool known) {
     Point p;
     p.id = "M" + std::to_string(m);
     p.coordinates = {2.0 * (m / 10), 0.2 * (m % 3), 3.0 * (m % 10)};
-    const bool held = known && (m == 0 || m == markers / 2 || m == markers - 1);
+    const bool held = mistake == "known" && (m == 0 || m == markers / 2 || m == markers - 1);
     p.roles.fill(held ? CoordinateRole::fixed : CoordinateRole::constrained);
     s.points.push_back(p);
   }
@@ -83,6 +84,11 @@ SurveyObservations facade(int markers, int set_ups, int sights, bool known) {
         s.observations.push_back(o);
       }
     }
+  }
+  for (Observation& o : s.observations) {
+    if (o.set_up != set_ups / 2 || o.kind != ObservationKind::slope_distance) continue;
+    if (mistake == "reading" || mistake == "prism") o.value += mistake == "prism" ? 0.0344 : 0.05;
+    if (mistake == "reading") break;
   }
   s.info.format = "gama-xml";
   s.info.largest_misclosure = 1.0;
@@ -176,8 +182,8 @@ void print_other(const std::string& name, const std::vector<Times>& runs, const 
 
 /// All in turn, so that each meets the same load of the machine.
 void run(int markers, int set_ups, int sights, int runs, const std::vector<std::string>& algorithms,
-         bool known = false) {
-  const SurveyObservations survey = facade(markers, set_ups, sights, known);
+         const std::string& mistake = "") {
+  const SurveyObservations survey = facade(markers, set_ups, sights, mistake);
   const Processes processes(survey);
   std::vector<Times> ours(1), pipeline;
   std::vector<std::vector<Times>> gama(algorithms.size());
@@ -195,6 +201,7 @@ void run(int markers, int set_ups, int sights, int runs, const std::vector<std::
       "sigma0 %.4f, sum of redundancy - f = %.1e, peak memory %ld MiB\n",
       markers, set_ups, r.observations, r.unknowns, own.wall, own.cpu, runs, r.iterations, r.sigma0,
       r.sum_of_redundancy_numbers - r.degrees_of_freedom, usage.ru_maxrss / 1024);
+  std::printf("      %s\n", r.verdict.c_str());
   if (!pipeline.empty())
     std::printf("      plumbline run survey_network: wall %.3f s, cpu %.3f s\n", median(pipeline).wall,
                 median(pipeline).cpu);
@@ -211,7 +218,7 @@ int main(int argc, char** argv) {
     std::vector<std::string> algorithms = {"gso"};
     if (markers <= 200) algorithms.emplace_back("envelope");  // at 300 it takes minutes
     run(markers, std::atoi(argv[2]), std::atoi(argv[3]), argc >= 5 ? std::max(1, std::atoi(argv[4])) : 5, algorithms,
-        argc == 6);
+        argc == 6 ? argv[5] : "");
     return 0;
   }
   run(100, 6, 6, 5, {"envelope", "gso"});  // 1 800 observations

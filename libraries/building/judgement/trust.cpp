@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -61,12 +62,13 @@ std::string list_item(const std::string& text) {
   return quote + text + quote;
 }
 
-/// The whole of the parameter `exclude` with one item more: what is typed stands in the place of what was there.
-std::string exclude_also(const SurveyNetwork& network, const std::string& item) {
-  std::string text = "network.with.exclude=[";
+/// The whole of the parameter `exclude` with items more: what is typed stands in the place of what was there.
+std::string exclude_also(const SurveyNetwork& network, const std::vector<std::string>& items) {
+  std::vector<std::string> all;
   if (network.exclusions())
-    for (const auto* before : *network.exclusions()) text += list_item(text_of(before)) + ", ";
-  return text + list_item(item) + "]";
+    for (const auto* before : *network.exclusions()) all.push_back(list_item(text_of(before)));
+  for (const std::string& item : items) all.push_back(list_item(item));
+  return "network.with.exclude=[" + text::join(all) + "]";
 }
 
 std::optional<MeasurementDoubtT> doubt_of_control_as_a_whole(const SurveyNetwork& network) {
@@ -165,10 +167,49 @@ std::optional<MeasurementDoubtT> doubt_of_control(const SurveyNetwork& network) 
     doubt.mend_note = kFindOut;
     return doubt;
   }
-  doubt.mend = exclude_also(network, "control " + worst + ": contradicts the survey");
+  doubt.mend = exclude_also(network, {"control " + worst + ": contradicts the survey"});
   doubt.mend_note =
       "if it has moved or its coordinates are wrong; else mend these or their standard deviations in the "
       "control file";
+  return doubt;
+}
+
+/// Points that others hang on: stations, known points.
+std::set<std::string> held_points(const SurveyNetwork& network) {
+  std::set<std::string> ids;
+  for (unsigned i = 0; network.set_ups() && i < network.set_ups()->size(); ++i)
+    ids.insert(text_of(network.set_ups()->Get(i)->station()));
+  for (unsigned i = 0; network.known_points() && i < network.known_points()->size(); ++i)
+    ids.insert(text_of(network.known_points()->Get(i)->id()));
+  return ids;
+}
+
+/// Of two readings one is wrong, and which is chance: what hangs on them lies at one of two places. Without the points
+/// the rest is as sure as it says; a station or a known point cannot be left out.
+std::optional<MeasurementDoubtT> doubt_of_choices(const SurveyNetwork& network) {
+  std::optional<MeasurementDoubtT> doubt;
+  std::vector<std::string> points;
+  std::size_t choices = 0;
+  for (unsigned i = 0; network.findings() && i < network.findings()->size(); ++i) {
+    const auto* f = network.findings()->Get(i);
+    if (text_of(f->subject()) != "either") continue;
+    if (choices++ == 0) doubt = finding(MeasurementPart::survey, DoubtGrade::doubt, "either", text_of(f->text()));
+    for (unsigned k = 0; f->points() && k < f->points()->size(); ++k)
+      if (const std::string id = text_of(f->points()->Get(k));
+          std::find(points.begin(), points.end(), id) == points.end())
+        points.push_back(id);
+  }
+  if (!doubt) return doubt;
+  if (choices > 1) doubt->reason += fmt::format(" (and {} more of that kind)", choices - 1);
+  const std::set<std::string> held = held_points(network);
+  doubt->mend_note = "or measure once more what it names";
+  if (std::any_of(points.begin(), points.end(), [&](const std::string& id) { return held.contains(id); })) {
+    doubt->mend_note = "measure once more what it names";
+    return doubt;
+  }
+  std::vector<std::string> items;
+  for (const std::string& id : points) items.push_back("point " + id + ": one of its readings is wrong");
+  doubt->mend = exclude_also(network, items);
   return doubt;
 }
 
@@ -178,6 +219,8 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
   Trust trust;
   if (network)
     if (auto doubt = doubt_of_control(*network)) trust.doubts.push_back(*std::move(doubt));
+  if (network)
+    if (auto doubt = doubt_of_choices(*network)) trust.doubts.push_back(*std::move(doubt));
   if (network && text_of(network->validity()) != "" && text_of(network->validity()) != "sound") {
     const auto* statistics = network->statistics();
     const bool tested =

@@ -24,7 +24,8 @@ struct Trust {
 /// What fails a test that says so proves nothing (a doubt); what fits less well than it should is less certain, by what
 /// its residuals say (a misfit). A known point that the survey contradicts is a doubt, whether another node checks
 /// control or not: the network's own test of it counts. So are known points that were left out and contradict what came
-/// of it, where they are as many as those that hold it. Null: there is none to ask.
+/// of it, where they are as many as those that hold it, and readings of which
+/// one is wrong and nothing tells which. Null: there is none to ask.
 Trust trust_of(const Block* block, const SurveyNetwork* network);
 
 /// The datum of a measurement that was fitted to the anchors themselves: by its points, which carry it wherever they

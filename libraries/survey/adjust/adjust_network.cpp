@@ -28,6 +28,7 @@ NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
     estimate_variance_components(pass);
     if (options_.remove_blunders) mend(pass);
   }
+  tell_rival_readings(pass);
   // Of the readings as they are taken in the end: what was mended is no contradiction any more, what was not still is.
   const MeasuredControl measured = options_.measure_control ? measured_control(pass) : MeasuredControl{};
   NetworkResult result = report(pass);

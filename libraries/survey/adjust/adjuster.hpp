@@ -53,10 +53,12 @@ struct CommonError {
   std::string equal;         ///< an error that does, and mended would put points elsewhere: neither is mended
   int equal_set_up = -1;     ///< its set-up
   std::vector<int> equal_sights;  ///< and its sights
-  int observations = 0;           ///< that share it; 0: no such error
-  double w = 0;                   ///< of the test, standard normal
-  double size = 0;                ///< by which the observations are too large: [m], [1] or [rad]
-  double sigma = 0;               ///< of the size
+  /// Rows of the problem that share it, with their coefficients.
+  std::shared_ptr<const std::vector<std::pair<int, double>>> rows;
+  int observations = 0;  ///< that share it; 0: no such error
+  double w = 0;          ///< of the test, standard normal
+  double size = 0;       ///< by which the observations are too large: [m], [1] or [rad]
+  double sigma = 0;      ///< of the size
 
   std::tuple<Kind, int, int, double, std::vector<int>> key() const {
     return {kind, set_up, first, target_height, sights};
@@ -128,9 +130,17 @@ class Adjuster {
     double sum_of_squares = 0;
     std::vector<Eigen::Vector3d> places;
   };
-  /// The network with this error mended; none: it cannot be adjusted so.
-  std::optional<MendedPlaces> mended_places(const CommonError& error);
-  bool lie_elsewhere(const Pass& pass, const MendedPlaces& a, const MendedPlaces& b) const;
+  /// The network with this error mended; none: it cannot be adjusted so. Of a large network by the last equations.
+  std::optional<MendedPlaces> mended_places(const Pass& pass, const CommonError& error);
+  MendedPlaces places_by_equations(const Pass& pass, const CommonError& error) const;
+  struct Elsewhere {
+    int point = -1;  ///< of the model
+    double by = 0;   ///< [m]
+  };
+  /// Of points that differ by so much, the one that does most clearly; none: no coordinate by its standard deviation.
+  std::optional<Elsewhere> lies_elsewhere(const Pass& pass, const std::vector<Eigen::Vector3d>& differences) const;
+  /// What a step of the unknowns moves each point by; zero where it has no unknown.
+  std::vector<Eigen::Vector3d> of_points(const Pass& pass, const Eigen::VectorXd& step) const;
   static bool can_be_mended(CommonError::Kind kind) {
     return kind < CommonError::Kind::tilt || kind == CommonError::Kind::circle;
   }
@@ -163,8 +173,7 @@ class Adjuster {
   double effect_of_instrument_height(const Pass& pass, int row) const;
   void report_common_error(const Pass& pass, const std::vector<CommonError>& common, NetworkResult& result);
 
-  /// True if a point that had controlled observations in plan, or in height, has none there any more, or a reading that
-  /// was controlled is not: it was by the one that is out, and which of the two is wrong nobody can tell.
+  /// True if a point that had controlled observations has none any more.
   bool makes_uncontrolled(const Pass& before, const Pass& after) const;
   std::set<std::string> controlled_points(const Pass& pass) const;
   bool is_unknown(const std::string& id) const;
@@ -177,6 +186,23 @@ class Adjuster {
   /// Test of an observation that took no part: its misfit against its own and the network's uncertainty. This is the w
   /// the observation had before it was removed, with all other removed ones out.
   least_squares::RowStatistics removed_statistics(const Pass& pass, int row) const;
+  struct TakenOut {
+    Eigen::VectorXd gradient;  ///< by the unknowns, in the unit of the reading
+    double residual = 0, sigma = 0;
+  };
+  /// A reading that takes no part, at the places of a pass; none: it is not defined there.
+  std::optional<TakenOut> taken_out(const Pass& pass, int row) const;
+
+  /// A reading that is in and explains as much as one that was taken out, when that comes back in its place.
+  struct RivalReading {
+    int row = -1;      ///< of the model
+    double alike = 0;  ///< by how much less it explains, of v'Pv
+    int point = -1;    ///< of the model, that lies elsewhere most clearly
+    double moved = 0;  ///< by so much [m]
+  };
+  std::vector<RivalReading> rivals_of(const Pass& pass, int row) const;
+  /// Says which readings were taken out although others explain the misfit as well and would put points elsewhere.
+  void tell_rival_readings(const Pass& pass);
 
   /// Huber weights by iteration; observations they push out start as removed and must earn their way back.
   void remove_by_robust_weights();
@@ -199,6 +225,7 @@ class Adjuster {
   std::set<std::tuple<CommonError::Kind, int, int, double, std::vector<int>>> refused_;
   bool stopped_ = false;   ///< an error was found that nobody can mend: what touches its points is as it was read
   std::string undecided_;  ///< of an error that was taken off, what explains the readings as well; empty: none
+  std::string either_;     ///< readings of which one was taken out and another may be the wrong one; empty: none
 };
 
 }  // namespace plumbline::survey

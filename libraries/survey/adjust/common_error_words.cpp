@@ -20,6 +20,13 @@ const char* known_difference(double millimetres, double sigma) {
   return "";
 }
 
+/// A height that was noted in feet and read as metres.
+const char* noted_in_feet(double noted, double too_large) {
+  constexpr double kFeet = 1 / 0.3048, kClose = 0.01;
+  const double true_height = noted - too_large;
+  return true_height > 0 && std::abs(noted / true_height / kFeet - 1) < kClose ? " (it looks noted in feet)" : "";
+}
+
 std::vector<Eigen::Vector3d> known_places(const NetworkModel& m) {
   std::vector<Eigen::Vector3d> places;
   for (size_t i = 0; i < m.ids.size(); ++i)
@@ -65,12 +72,14 @@ std::string Adjuster::describe(const CommonError& e) const {
       break;
     case CommonError::Kind::height:
       text = "the instrument height" + owner + " looks too " + (e.size > 0 ? "large" : "small") + " by " +
-             fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check it, and the point the instrument stood on";
+             fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check it, and the point the instrument stood on" +
+             noted_in_feet(m_.survey.set_ups[e.set_up].instrument_height, e.size);
       break;
     case CommonError::Kind::target:
       text = "the target height of " + fixed_digits(e.target_height, 3) + " m noted in " +
              std::to_string(e.observations) + " readings" + owner + " looks too " + (e.size > 0 ? "large" : "small") +
-             " by " + fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check the length of the pole";
+             " by " + fixed_digits(std::abs(e.size) * 1000, 1) + " mm: check the length of the pole" +
+             noted_in_feet(e.target_height, e.size);
       break;
     case CommonError::Kind::face_index:
     case CommonError::Kind::collimation: {

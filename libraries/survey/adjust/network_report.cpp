@@ -191,7 +191,7 @@ NetworkResult Adjuster::report(Pass& pass) {
   report_rows(pass, result);
   const std::vector<CommonError> common = common_errors(pass);
   report_common_error(pass, common, result);
-  result.undecided = undecided_;
+  result.undecided = undecided_, result.either = either_;
   result.known_points = compare_with_known(m_, pass.problem, s, pass.cofactors, scale);
   result.cofactors = std::move(pass.cofactors);
   if (result.variance_factor != 1) result.cofactors.multiply(result.variance_factor);

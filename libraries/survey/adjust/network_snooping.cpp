@@ -256,27 +256,36 @@ void Adjuster::restore_innocent(Pass& pass, std::set<int>& restored) {
   }
 }
 
-least_squares::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row) const {
+std::optional<Adjuster::TakenOut> Adjuster::taken_out(const Pass& pass, int row) const {
   const auto block = single_block(m_, options_, state_, pass.problem, row);
   const least_squares::Problem& problem = pass.problem.problem;
   std::vector<const double*> values;
   std::vector<std::vector<double>> storage;
   std::vector<double*> jacobians;
   for (int p : block->parameters) {
-    if (p < 0) return {};
+    if (p < 0) return std::nullopt;
     values.push_back(problem.parameters[p].value.data());
     storage.emplace_back(problem.parameters[p].tangent(), 0.0);
   }
   for (auto& s : storage) jacobians.push_back(s.data());
-  least_squares::RowStatistics result;
+  TakenOut result;
   result.sigma = 1 / block->whitening()(0, 0);
-  if (!block->evaluate(values.data(), &result.residual, jacobians.data())) return result;
-  Eigen::VectorXd a = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
+  if (!block->evaluate(values.data(), &result.residual, jacobians.data())) return std::nullopt;
+  result.gradient = Eigen::VectorXd::Zero(pass.solution.unknowns.count());
   for (size_t k = 0; k < block->parameters.size(); ++k)
     for (size_t c = 0; c < storage[k].size(); ++c) {
       const int unknown = pass.solution.unknowns(block->parameters[k], static_cast<int>(c));
-      if (unknown >= 0) a[unknown] += storage[k][c];
+      if (unknown >= 0) result.gradient[unknown] += storage[k][c];
     }
+  return result;
+}
+
+least_squares::RowStatistics Adjuster::removed_statistics(const Pass& pass, int row) const {
+  const std::optional<TakenOut> out = taken_out(pass, row);
+  if (!out) return {};
+  const Eigen::VectorXd& a = out->gradient;
+  least_squares::RowStatistics result;
+  result.sigma = out->sigma, result.residual = out->residual;
   const double network = a.dot(pass.cofactors.times(a));
   const double total = std::sqrt(result.sigma * result.sigma + network);
   result.sigma_adjusted = std::sqrt(network);

@@ -33,7 +33,7 @@ double largest_plausible(CommonError::Kind kind) {
       return 0.016;  // [rad], 1 gon
     case CommonError::Kind::height:
     case CommonError::Kind::target:
-      return 2.0;  // [m]
+      return 5.0;  // [m]: a pole of 2 m in feet
     case CommonError::Kind::tilt:
     case CommonError::Kind::twist:
       return 0.016;  // [rad], 1 gon
@@ -81,6 +81,18 @@ CommonTest common_test(const Pass& pass, const std::vector<std::pair<int, double
 
 }  // namespace
 
+/// With an unknown for it (e = -c'Pv / information) the unknowns move by Q A'P c (-e), and v'Pv loses w^2.
+Adjuster::MendedPlaces Adjuster::places_by_equations(const Pass& pass, const CommonError& error) const {
+  Eigen::VectorXd gradient;
+  common_test(pass, *error.rows, gradient);
+  const Eigen::VectorXd step = pass.cofactors.times(gradient) * -error.size;
+  MendedPlaces mended{pass.solution.sum_of_squares() - error.w * error.w, of_points(pass, step)};
+  for (std::size_t i = 0; i < mended.places.size(); ++i)
+    mended.places[i] +=
+        Eigen::Map<const Eigen::Vector3d>(pass.problem.problem.parameters[pass.problem.point_blocks[i]].value.data());
+  return mended;
+}
+
 std::vector<CommonError> Adjuster::test(const Pass& pass, const std::vector<Hypothesis>& hypotheses) const {
   std::vector<CommonTest> tests;
   std::vector<least_squares::Functional> functionals;
@@ -94,6 +106,7 @@ std::vector<CommonError> Adjuster::test(const Pass& pass, const std::vector<Hypo
   for (std::size_t k = 0; k < hypotheses.size(); ++k) {
     CommonError& result = errors.emplace_back(hypotheses[k].error);
     result.observations = static_cast<int>(hypotheses[k].rows.size());
+    result.rows = std::make_shared<const std::vector<std::pair<int, double>>>(hypotheses[k].rows);
     const double information = tests[k].own - network[static_cast<Eigen::Index>(k)];
     // The network cannot tell this error from its unknowns: a scale in a free network, the height of a free station.
     // What is left of it there is noise of linearisation and of weak ties.

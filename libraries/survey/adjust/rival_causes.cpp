@@ -1,6 +1,7 @@
 // Two errors that explain the same misfit: the pole of one set-up noted too short, or that of the other too long.
 // Mended either way the network agrees with itself, and its points lie elsewhere. So before anything is mended the
-// others that explain nearly as much are tried, each with an adjustment of its own.
+// others that explain nearly as much are tried, each with an adjustment of its own; in a large network, where that
+// takes seconds each, by what the equations of the last one say of them.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -22,17 +23,18 @@ constexpr double kNoticeable = 0.00005;  // [m]
 
 }  // namespace
 
-std::optional<Adjuster::MendedPlaces> Adjuster::mended_places(const CommonError& error) {
+std::optional<Adjuster::MendedPlaces> Adjuster::mended_places(const Pass& pass, const CommonError& error) {
+  if (!pass.cofactors.is_whole() && error.rows) return places_by_equations(pass, error);
   const NetworkModel before = m_;
   const StochasticState state = state_;
   apply(error);
   std::optional<MendedPlaces> found;
   try {
-    const Pass pass = adjust(false);
+    const Pass other = adjust(false);
     found.emplace();
-    found->sum_of_squares = pass.solution.sum_of_squares();
-    for (const int block : pass.problem.point_blocks)
-      found->places.push_back(Eigen::Map<const Eigen::Vector3d>(pass.problem.problem.parameters[block].value.data()));
+    found->sum_of_squares = other.solution.sum_of_squares();
+    for (const int block : other.problem.point_blocks)
+      found->places.push_back(Eigen::Map<const Eigen::Vector3d>(other.problem.problem.parameters[block].value.data()));
   } catch (const NetworkError&) {
     found.reset();
   }
@@ -42,26 +44,40 @@ std::optional<Adjuster::MendedPlaces> Adjuster::mended_places(const CommonError&
   return found;
 }
 
-bool Adjuster::lie_elsewhere(const Pass& pass, const MendedPlaces& a, const MendedPlaces& b) const {
+std::optional<Adjuster::Elsewhere> Adjuster::lies_elsewhere(const Pass& pass,
+                                                            const std::vector<Eigen::Vector3d>& differences) const {
   std::vector<least_squares::Functional> components;
-  std::vector<double> differences;
+  std::vector<Elsewhere> moved;
   std::set<std::string> stood;  // free instruments: where they stood nobody wants to know
   for (const SetUp& s : m_.survey.set_ups) stood.insert(s.station);
   for (const ResultRow& row : m_.rows) stood.erase(row.to);
   for (std::size_t i = 0; i < m_.ids.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const int unknown = pass.solution.unknowns(pass.problem.point_blocks[i], k);
-      const double difference = std::abs(a.places[i][k] - b.places[i][k]);
-      if (unknown < 0 || stood.contains(m_.ids[i]) || !(difference > kNoticeable)) continue;
+      const double difference = std::abs(differences[i][k]);
+      if (unknown < 0 || !(difference > kNoticeable) || stood.contains(m_.ids[i])) continue;
       components.push_back({{unknown, 1.0}});
-      differences.push_back(difference);
+      moved.push_back({static_cast<int>(i), difference});
     }
-  if (components.empty()) return false;
+  if (components.empty()) return std::nullopt;
   const Eigen::VectorXd variances = pass.cofactors.variances(components);
-  for (std::size_t k = 0; k < differences.size(); ++k)
-    if (differences[k] > kElsewhere * std::sqrt(variances[static_cast<Eigen::Index>(k)])) return true;
-  return false;
+  std::optional<Elsewhere> most;
+  double clearest = kElsewhere;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const double sigmas = moved[k].by / std::sqrt(variances[static_cast<Eigen::Index>(k)]);
+    if (sigmas > clearest) clearest = sigmas, most = moved[k];
+  }
+  return most;
 }
+
+namespace {
+
+std::vector<Eigen::Vector3d> differences(std::vector<Eigen::Vector3d> a, const std::vector<Eigen::Vector3d>& b) {
+  for (std::size_t i = 0; i < a.size(); ++i) a[i] -= b[i];
+  return a;
+}
+
+}  // namespace
 
 CommonError Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::vector<CommonError> errors) {
   const auto explained = [](const CommonError& e) { return e.w * e.w - e.penalty; };
@@ -72,15 +88,16 @@ CommonError Adjuster::rival_of(const Pass& pass, const CommonError& worst, std::
                    [&](const CommonError& a, const CommonError& b) { return explained(a) > explained(b); });
   if (errors.size() > kMostRivals) errors.resize(kMostRivals);
   if (errors.empty()) return {};
-  const std::optional<MendedPlaces> mended = mended_places(worst);
+  const std::optional<MendedPlaces> mended = mended_places(pass, worst);
   if (!mended) return {};
   for (const CommonError& e : errors) {
     if (!can_be_mended(e.kind)) {
       if (explained(e) > explained(worst) - kAlike) return e;
       continue;
     }
-    const std::optional<MendedPlaces> other = mended_places(e);
-    if (other && other->sum_of_squares < mended->sum_of_squares + kAlike && lie_elsewhere(pass, *mended, *other))
+    const std::optional<MendedPlaces> other = mended_places(pass, e);
+    if (other && other->sum_of_squares < mended->sum_of_squares + kAlike &&
+        lies_elsewhere(pass, differences(mended->places, other->places)))
       return e;
   }
   return {};

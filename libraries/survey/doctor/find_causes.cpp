@@ -60,7 +60,8 @@ constexpr AngleMistake kAngleMistakes[] = {
 SurveyObservations without_mistake(SurveyObservations survey, const AngleMistake& mistake, int set_up) {
   std::set<int> second_face;  // pointings: their circle stands turned by 200 gon
   for (const Observation& o : survey.observations)
-    if (mistake.undo == from_zenith && o.kind == ObservationKind::zenith_angle && from_zenith(o.value) > kPi)
+    if (mistake.undo == from_zenith && o.kind == ObservationKind::zenith_angle && o.pointing >= 0 &&
+        from_zenith(o.value) > kPi)
       second_face.insert(o.pointing);
   for (Observation& o : survey.observations) {
     if (o.set_up < 0 || (set_up >= 0 && o.set_up != set_up)) continue;

@@ -127,6 +127,13 @@ std::string thinned_set_up(const NetworkResult& r) {
   return "";
 }
 
+/// What is left agrees whichever of two readings is taken out: that it does is no proof that it was the wrong one.
+void doubt_choices(NetworkResult& r) {
+  if (r.validity != Validity::sound || r.either.empty()) return;
+  r.validity = Validity::doubtful;
+  r.verdict = "doubtful: " + r.either + "; of the readings that are left: " + r.verdict;
+}
+
 /// What is left agrees because what did not was taken out. One reading in twenty at most is wrong by itself, and an
 /// error in common that was found ends the matter but for one in a hundred: where it does not, it was another one.
 void doubt_mending(NetworkResult& r) {
@@ -216,6 +223,7 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
                 (high ? ", a little high" : "") + ")" + mended(r);
   }
   doubt_common_errors(r);
+  doubt_choices(r);
   doubt_mending(r);
   doubt_known_points(r);
 }

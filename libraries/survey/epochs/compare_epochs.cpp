@@ -323,6 +323,20 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
   }
 }
 
+/// The points that stay, where the others are congruent among themselves too, and could carry the datum as well.
+std::vector<std::string> other_body(const Localisation& localisation, const Difference& r,
+                                    const std::vector<char>& stays, const std::vector<size_t>& out, size_t needed,
+                                    int free_motions) {
+  std::vector<size_t> rest;
+  for (size_t i = 0; i < stays.size(); ++i)
+    if (stays[i]) rest.push_back(i);
+  if (free_motions == 0 || out.size() < needed || rest.size() < needed) return {};
+  if (localisation.rank(rest) <= 0 || localisation.statistic(rest) > localisation.critical(rest)) return {};
+  std::vector<std::string> ids;
+  for (const size_t i : rest) ids.push_back(r.ids[i]);
+  return ids;
+}
+
 }  // namespace
 
 Epoch part_of(const Epoch& epoch, const std::vector<char>& keep) {
@@ -379,6 +393,7 @@ Comparison compare_epochs(const Epoch& first, const Epoch& second, const Compari
     result.critical = localisation.critical({});
     result.congruent = result.statistic <= result.critical;
     add_movements(r, g, found, options, result);
+    result.other_body = other_body(localisation, r, found, out, needed, options.free_motions);
     return result;
   }
 }

@@ -66,6 +66,9 @@ struct Comparison {
   double statistic = 0, critical = 0;  ///< of all common points
   int rank = 0;
   bool congruent = true;
+  /// Where the points that were left out fit each other as one body that moved against the rest: those of the rest. A
+  /// free network does not tell which of the two stayed. Empty: they do not, or the frame is held.
+  std::vector<std::string> other_body;
   std::vector<Exclusion> excluded;                               ///< in the order they were found to have moved
   std::vector<std::string> only_first, only_second, incomplete;  ///< points that could not be compared
 };

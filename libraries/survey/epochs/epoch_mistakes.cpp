@@ -7,6 +7,7 @@
 
 #include "geometry/statistics.hpp"
 #include "survey/epochs/epoch_scale.hpp"
+#include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
 
@@ -136,6 +137,12 @@ std::optional<EpochMistake> find_epoch_mistake(const Epoch& first, const Epoch& 
   } catch (const std::runtime_error&) {  // too few points for a scale
     return std::nullopt;
   }
+}
+
+std::string two_bodies_in_words(std::size_t moved, const std::vector<std::string>& others) {
+  return std::to_string(moved) + " points moved as one body against " + std::to_string(others.size()) +
+         " others: which of the two stayed these readings cannot tell. Movements are given as if " + join(others, 4) +
+         " had stayed; say which did: `stable` of a series, or control that the epochs hold (datum fixed)";
 }
 
 }  // namespace plumbline::survey

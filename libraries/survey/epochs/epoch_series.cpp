@@ -80,7 +80,7 @@ void test_variances_of(const std::vector<DatedEpoch>& epochs, double alpha, Epoc
 
 /// Points that no comparison with the first epoch takes out of the datum.
 std::vector<std::string> stable_points(const std::vector<DatedEpoch>& epochs, const SeriesOptions& options,
-                                       const EpochSeries& series) {
+                                       EpochSeries& series) {
   std::vector<std::string> stable;
   for (const std::string& id : epochs.front().epoch.ids)
     if (std::all_of(epochs.begin(), epochs.end(), [&](const DatedEpoch& e) { return row_of(e.epoch, id) >= 0; }))
@@ -100,6 +100,7 @@ std::vector<std::string> stable_points(const std::vector<DatedEpoch>& epochs, co
     second.covariance *= series.factors[k];
     const Comparison c = compare_epochs(first, second, compare);
     for (const Exclusion& e : c.excluded) out.insert(e.id);
+    if (!c.other_body.empty()) series.against = c.excluded.size(), series.other_body = c.other_body;
     for (const Movement& m : c.movements)
       if (m.moved) out.insert(m.id);
   }

@@ -93,7 +93,7 @@ struct Finding {
   enum class Severity { note, warning, error } severity = Severity::note;
   std::string text;
   std::vector<std::string> points;
-  enum class Subject { network, reading, exclusion, left_out, unread, control } subject = Subject::network;
+  enum class Subject { network, reading, exclusion, left_out, unread, control, either } subject = Subject::network;
   std::string cause = {};  ///< of points that were left out: why they are not determined
 };
 

@@ -114,6 +114,7 @@ struct NetworkResult {
   std::string common_error;           ///< explains the readings better than any single one; in words; empty: none
   int errors_taken_off = 0;           ///< that readings had in common, estimated
   std::string undecided;              ///< errors that explain them alike, of which one was taken off; empty: none
+  std::string either;  ///< readings of which one was taken out and another may be the wrong one, in words; empty: none
   std::vector<ResultPoint> points;
   std::vector<ResultSetUp> set_ups;
   std::vector<ResultRow> rows;

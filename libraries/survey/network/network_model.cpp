@@ -313,6 +313,8 @@ SetUpChain check_and_mend(const AdjustOptions& options, NetworkModel& m, MeanRes
                                                             : "; left out";
       m.findings.push_back({Finding::Severity::warning, p.text + (done ? what : ""), p.points});
       if (done && !by_itself) m.set_aside.insert(m.set_aside.end(), p.observations.begin(), p.observations.end());
+      if (done && (p.kind == Kind::swapped_names || p.kind == Kind::wrong_name))
+        m.misnamed.insert(m.misnamed.end(), p.observations.begin(), p.observations.end());
       if (!done && p.kind != Kind::reading && m.contradiction.empty()) m.contradiction = p.text;
     }
     if (!mended) return chain;

@@ -44,6 +44,7 @@ struct NetworkModel {
   double refraction_coefficient = 0.13;
   std::vector<Finding> findings;
   std::vector<int> set_aside;  ///< observations that the check of the set-ups takes for wrong, in the adjustment's hand
+  std::vector<int> misnamed;   ///< of these, those that agree once they have another name
   std::string contradiction;   ///< first of the mistakes of set-ups that are not mended, in words; empty: none
   std::vector<ResultRow> rows;          ///< all scalars, statistics empty
   std::vector<int> first_row_of_group;  ///< first row of coordinate groups, vectors, local coordinates in that order

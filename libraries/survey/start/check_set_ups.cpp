@@ -220,7 +220,7 @@ class SetUpCheck {
   /// Up or down alone, and all with other target heights noted than the sights that agree: no instrument moves like
   /// that at such a time. Which height is wrong the adjustment tells, up to what it takes for one.
   bool is_of_a_pole(const std::vector<const Stray*>& group, const Vector3d& moved) const {
-    constexpr double kInPlan = 0.2, kLargest = 2;  // of the height; [m]
+    constexpr double kInPlan = 0.2, kLargest = 5;  // of the height; [m], a pole of 2 m in feet
     if (moved.head<2>().norm() > kInPlan * std::abs(moved.z()) || std::abs(moved.z()) > kLargest) return false;
     const auto height = [&](int order) { return or_zero(survey_.observations[order].target_height); };
     std::set<double> noted;

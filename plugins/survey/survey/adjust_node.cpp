@@ -12,6 +12,7 @@
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
+#include "network_trust.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/left_out_control.hpp"
 #include "survey/doctor/network_doctor.hpp"
@@ -133,7 +134,6 @@ AdjustOptions AdjustNode::options() const {
   o.known_sigma = *known_sigma;
   o.map = *map;
   o.geoid = geoid();
-  o.geoid.slope_sigma = *geoid_slope * kArcsecond;
   o.mean_height = *mean_height;
   o.centring_per_set_up = *centring == "set_up";
   if (*covariance == "full") o.largest_whole = std::numeric_limits<int>::max();
@@ -203,7 +203,6 @@ void AdjustNode::run(Context& context) {
   for (const std::string& text : survey.warnings) result.findings.push_back({Finding::Severity::warning, text, {}});
   context.metric("sigma0", result.sigma0, "1");
   context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
-  context.metric("invalid", result.validity == Validity::invalid ? 1 : 0, "1");
   const bool joint = *covariance != "neighbours" && result.cofactors.is_whole();
   SurveyNetworkT tables = to_network_artifact(result, o);
   if (!joint) {
@@ -226,6 +225,9 @@ void AdjustNode::run(Context& context) {
   tables.readings_left_out = std::max(0, tables.readings - result.readings);
   if (tables.readings_left_out > 0)  // a pipeline without a summary says it, too
     context.info("took part: " + counted_readings(tables.readings, tables.readings_left_out));
+  // A list of coordinates is no survey that failed: who judges by it says that nothing tested it.
+  const bool is_list = result.without_readings && result.validity != Validity::invalid;
+  context.metric("invalid", !is_list && proves_nothing(tables) ? 1 : 0, "1");
   network.commit(tables);
 }
 

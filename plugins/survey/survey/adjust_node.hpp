@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct AdjustNode : MappedNode {
-  static constexpr Info info{"survey.adjust", "survey_adjuster", 7,
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 8,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};
@@ -59,9 +59,6 @@ struct AdjustNode : MappedNode {
   Param<double> tilt_sigma{"tilt_sigma", 0.0, "arcsec", at_least(0), "prior of an unknown tilt a set-up; 0: none"};
   Param<double> instrument_height_sigma{"instrument_height_sigma", 0.0, "m", at_least(0),
                                         "prior of an unknown correction of each instrument height; 0: none"};
-  Param<double> geoid_slope{"geoid_slope", 10.0, "arcsec", between(0, 100),
-                            "prior of the geoid's unknown slope over a site with GNSS vectors on a map, where "
-                            "geoid_height is all that is known of it; 0: none, as of heights above the ellipsoid"};
   Param<double> known_sigma{"known_sigma", 1e-4, "m", between(1e-6, 10),
                             "standard deviation of each coordinate that the file has as known (keyed in), where no "
                             "control is given; datum inner ignores them"};

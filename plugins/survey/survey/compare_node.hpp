@@ -33,7 +33,7 @@ struct CompareEpochsNode : Node {
 };
 
 struct CheckControlNode : MappedNode {
-  static constexpr Info info{"survey.check_control", "", 3,
+  static constexpr Info info{"survey.check_control", "", 4,
                              "Tests known points against a free network of the observations, before they bend it"};
   List<plumbline::SurveyObservations> observations{
       "observations", frame("frame=?S"), "readings of one campaign; points that its files hold fixed are control too"};

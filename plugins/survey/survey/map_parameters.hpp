@@ -23,6 +23,9 @@ struct MappedNode : ProfiledNode {
                                         "the slope of geoid_grid"};
   Param<FilePath> geoid_grid{"geoid_grid", FilePath{},
                              "grid of geoid heights in place of geoid_height, as PROJ reads it (.gtx, GeoTIFF)"};
+  Param<double> geoid_slope{"geoid_slope", 10.0, "arcsec", between(0, 100),
+                            "prior of the geoid's unknown slope over a site with GNSS vectors on a map, where "
+                            "geoid_height is all that is known of it; 0: none, as of heights above the ellipsoid"};
 
  protected:
   GeoidChoice geoid() const {
@@ -33,6 +36,7 @@ struct MappedNode : ProfiledNode {
     GeoidChoice choice;
     choice.height = *geoid_height;
     choice.grid = geoid_grid->path;
+    choice.slope_sigma = *geoid_slope * kArcsecond;
     if (!deflection->empty()) choice.deflection = kArcsecond * Eigen::Vector2d((*deflection)[0], (*deflection)[1]);
     return choice;
   }

@@ -123,7 +123,8 @@ void pack_tables(const NetworkResult& r, SurveyNetworkT& n) {
     finding->severity = severities[static_cast<int>(f.severity)];
     finding->text = f.text;
     finding->points = f.points;
-    static const char* const subjects[] = {"network", "reading", "exclusion", "left_out", "unread", "control"};
+    static const char* const subjects[] = {"network", "reading", "exclusion", "left_out",
+                                           "unread",  "control", "either"};
     finding->subject = subjects[static_cast<int>(f.subject)];
     n.findings.push_back(std::move(finding));
   }

@@ -7,7 +7,9 @@
 #include <set>
 
 #include "artifacts/survey_artifact.hpp"
+#include "network_artifact.hpp"
 #include "network_memory.hpp"
+#include "network_trust.hpp"
 #include "series_files.hpp"
 #include "survey/adjust/adjust_network.hpp"
 #include "survey/epochs/check_control.hpp"
@@ -207,10 +209,13 @@ void EpochSeriesNode::run(Context& context) {
   text.options.warning_level = *warning_level, text.options.alarm_level = *alarm_level;
   std::vector<DatedEpoch> dated;
   Dates dates;
+  bool untrusted = false;
   int largest = 0, smallest = std::numeric_limits<int>::max();  // rank defects
   for (const SurveyObservations& survey : surveys) {
     const std::string name = name_of(survey, dated.size());
     const NetworkResult r = adjusted(context, survey, name);
+    SurveyNetworkT network = to_network_artifact(r, {});
+    untrusted = untrusted || proves_nothing(network);
     largest = std::max(largest, r.defect), smallest = std::min(smallest, r.defect);
     DatedEpoch& epoch = dated.emplace_back();
     epoch.name = name;
@@ -225,10 +230,13 @@ void EpochSeriesNode::run(Context& context) {
   note_scales(dated, text);
   note_mistakes(dated, text);
   const EpochSeries result = epoch_series(dated, text.options);
+  if (!result.other_body.empty())
+    text.notes.insert(text.notes.begin(), two_bodies_in_words(result.against, result.other_body));
   for (const std::string& note : text.notes) context.warn(note);
   // What 10 K do is no finding: page and verdict have it.
   for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
   tell(context, result, text);
+  context.metric("invalid", untrusted ? 1 : 0, "1");
   series.commit(series_file("series.json", "application/json", series_as_json(result, text)));
   table.commit(series_file("series.csv", "text/csv", series_as_csv(result, text)));
   page.commit(series_file("series.html", "text/html", series_as_html(result, text)));

@@ -124,6 +124,31 @@ TEST(Trust, AControlPointThatTheSurveyContradictsIsADoubtWithTheCommandThatMends
       << "what is typed is read as a list";
 }
 
+/// Of two readings that only control each other one went by chance: nothing rests on the point until it is out.
+TEST(Trust, WhereNothingTellsWhichOfTwoReadingsIsWrongNothingIsDecided) {
+  const auto with = [](const std::vector<std::string>& points) {
+    SurveyNetworkT network;
+    network.statistics = std::make_unique<StatisticsT>(), network.tests = std::make_unique<NetworkTestsT>();
+    network.statistics->degrees_of_freedom = 120, network.statistics->sigma0 = 0.98;
+    network.validity = "doubtful", network.verdict = "doubtful: 1 of 2 readings is wrong";
+    network.exclusions = {"point M9: knocked over"};
+    network.set_ups.push_back(std::make_unique<NetworkSetUpT>());
+    network.set_ups.back()->id = network.set_ups.back()->station = "S1";
+    network.findings.push_back(std::make_unique<NetworkFindingT>());
+    network.findings.back()->severity = "warning", network.findings.back()->text = "1 of 2 readings is wrong";
+    network.findings.back()->subject = "either", network.findings.back()->points = points;
+    flatbuffers::FlatBufferBuilder made;
+    made.Finish(SurveyNetwork::Pack(made, &network));
+    return trust_of(nullptr, flatbuffers::GetRoot<SurveyNetwork>(made.GetBufferPointer()));
+  };
+  const Trust trust = with({"M1"});
+  ASSERT_EQ(trust.doubts.size(), 1u);
+  EXPECT_TRUE(trust.misfits.empty());
+  EXPECT_EQ(trust.doubts[0].mend,
+            "network.with.exclude=[point M9: knocked over, point M1: one of its readings is wrong]");
+  EXPECT_EQ(with({"S1"}).doubts.at(0).mend, "") << "others hang on a station";
+}
+
 /// Known points that hold a survey (statistics against 14.3), and those that were left out of it, in height.
 Trust after_exclusion(const std::vector<double>& holding, const std::vector<double>& left_out) {
   SurveyNetworkT network;

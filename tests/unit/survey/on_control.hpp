@@ -38,8 +38,10 @@ struct OnControl {
   bool is_known(const std::string& id) const {
     return std::find(control.ids.begin(), control.ids.end(), id) != control.ids.end();
   }
-  NetworkResult adjust(bool remove) const {
+  /// `largest_whole`: with more unknowns than that rivals are judged by the last equations.
+  NetworkResult adjust(bool remove, int largest_whole = AdjustOptions().largest_whole) const {
     AdjustOptions options;
+    options.largest_whole = largest_whole;
     options.curvature = Switch::off, options.remove_blunders = remove;
     return adjust_network(network.survey, options, control);
   }

@@ -39,6 +39,25 @@ TEST(CompareEpochs, SameNetworkMeasuredTwiceIsCongruent) {
   EXPECT_TRUE(c.excluded.empty());
 }
 
+/// Half of a site settles by 4 mm: the half that stayed was said to have risen, with certainty.
+TEST(CompareEpochs, WhichOfTwoBodiesStayedIsNotToldByAFreeNetwork) {
+  const Epoch first = markers(epoch(test::simulate({}, 21).survey));
+  Epoch second = markers(epoch(test::simulate({}, 22).survey));
+  for (std::size_t i = 0; i < second.ids.size() / 2; ++i)
+    second.coordinates[static_cast<Eigen::Index>(3 * i) + 2] -= 0.004;
+  const Comparison c = compare_epochs(first, second, {});
+  EXPECT_EQ(c.excluded.size() + c.other_body.size(), first.ids.size());
+  EXPECT_GE(c.other_body.size(), 5u);
+  EXPECT_NE(two_bodies_in_words(c.excluded.size(), c.other_body).find("which of the two stayed"), std::string::npos);
+  ComparisonOptions held;
+  held.free_motions = 0;
+  EXPECT_TRUE(compare_epochs(first, second, held).other_body.empty());
+  // Points that move each by itself are no body.
+  Epoch scattered = markers(epoch(test::simulate({}, 22).survey));
+  for (Eigen::Index i = 0; i < 4; ++i) scattered.coordinates[3 * i + i % 3] += i % 2 == 0 ? 0.02 : -0.03;
+  EXPECT_TRUE(compare_epochs(first, scattered, {}).other_body.empty());
+}
+
 /// An epoch in feet once gave movements of 18 m with sigmas of half a millimetre.
 TEST(CompareEpochs, AnEpochOfAnotherSizeIsSeenAndANoisyOneIsNot) {
   const Epoch first = markers(epoch(test::simulate({}, 21).survey));

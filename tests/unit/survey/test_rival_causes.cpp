@@ -33,12 +33,15 @@ TEST(RivalCauses, OfTwoSetUpsWithAPoleNobodyKnowsWhichIsWrong) {
         if (o.set_up == wrong) o.target_height = 1.8;
       }
     }
-    const NetworkResult r = field.adjust(true);
-    EXPECT_NE(r.validity, Validity::sound) << r.verdict;
-    expect_words(r.common_error,
-                 {"the target height of", "of set-up S1", "of set-up S2", "the readings do not tell which"});
-    EXPECT_EQ(r.errors_taken_off, 0);
-    EXPECT_TRUE(r.snooping.empty());
+    // As a large network is judged, too: by its last equations, where each rival would be an adjustment.
+    for (const int largest_whole : {AdjustOptions().largest_whole, 1}) {
+      const NetworkResult r = field.adjust(true, largest_whole);
+      EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+      expect_words(r.common_error,
+                   {"the target height of", "of set-up S1", "of set-up S2", "the readings do not tell which"});
+      EXPECT_EQ(r.errors_taken_off, 0);
+      EXPECT_TRUE(r.snooping.empty());
+    }
   }
 }
 
@@ -86,6 +89,43 @@ TEST(RivalCauses, TiltAndASinkingTripodAreNamedAndNotTakenOff) {
                                          "S2 looks as if it had sunk by"});
     EXPECT_EQ(r.errors_taken_off, 0);
   }
+}
+
+/// Two zenith angles of a mark whose distances are of a few centimetres, one of them wrong: whichever goes, the rest
+/// agrees.
+TEST(RivalCauses, OfTwoReadingsThatControlEachOtherAloneNobodyKnowsWhichIsWrong) {
+  for (const int wrong : {0, 1}) {
+    OnControl field(93);
+    for (Observation& o : field.network.survey.observations) {
+      if (o.to != "M12") continue;
+      if (o.kind == ObservationKind::zenith_angle && o.set_up == wrong) o.value += 0.002;
+      if (o.kind == ObservationKind::slope_distance) o.sigma = 0.05;
+    }
+    const NetworkResult r = field.adjust(true);
+    EXPECT_EQ(r.validity, Validity::doubtful) << r.verdict;
+    expect_words(r.verdict, {"1 of ", "readings is wrong, and nothing tells which", "zenith angle S1 -> M12",
+                             "zenith angle S2 -> M12", "measure M12 once more"});
+    EXPECT_EQ(r.snooping.size(), 1u);
+  }
+}
+
+/// Three sights control each other: the wrong one is known, and nothing is doubted.
+TEST(RivalCauses, OfThreeReadingsTheWrongOneIsKnown) {
+  test::SimulationSettings settings;
+  settings.set_ups = 3, settings.columns = 5, settings.rows = 4;
+  int doubtful = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    test::SimulatedNetwork network = simulate(settings, seed);
+    for (Observation& o : network.survey.observations)
+      if (o.kind == ObservationKind::zenith_angle && o.to == "M12" && o.set_up == static_cast<int>(seed % 3))
+        o.value += 0.002;
+    AdjustOptions options;
+    options.curvature = Switch::off, options.remove_blunders = true, options.datum = DatumMode::inner;
+    const NetworkResult r = adjust_network(network.survey, options);
+    doubtful += r.validity != Validity::sound;
+    EXPECT_EQ(r.snooping.size(), 1u) << seed << ": " << r.verdict;
+  }
+  EXPECT_LE(doubtful, 1);
 }
 
 /// Readings noisier than stated: of a hundred motions and edges one was large by chance, and was named as the cause.
