@@ -97,11 +97,15 @@ void check_programs(const runtime::Registry& registry, std::vector<Finding>& fin
   for (const auto& [program, kinds] : needed_by) {
     const std::string path = runtime::find_program(program);
     const bool there = path.find('/') != std::string::npos;
-    findings.push_back({there ? Finding::good : Finding::note, "program",
-                        there ? path + ", for " + kinds
-                              : program + " is not there; only " + kinds + " need" +
-                                    (kinds.find(',') == std::string::npos ? "s" : "") + " it: apt-get install " +
-                                    program});
+    const bool script = there && runtime::is_script(path);
+    findings.push_back({there && !script ? Finding::good : Finding::note, "program",
+                        script ? path + ", for " + kinds +
+                                     ": a script; of what it starts only what it prints when called with -h is part of "
+                                     "results' keys"
+                        : there ? path + ", for " + kinds
+                                : program + " is not there; only " + kinds + " need" +
+                                      (kinds.find(',') == std::string::npos ? "s" : "") + " it: apt-get install " +
+                                      program});
   }
 }
 

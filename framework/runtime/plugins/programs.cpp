@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <sstream>
@@ -22,20 +23,36 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What the loader prints of a program's libraries, without running any of it.
-std::string asked_of_loader(const fs::path& loader, const fs::path& program) {
+/// What a program prints, and how it ends; killed after `milliseconds`.
+std::string printed_by(std::vector<std::string> arguments, int milliseconds, int* status = nullptr) {
   ChildStart start;
-  start.arguments = {loader.string(), "--list", program.string()};
+  start.arguments = std::move(arguments);
   start.ends_with_this_thread = true;
   ChildProcess child = start_child(start);
-  constexpr int milliseconds = 20000;
   pollfd ending{child.handle, POLLIN, 0};
   while (poll(&ending, 1, milliseconds) < 0 && errno == EINTR) {
   }
-  finish_child(child);
+  const ChildEnd end = finish_child(child);
+  if (status) *status = end.status;
   std::string said = end_of_log(child.log, size_t{1} << 20);
   close(child.log);
   return said;
+}
+
+/// What the loader prints of a program's libraries, without running any of it.
+std::string asked_of_loader(const fs::path& loader, const fs::path& program) {
+  return printed_by({loader.string(), "--list", program.string()}, 20000);
+}
+
+/// What stands behind a script (conda, flatpak, docker, a shell's exec) nothing shows but what it says of itself. A
+/// program that ends by an error says that, too; one that takes longer than five seconds says nothing.
+std::string said_by_script(const fs::path& program) {
+  int status = 0;
+  const std::string said = printed_by({program.string(), "-h"}, 5000, &status);
+  Sha256 hash;
+  hash.add_field(said);
+  hash.add_field(std::to_string(status));
+  return hash.hex();
 }
 
 /// The libraries of lines such as "libz.so.1 => /lib/libz.so.1 (0x00007f...)".
@@ -65,7 +82,10 @@ Looked look_at(const std::string& program, FileHashes& files) {
   looked.identities[program] = file_identity(program);
   looked.field = "sha256:" + files.of_file(program);
   const fs::path loader = elf_interpreter(program);
-  if (loader.empty()) return looked;
+  if (loader.empty()) {
+    if (is_script(program)) looked.field += " says:" + said_by_script(program);
+    return looked;
+  }
   Sha256 hash;
   for (const std::string& library : libraries_in(asked_of_loader(loader, program))) {
     looked.identities[library] = file_identity(library);
@@ -77,6 +97,12 @@ Looked look_at(const std::string& program, FileHashes& files) {
 }
 
 }  // namespace
+
+bool is_script(const fs::path& program) {
+  std::ifstream file(program, std::ios::binary);
+  char begin[2] = {};
+  return file.read(begin, 2) && begin[0] == '#' && begin[1] == '!';
+}
 
 bool names_program(const plumbline_param& param) {
   return param.kind == PLUMBLINE_FILE && !param.is_list && param.default_text && *param.default_text &&

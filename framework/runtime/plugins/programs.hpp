@@ -15,10 +15,14 @@ namespace plumbline::runtime {
 
 bool names_program(const plumbline_param& param);
 
+/// Whether a file begins with "#!".
+bool is_script(const std::filesystem::path& program);
+
 /// The absolute path of the first file of that name on PATH that may be executed; the name itself if there is none.
 std::string find_program(const std::string& name);
 
-/// "sha256:<hash> libraries:<hash>", of a script only the first; "not installed" for a name without '/'. Throws
+/// "sha256:<hash> libraries:<hash>"; of a script "sha256:<hash> says:<hash>", the latter of what it prints when it is
+/// called with -h and of how that ends, asked once in a process; "not installed" for a name without '/'. Throws
 /// std::runtime_error if it cannot be read.
 std::string program_field(const std::string& program, FileHashes& files);
 

@@ -4,6 +4,7 @@
 #include "artifacts/block.hpp"
 #include "artifacts/deviation.hpp"
 #include "artifacts/file.hpp"
+#include "artifacts/joint_memory.hpp"
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
@@ -126,6 +127,7 @@ struct EvaluateAccuracy : Node {
   }
 
   void run(Context& context) override {
+    announce_joint(context, joint_size(model) + joint_size(survey) + joint_size(truth), 6);
     Inputs inputs;
     const PlatesT listed = plates.unpack();
     inputs.anchors = anchor_table(listed);

@@ -2,13 +2,17 @@
 #include "build/evaluate/crlb_node.hpp"
 
 #include <cmath>
+#include <cstdint>
 
+#include "artifacts/joint_memory.hpp"
 #include "geometry/packed_symmetric.hpp"
 
 namespace plumbline::judgement {
 
 void EvaluateCrlb::run(Context& context) {
   const block::BoundProblem given = problem(context);
+  const std::uint64_t coordinates = 3 * given.plates.size();
+  announce_joint(context, coordinates * (coordinates + 1) / 2, 36);  // of six unknowns a plate, reordered, inverted
   const Eigen::MatrixXd covariance = block::tag_bound(given);
   const PointsT anchors = points.unpack();
   const auto place = by_id(anchors);

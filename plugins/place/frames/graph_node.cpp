@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "artifacts/frame_artifact.hpp"
+#include "artifacts/joint_memory.hpp"
 #include "base/text/csv_table.hpp"
 #include "building/ifc/georeference.hpp"
 
@@ -62,7 +63,8 @@ std::string coordinates_csv(const FrameGraph& graph, const PointsT& points) {
 
 }  // namespace
 
-void FramesGraph::run(Context&) {
+void FramesGraph::run(Context& context) {
+  announce_joint(context, joint_size(points), 6);
   FrameGraph graph;
   graph.add(frame_link(survey.unpack(), "building", "survey"));
   if (registration) {

@@ -13,6 +13,7 @@
 
 #include "artifacts/fitted_datum.hpp"
 #include "artifacts/frame_artifact.hpp"
+#include "artifacts/joint_memory.hpp"
 #include "base/text/words.hpp"
 #include "building/ifc/georeference.hpp"
 #include "geometry/geodesy/map_projection.hpp"
@@ -270,6 +271,7 @@ PointsT with_all_coordinates(const PointsT& survey, const PointsT& designed, Con
 }  // namespace
 
 void ToBuilding::run(Context& context) {
+  announce_joint(context, joint_size(points), 12);
   const PointsT design_points = designed.unpack();
   const PointsT survey = with_all_coordinates(points.unpack(), design_points, context);
   const DesignT read = design.unpack();

@@ -1,6 +1,7 @@
 #include "show/report/survey_page_node.hpp"
 
 #include "artifacts/input_files_text.hpp"
+#include "artifacts/joint_memory.hpp"
 #include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/sections.hpp"
@@ -15,7 +16,8 @@ NetworkPage ReportSurvey::page_of_network() const {
   return network_page(network.unpack(), in_file_axes ? &file_axes : nullptr, points ? &all : nullptr);
 }
 
-void ReportSurvey::run(Context&) {
+void ReportSurvey::run(Context& context) {
+  announce_joint(context, joint_size(points), 4);
   const Speaking speaking(speech_of(*language, *units));
   if (!plan && !epochs && !network)
     throw std::runtime_error("none of the inputs plan, epochs and network is connected");

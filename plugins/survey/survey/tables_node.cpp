@@ -4,6 +4,7 @@
 #include <string>
 
 #include "artifacts/input_files_text.hpp"
+#include "artifacts/joint_memory.hpp"
 #include "point_files.hpp"
 #include "tables.hpp"
 #include "verdict_text.hpp"
@@ -23,6 +24,7 @@ FileT file_of(const char* name, const char* media_type, const std::string& text)
 }  // namespace
 
 void TablesNode::run(Context& context) {
+  announce_joint(context, joint_size(points), 4);
   const PointsT all = points.unpack();
   const SurveyNetworkT result = network.unpack();
   const TableFormat format = *decimal == "comma" ? TableFormat{',', ';'} : TableFormat{};

@@ -43,7 +43,10 @@ TEST(Programs, AnotherProgramOfTheSameNameRunsTheNodeAgain) {
   const fs::path program = path.put("storyteller", "exit 3");
   story.run();
   EXPECT_EQ(story.value("t", "number"), 3);
-  EXPECT_EQ(story.node("t").fields.at("parameter program"), "storyteller sha256:" + runtime::sha256_of_file(program));
+  EXPECT_EQ(story.node("t")
+                .fields.at("parameter program")
+                .find("storyteller sha256:" + runtime::sha256_of_file(program) + " says:"),
+            0u);
   EXPECT_EQ(story.graph.nodes[0].parameters.at("program"), program.string());
   story.run();
   EXPECT_EQ(story.status("t"), "reused");
@@ -57,6 +60,31 @@ TEST(Programs, AnotherProgramOfTheSameNameRunsTheNodeAgain) {
   story.run({"t.with.program=" + other.string()});
   EXPECT_EQ(story.status("t"), "reused") << "by its path";
   EXPECT_THROW(story.run({"t.with.program=no_such_program"}), runtime::InvalidPipeline);
+}
+
+/// A colmap that conda, a module or docker puts on PATH is a script: what stands behind it was in no key, so results of
+/// a program that always failed were taken over. Asked in processes of their own, as runs are.
+TEST(Programs, WhatStandsBehindAScriptCountsByWhatItSays) {
+  const OnPath path;
+  const fs::path behind = path.put("behind", "echo 'Teller 3.8'");
+  const fs::path wrapper = path.put("storyteller", "exec " + behind.string() + " \"$@\"");
+  const TemporaryFolder folder;
+  const auto field = [&](const std::string& name) {  // of another path: a process asks each once
+    const fs::path copy = folder.path() / name;
+    fs::copy_file(wrapper, copy);
+    runtime::FileHashes files(folder.path() / "file-hashes");
+    return runtime::program_field(copy.string(), files);
+  };
+  const std::string before = field("a");
+  EXPECT_EQ(before.find("sha256:" + runtime::sha256_of_file(wrapper) + " says:"), 0u) << before;
+  EXPECT_EQ(before, field("b"));
+  path.put("behind", "echo 'Teller 3.9'");
+  const std::string other = field("c");
+  EXPECT_NE(before, other);
+  path.put("behind", "echo 'Teller 3.9'; exit 1");
+  EXPECT_NE(other, field("d")) << "one that fails";
+  EXPECT_TRUE(runtime::is_script(wrapper));
+  EXPECT_FALSE(runtime::is_script("/bin/true"));
 }
 
 /// Of a program that is no script also the libraries that it gets from the loader.
