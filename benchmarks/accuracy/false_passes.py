@@ -4,7 +4,7 @@
     benchmarks/accuracy/false_passes.py build/bin/plumbline --campaigns 1000 --table table.md
 
 Every campaign is false_passes.yaml with a seed of its own: readings of a total station, corners of tags with noise, the
-adjustments, the verdicts with guard band; the true positions are the simulator's. The guard band (k = 1.645) promises that
+adjustments, the verdicts by conformance probability; the true positions are the simulator's. A risk of 5 % promises that
 of anchors just out of tolerance at most 5 % pass, and fewer of those further out. The interval of a share comes from the
 scatter between campaigns, because anchors of one campaign share its datum. Python's standard library only.
 """
@@ -45,7 +45,7 @@ def one_campaign(program, pipeline, seed, folder, tolerance):
     shutil.rmtree(out, ignore_errors=True)
     run = subprocess.run([program, "run", str(pipeline), f"seed={seed}", f"tolerance={1000 * tolerance:g}mm", "--out", str(out),
                           "--store", str(folder / "store")], capture_output=True, text=True)
-    if run.returncode != 0:
+    if run.returncode not in (0, 3):  # 3: a survey that fails a test by chance; nothing is decided then
         sys.exit(f"seed {seed}: {run.stderr}")
     with open(out / "truth" / "anchors.csv", newline="") as file:
         truth = {row["anchor"]: true_lengths(row) for row in csv.DictReader(file)}
