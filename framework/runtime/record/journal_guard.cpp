@@ -22,8 +22,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Kind, item, by, at. Not what it made of the item: beside the other reports of a round that may be something else.
-using JournalReport = std::vector<std::string>;
+/// What tells a report from others.
+struct JournalReport {
+  /// Kind, item, by, at. Not what it made of the item: beside the other reports of a round that may be something else.
+  std::vector<std::string> done;
+  /// Kind, item, by, round, why and what it rests on: what has no date of its own has that of the run, which another
+  /// run of the same round has not.
+  std::vector<std::string> said;
+};
 
 std::vector<JournalReport> reports_in(std::istream& stream) {
   std::vector<JournalReport> reports;
@@ -32,10 +38,13 @@ std::vector<JournalReport> reports_in(std::istream& stream) {
     if (!line.is_object()) continue;
     JournalReport report;
     for (const char* key : {"kind", "item", "by", "at"})
-      report.push_back(line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : std::string());
+      report.done.push_back(line.contains(key) && line[key].is_string() ? line[key].get<std::string>() : std::string());
+    report.said.assign(report.done.begin(), report.done.end() - 1);
+    for (const char* key : {"round", "why", "rests_on"})
+      report.said.push_back(line.contains(key) ? line[key].dump() : std::string());
     // What the program concluded follows from the reports again.
-    const bool is_told = !report[2].empty() && report[2] != "plumbline";
-    if (is_told && !report[3].empty()) reports.push_back(std::move(report));
+    const bool is_told = !report.done[2].empty() && report.done[2] != "plumbline";
+    if (is_told && !report.done[3].empty()) reports.push_back(std::move(report));
   }
   return reports;
 }
@@ -50,15 +59,25 @@ std::string journal_of(Store& store, const std::string& hash) {
 }  // namespace
 
 std::vector<std::string> missing_reports(std::istream& there, std::istream& now) {
-  const std::vector<JournalReport> known = reports_in(now);
-  const std::set<JournalReport> kept(known.begin(), known.end());
+  std::set<std::vector<std::string>> done, said;
+  for (JournalReport& report : reports_in(now))
+    done.insert(std::move(report.done)), said.insert(std::move(report.said));
   std::vector<std::string> lost;
   for (const JournalReport& report : reports_in(there))
-    if (!kept.contains(report)) lost.push_back(report[1] + " by " + report[2] + " at " + report[3]);
+    if (!done.contains(report.done) && !said.contains(report.said))
+      lost.push_back(report.done[1] + " by " + report.done[2] + " at " + report.done[3]);
   return lost;
 }
 
 namespace {
+
+/// A folder by one name, however it was typed: "rounds/2/" is "rounds/2", and a link is where it leads.
+fs::path folder_by_name(const fs::path& typed) {
+  std::error_code gone;
+  fs::path folder = fs::weakly_canonical(fs::absolute(typed), gone);
+  if (gone) folder = fs::absolute(typed).lexically_normal();
+  return folder.has_filename() ? folder : folder.parent_path();
+}
 
 std::string text_of(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -89,7 +108,7 @@ std::string lost_words(const fs::path& file, const std::string& was, const std::
 fs::path other_follower(const fs::path& folder, const std::string& journal, const fs::path& but) {
   std::istringstream lines(text_of(folder / kFollowers));
   for (std::string line; std::getline(lines, line);) {
-    const fs::path other = (folder / line).lexically_normal();
+    const fs::path other = folder_by_name(folder / line);
     if (line.empty() || other == but) continue;
     const std::string theirs = text_of(other / kJournal);
     if (theirs.size() > journal.size() && theirs.starts_with(journal)) return other;
@@ -107,7 +126,7 @@ std::set<fs::path> folders_read_from(const Graph& graph) {
       const auto list = nlohmann::json::parse(text, nullptr, false);
       const auto add = [&](const std::string& file) {
         std::error_code gone;
-        const fs::path folder = fs::absolute(fs::path(file)).lexically_normal().parent_path();
+        const fs::path folder = folder_by_name(fs::absolute(fs::path(file)).parent_path());
         if (!file.empty() && fs::is_regular_file(folder / kJournal, gone)) folders.insert(folder);
       };
       if (list.is_array())
@@ -132,7 +151,7 @@ bool is_of_a_site(const std::string& journal) {
 }  // namespace
 
 JournalGuard::JournalGuard(const Graph& graph, Store& store, const RunResult& result, fs::path out)
-    : out_(fs::absolute(out).lexically_normal()) {
+    : out_(folder_by_name(out)) {
   for (const GraphOutput& output : graph.outputs) {
     if (fs::path(output.file).filename() != kJournal) continue;
     const auto& outputs = result.nodes[output.from.node].outputs;
@@ -143,15 +162,21 @@ JournalGuard::JournalGuard(const Graph& graph, Store& store, const RunResult& re
     const std::string now = journal_of(store, found->second[0]), there = text_of(out_ / output.file);
     refusal_ = lost_words(out / output.file, there, now);
     if (!refusal_.empty() || !is_of_a_site(now)) return;
-    const fs::path folder = (out_ / output.file).parent_path();
+    const fs::path folder = folder_by_name((out_ / output.file).parent_path());
     if (const fs::path next = other_follower(folder, there, {}); !there.empty() && there != now && !next.empty()) {
       refusal_ = printable((out / output.file).string() + " is what " + (next / kJournal).string() +
                            " goes on from, and this run gives another one. Nothing was written. Go on from that "
                            "round's state; if it is to count for nothing, take its folder away");
       return;
     }
-    for (const fs::path& before : folders_read_from(graph))
-      if (refusal_.empty() && before != folder) follow(before, now);
+    // Jobs of older rounds may be read beside it, with reports that came late: the nearest round is gone on from.
+    fs::path nearest;
+    std::size_t longest = 0;
+    for (const fs::path& before : folders_read_from(graph)) {
+      const std::string journal = before == folder ? std::string() : text_of(before / kJournal);
+      if (journal.size() > longest && now.starts_with(journal)) nearest = before, longest = journal.size();
+    }
+    if (longest > 0) follow(nearest, now);
   }
 }
 

@@ -6,7 +6,7 @@
 namespace plumbline::judgement {
 namespace {
 
-constexpr std::size_t kLongest = 12;  // of 31 that a layer of DXF R12 may have
+constexpr std::size_t kLongest = 11;  // of 31 that a layer of DXF R12 may have
 
 std::string code_of(const std::string& name) {
   std::string code;

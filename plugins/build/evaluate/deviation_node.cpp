@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "artifacts/frame_artifact.hpp"
 #include "base/text/words.hpp"
@@ -44,9 +45,16 @@ std::string about_common_errors(std::size_t points) {
 }  // namespace
 
 std::vector<std::string> EvaluateDeviation::measured_in_part(const DeviationT& judged) const {
+  // A bracket at a mullion, or the upper one of a panel below, carries two: one that a panel which misses nothing has,
+  // too, does not say that its other panel is begun.
+  std::set<std::string> of_whole;
+  for (const auto& panel : judged.panels)
+    for (const auto& fixing : panel->fixings)
+      if (panel->missing.empty()) of_whole.insert(fixing->anchor);
   std::vector<std::string> panels;
   for (const auto& panel : judged.panels)
-    if (!panel->missing.empty() && !panel->fixings.empty())
+    if (!panel->missing.empty() && std::any_of(panel->fixings.begin(), panel->fixings.end(),
+                                               [&](const auto& f) { return !of_whole.contains(f->anchor); }))
       panels.push_back((panel->name.empty() ? panel->guid : panel->name) + " without " + text::join(panel->missing, 8));
   return panels;
 }

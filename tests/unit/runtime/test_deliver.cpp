@@ -45,6 +45,18 @@ TEST(JournalGuard, AReportThatIsTakenOtherwiseIsNotLost) {
   EXPECT_EQ(runtime::missing_reports(again, other), std::vector<std::string>{"b1 by robot-2 at t2"});
 }
 
+/// What has no date of its own has that of the run: run again a quarter of an hour later, a round has the same reports.
+TEST(JournalGuard, AReportThatHasTheDateOfTheRunIsThereWhenTheRoundIsRunAgain) {
+  const auto line = [](const std::string& at, const std::string& file) {
+    return R"({"kind":"bracket","item":"b1","by":"a person","at":")" + at +
+           R"(","round":2,"why":"accepted","rests_on":[")" + file + "\"]}\n";
+  };
+  std::istringstream there(line("16:00", "aa")), later(line("16:20", "aa")), again(line("16:00", "aa")),
+      other(line("16:20", "bb"));
+  EXPECT_TRUE(runtime::missing_reports(there, later).empty());
+  EXPECT_EQ(runtime::missing_reports(again, other).size(), 1u) << "of another file";
+}
+
 TEST(Deliver, ArtifactsAsJsonListsAsArraysFoldersAsTrees) {
   Story story("a: {use: story.constant, with: {value: 2.5}}\ns: {use: story.series}\nw: {use: story.folder}",
               "outputs: {one.json: a.number, sub/all.json: s.numbers, tree: w.folder, tree.json: w.folder}");
