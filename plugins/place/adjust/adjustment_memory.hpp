@@ -10,7 +10,7 @@ namespace plumbline::block {
 
 /// For the options of an adjustment, which tells what its normal equations, their factor and the selected inverse take.
 /// Beside them stand `bytes` an observation, and covariances of `joint` bodies twelve times (computed in six
-/// coordinates of each, turned, in the artifact, written: 12 with 572 anchors, benchmarks/adjust). Announced once, with
+/// coordinates of each, turned, in the artifact, written: 12 were found with 572 anchors). Announced once, with
 /// the first that is told. Must not outlive `context`.
 inline std::function<void(std::size_t)> announcer(Context& context, std::size_t observations, double bytes,
                                                   std::size_t joint) {
