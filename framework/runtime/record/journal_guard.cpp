@@ -123,16 +123,12 @@ std::set<fs::path> folders_read_from(const Graph& graph) {
     for (const auto& [name, text] : node.parameters) {
       const plumbline_param* param = node.kind.param(name);
       if (!param || param->kind != PLUMBLINE_FILE || text.empty()) continue;
-      const auto list = nlohmann::json::parse(text, nullptr, false);
-      const auto add = [&](const std::string& file) {
+      std::istringstream list(text);
+      for (std::string file; std::getline(list, file, '\x1f');) {  // as lists are kept (GraphNode::parameters)
         std::error_code gone;
         const fs::path folder = folder_by_name(fs::absolute(fs::path(file)).parent_path());
         if (!file.empty() && fs::is_regular_file(folder / kJournal, gone)) folders.insert(folder);
-      };
-      if (list.is_array())
-        for (const auto& file : list) add(file.is_string() ? file.get<std::string>() : std::string());
-      else
-        add(list.is_string() ? list.get<std::string>() : text);
+      }
     }
   return folders;
 }

@@ -98,7 +98,7 @@ MatrixXd smallest(const Halves& halves, double limit) {
   constexpr int steps = 40;
   constexpr double enough = 1e-8;  // about the angle between what is found and what it stands for: next to nothing of d
   const Index n = halves.diagonal().size();
-  MatrixXd basis = widened({}, n, first);
+  MatrixXd basis = widened(MatrixXd(n, 0), n, first);
   for (int step = 0; step < steps; ++step) {
     stop_point();
     basis = orthonormal(halves.solved(std::move(basis)));

@@ -169,7 +169,7 @@ std::string next_words(const LoopStateT& state) {
     for (const std::string& line : floor.lines) text += begin + line + "\n";
     for (const auto& [why, panels] : floor.unplanned)
       text += begin + text::join(panels, 8) + (panels.size() > 1 ? " are" : " is") + " not planned: " + why + "\n";
-    if (!floor.left_out.empty() && counts.unplanned == 0)
+    if (!floor.left_out.empty() && floor.unplanned.empty())
       text += begin + "the panels on " + text::join(floor.left_out) + " are not planned: installation.txt says why\n";
     if (!floor.sills.empty())
       text += begin + text::join(floor.sills) + " hold the bottom edges of " +

@@ -74,9 +74,10 @@ Standings standings_of(const Bench& bench, const Group& group, const Analysis& a
     Standing& standing = standings[choice->second];
     standing.unplanned += !cell.planned;
     if (!cell.has_run()) continue;
-    ++standing.cells;
-    standing.failed += cell.status == "failed";
-    standing.useless += cell.status == "done" && cell.error_size() > useless_above;
+    const bool failed = cell.status == "failed", useless = cell.status == "done" && cell.error_size() > useless_above;
+    ++standing.cells, ++standing.at[cell.place].cells;
+    standing.failed += failed, standing.useless += useless;
+    standing.at[cell.place].lost += failed || useless;
   }
   return standings;
 }

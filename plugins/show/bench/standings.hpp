@@ -16,6 +16,10 @@ struct Standing {
   bool beaten_overall = false, best_overall = false;  ///< by the verdict with the file's weights; best: and beats some
   double most_overall = 0;                            ///< [m]
   std::size_t cells = 0, failed = 0, useless = 0;
+  struct Count {
+    std::size_t cells = 0, lost = 0;  ///< lost: without result, or of no use
+  };
+  std::map<std::string, Count> at;                      ///< by place
   std::size_t unplanned = 0;                            ///< cells of which no pipeline could be made
   std::map<Stated, std::vector<std::string>> untested;  ///< who wins by more results that its own test forbids
   std::set<std::string> untested_on;                    ///< places
