@@ -47,9 +47,10 @@ double wave_in(const CellPoints& cell, bool independent) {
   for (const Spot& place : cell.own) sum += place.off, squares += place.off * place.off, noise += place.variance;
   const double found = (squares - sum * sum / count) / (count - 1);
   noise /= count;
-  if (independent)
-    noise = std::fmin(noise, std::fmin(successive_variance(cell.own, &Spot::u, &Spot::v),
-                                       successive_variance(cell.own, &Spot::v, &Spot::u)));
+  if (independent)  // of so few neighbours the least of two estimates is low
+    noise = std::fmin(
+        noise, (1 + kSure * std::sqrt(3 / count)) * std::fmin(successive_variance(cell.own, &Spot::u, &Spot::v),
+                                                              successive_variance(cell.own, &Spot::v, &Spot::u)));
   return found > noise * (1 + kSure * std::sqrt(2 / count)) ? 2 * std::sqrt(2 * (found - noise)) : 0;
 }
 

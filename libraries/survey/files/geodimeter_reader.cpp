@@ -46,6 +46,7 @@ class GeodimeterReader {
   bool has_units_ = false, has_angles_ = false;
   Target target_;
   std::string point_;               // that coordinates belong to
+  bool is_station_ = false;         // of label 2
   std::set<std::string> measured_;  // targets that have readings
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kNotGiven);
   /// What the circle read, or was set to, at a reference object (62, 21); its azimuth follows from coordinates.
@@ -151,9 +152,9 @@ void GeodimeterReader::orient_set_ups() {
 }
 
 void GeodimeterReader::finish_point() {
-  // Behind readings they are what came out; alone, and of a station, they were keyed in.
+  // Behind readings, and of a station that may be a free one, they are what came out; alone they were keyed in.
   if (!point_.empty() && !at_.array().isNaN().all()) {
-    if (measured_.contains(point_))
+    if (is_station_ || measured_.contains(point_))
       builder_.give_coordinates(point_, at_, builder_.at(line_, 1));
     else
       builder_.know_coordinates(point_, at_, builder_.at(line_, 1));
@@ -168,7 +169,7 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
       finish_target();
       finish_point();
       finish_reference();
-      point_ = std::string(value);
+      point_ = std::string(value), is_station_ = true;
       if (value.empty()) return builder_.skip(line_, 1, "2=", "the name of the station");
       builder_.start_set_up(point_, instrument_height_ = kNotGiven, builder_.at(line_, 1));
       return;
@@ -181,7 +182,7 @@ void GeodimeterReader::read_label(long long label, std::string_view value) {
     case 62:
       finish_target();
       finish_point();
-      point_ = target_.name = std::string(value);
+      point_ = target_.name = std::string(value), is_station_ = false;
       if (label == 62) finish_reference(), reference_ = point_;
       target_.source = builder_.at(line_, 1);
       return;

@@ -35,8 +35,12 @@ class Gts7Reader {
   int line_ = 0;
   double metres_ = 1;
   bool gon_ = false, has_units_ = false;
-  std::string place_of_;            // point that an XYZ belongs to
-  bool is_target_ = false;          // it is sighted, not the station or its backsight
+  std::string place_of_;    // point that an XYZ belongs to
+  bool is_target_ = false;  // it is sighted, not the station or its backsight
+  bool is_station_ = false;
+  std::string station_;
+  Eigen::Vector3d station_at_ = Eigen::Vector3d::Constant(kNotGiven);  // known if a backsight follows [m]
+  SourcePosition station_source_;
   std::set<std::string> measured_;  // targets that have readings
   std::string target_, code_;
   double target_height_ = kNotGiven;
@@ -91,8 +95,12 @@ void Gts7Reader::read_measured(std::string_view key, const Parts& values) {
 void Gts7Reader::read_place(const Parts& values) {
   const Eigen::Vector3d at(length(values, 0, "E"), length(values, 1, "N"), length(values, 2, "H"));
   if (place_of_.empty() || at.array().isNaN().all()) return;
-  // Of a station and its backsight they were keyed in; of a target they are what came out.
-  if (is_target_ || measured_.contains(place_of_)) {
+  // Of a backsight they were keyed in, and of the station that has one; of a target, and of a free station, they are
+  // what came out.
+  if (is_station_) {
+    builder_.give_coordinates(place_of_, at, builder_.at(line_, 1));
+    station_at_ = at, station_source_ = builder_.at(line_, 1);
+  } else if (is_target_ || measured_.contains(place_of_)) {
     builder_.compute_coordinates(place_of_);
     builder_.give_coordinates(place_of_, at, builder_.at(line_, 1));
   } else {
@@ -115,17 +123,20 @@ void Gts7Reader::read_record(std::string_view key, const Parts& values) {
     gon_ = values.size() > 1 && text::trim(values[1]) == "G";
     builder_.survey.info.angles_in_degrees = !gon_;
   } else if (key == "STN") {
-    place_of_ = name(), is_target_ = false;
+    place_of_ = station_ = name(), is_target_ = false, is_station_ = true;
+    station_at_.setConstant(kNotGiven);
     if (place_of_.empty()) return builder_.skip(line_, 1, key, "the name of the station");
     builder_.start_set_up(place_of_, length(values, 1, "an instrument height"), builder_.at(line_, 1));
     target_.clear();
   } else if (key == "BKB") {
-    place_of_ = name(), is_target_ = false;
+    if (!station_at_.array().isNaN().all() && !measured_.contains(station_))
+      builder_.know_coordinates(station_, station_at_, station_source_);
+    place_of_ = name(), is_target_ = is_station_ = false;
     const double azimuth = angle(values, 1, "an azimuth"), reading = angle(values, 2, "a circle reading");
     if (builder_.current_set_up() >= 0 && !std::isnan(azimuth) && !std::isnan(reading))
       builder_.survey.set_ups[builder_.current_set_up()].stated_orientation = wrap_to_circle(azimuth - reading);
   } else if (key == "BS" || key == "FS" || key == "SS") {
-    place_of_ = target_ = name(), is_target_ = true;
+    place_of_ = target_ = name(), is_target_ = true, is_station_ = false;
     target_height_ = length(values, 1, "a target height");
     code_ = values.size() > 2 ? std::string(text::trim(values[2])) : "";
     if (target_.empty()) builder_.skip(line_, 1, key, "the name of the target");

@@ -58,7 +58,7 @@ class ZeissReader {
   std::vector<std::pair<Record, int>> before_station_;  // backsights read before the station is named, with their lines
   bool orienting_ = false;                              // between the station and POLAR
   bool station_given_ = false;                          // of that orientation
-  bool free_station_ = false;                           // its coordinates were computed from its sights
+  bool free_station_ = true;                            // its coordinates may be computed from its sights
   std::size_t records_ = 0;
   bool line_is_read_ = false;  // a staff of this levelling line
 };
@@ -169,7 +169,7 @@ void ZeissReader::read_message(const Record& record) {
   } else if (has("station repeated") || has("standpunkt wiederholt")) {
     level_.drop_position();
   } else if (text.find("stat") != std::string::npos || has("or.coor") || has("or.")) {
-    if (has("stat")) station_given_ = false, free_station_ = has("un stat") || has("un.stat") || has("free");
+    if (has("stat")) station_given_ = false, free_station_ = !has("kn stat") && !has("kn.stat") && !has("bek");
     orienting_ = true;
   }
   if (const double om = angle(record, "Om"); !std::isnan(om) && current()) {

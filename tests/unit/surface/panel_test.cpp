@@ -195,6 +195,15 @@ TEST(Panel, ANoiseThatIsStatedTooLargeHidesNoWave) {
   EXPECT_EQ(measure_panel(kFace, {twice}, scan).hidden, 0) << "a point that stands there twice is no neighbour";
 }
 
+/// Cells of few points: the least of two estimates of their noise is low, and 1400 cells are many.
+TEST(Panel, WhiteNoiseIsNoWaveWhereCellsHaveFewPoints) {
+  PanelOptions scan;
+  scan.independent = true, scan.cell = 0.04;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
+    EXPECT_EQ(measure_panel(kFace, {points_at([](double, double) { return 0.0; }, kFace, seed)}, scan).hidden, 0)
+        << seed;
+}
+
 /// Grooves of 12 mm every 0.1 m are fewer than half of a cell: they do not count in the surface, and are of the panel.
 TEST(Panel, GroovesThatTheSurfaceLeavesOutAreHiddenInIt) {
   PanelOptions scan;

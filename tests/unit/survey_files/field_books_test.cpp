@@ -109,6 +109,13 @@ TEST(FieldBooks, WhatIsKeyedInOfStationAndBacksightIsKnown) {
     EXPECT_EQ(point(s, "B").known, all) << s.info.format;
     EXPECT_EQ(point(s, "P").known, none) << "it came out: " << s.info.format;
   }
+  // A free station has what came out of its sights.
+  const auto free_gts7 = read_topcon_gts7(
+      "TopSURV v1\nUNITS   M,G\nSTN     S,1.5,\nXYZ     5000,1000,100\nSS      P,1.5,\nSD      50.0,100.0,50.0\n",
+      "f.gts7");
+  const auto free_job =
+      read_geodimeter("23=1112\n2=S\n37=1000\n38=5000\n39=100\n3=1.5\n5=P\n6=1.5\n7=50\n8=100\n9=50\n", "f.job");
+  for (const SurveyObservations& s : {free_gts7, free_job}) EXPECT_EQ(point(s, "S").known, none) << s.info.format;
 }
 
 TEST(Zeiss, ABacksightMayStandBehindItsStation) {
