@@ -316,6 +316,7 @@ int run(const Options& options) {
     std::fprintf(stderr, "plumbline: %s\n", guard->refusal().c_str());
     return 1;
   }
+  if (guard && !guard->warning().empty()) std::fprintf(stderr, "plumbline: %s\n", guard->warning().c_str());
   if (!result.cancelled && !stop_is_asked_for())
     deliveries = deliver(graph, store, result, folder, &stop_is_asked_for());
   // Who stopped the run at its very end gets the same answer as who did it earlier.

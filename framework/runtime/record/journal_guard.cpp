@@ -176,14 +176,32 @@ JournalGuard::JournalGuard(const Graph& graph, Store& store, const RunResult& re
   }
 }
 
+/// `other`: the run that went on from `before` already; empty: none.
+void JournalGuard::refuse_another(const fs::path& before, const fs::path& other) {
+  if (other.empty()) return;
+  refusal_ = printable("a round was already run on this state: " + (other / kJournal).string() + " goes on from " +
+                       (before / kJournal).string() +
+                       ". Nothing was written: there would be two jobs for the same items, and neither had what was "
+                       "reported to the other. Run this round into " +
+                       other.string() + " with both runs' reports, or go on from " + (other / "state.json").string() +
+                       "; if that run is to count for nothing, take its folder away");
+}
+
 /// Two runs on one state would be two jobs for the same items, and each would lack what was reported to the other.
 void JournalGuard::follow(const fs::path& before, const std::string& now) {
   const std::string journal = text_of(before / kJournal);
   if (journal.empty() || !now.starts_with(journal)) return;
   const fs::path note = before / kFollowers;
   const int file = ::open(note.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+  const int failed = errno;
+  if (file < 0 && (failed == EACCES || failed == EROFS || failed == EPERM)) {
+    refuse_another(before, other_follower(before, journal, out_));
+    warning_ = printable(note.string() + " cannot be written (" + std::strerror(failed) +
+                         "): a second run on this state would not be noticed");
+    return;
+  }
   if (file < 0) {
-    refusal_ = printable("cannot write " + note.string() + " (" + std::strerror(errno) +
+    refusal_ = printable("cannot write " + note.string() + " (" + std::strerror(failed) +
                          "): without it a second run on this state would not be noticed. Nothing was written. Copy " +
                          before.string() + " to where you may write, and go on from there");
     return;
@@ -191,15 +209,8 @@ void JournalGuard::follow(const fs::path& before, const std::string& now) {
   locks_.push_back(file);
   while (::flock(file, LOCK_EX) != 0 && errno == EINTR) {
   }
-  if (const fs::path other = other_follower(before, journal, out_); !other.empty()) {
-    refusal_ = printable("a round was already run on this state: " + (other / kJournal).string() + " goes on from " +
-                         (before / kJournal).string() +
-                         ". Nothing was written: there would be two jobs for the same "
-                         "items, and neither had what was reported to the other. Run this round into " +
-                         other.string() + " with both runs' reports, or go on from " + (other / "state.json").string() +
-                         "; if that run is to count for nothing, take its folder away");
-    return;
-  }
+  refuse_another(before, other_follower(before, journal, out_));
+  if (!refusal_.empty()) return;
   const std::string line = out_.lexically_relative(before).string() + "\n";
   std::istringstream known(text_of(note));
   for (std::string there; std::getline(known, there);)

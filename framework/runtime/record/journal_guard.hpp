@@ -27,12 +27,15 @@ class JournalGuard {
   /// something and when (`by` and `at`; not what the program itself says). What is simulated has no date, and may be
   /// run anew.
   const std::string& refusal() const { return refusal_; }
+  /// What cannot be watched, in words; empty: nothing.
+  const std::string& warning() const { return warning_; }
 
  private:
   void follow(const std::filesystem::path& before, const std::string& now);
+  void refuse_another(const std::filesystem::path& before, const std::filesystem::path& other);
 
   std::filesystem::path out_;
-  std::string refusal_;
+  std::string refusal_, warning_;
   std::vector<int> locks_;
 };
 

@@ -38,6 +38,13 @@ std::string why_unseen(const EpochFinding& finding, const DeviationT& after, con
   if (finding.kind != "shift") return "";
   if (!after.doubts.empty()) return "this campaign's measurement is not to be trusted";
   if (!changes.together.isZero()) return "all anchors seem to have moved by the same";
+  for (const auto& change : changes.changes) {
+    const std::string& anchor = change->guid.empty() ? change->id : change->guid;
+    if (change->kind == "anchor" && change->change == ChangeKind::still_open &&
+        change->after == ToleranceVerdict::pass &&
+        std::find(finding.anchors.begin(), finding.anchors.end(), anchor) != finding.anchors.end())
+      return "its anchors pass, and what they pass by does not count as mended";
+  }
   const auto again = std::count_if(finding.anchors.begin(), finding.anchors.end(),
                                    [&](const std::string& anchor) { return measured.contains(anchor); });
   if (again >= kFewest && 2 * again >= static_cast<std::ptrdiff_t>(finding.anchors.size())) return "";

@@ -94,7 +94,9 @@ class Propagation {
     add(beyond(truth, interior, explained), evidence, {}, {}, false);
   }
 
+  /// By the corners' variance factor: in the covariance that is written for a camera it is, too.
   void scale_poses(double factor) {
+    corners_ = factor;
     for (AdjustedMarkerImage& image : result_.images) image.covariance *= factor;
   }
 
@@ -145,7 +147,7 @@ class Propagation {
     const Eigen::MatrixXd& formal = truth.evidence.formal;
     const Eigen::LLT<Eigen::MatrixXd> root(formal);
     if (interior.empty() || root.info() != Eigen::Success) return Eigen::MatrixXd::Zero(cofactor_.rows(), 0);
-    const Eigen::MatrixXd more = truth.empirical.written - formal - explained;
+    const Eigen::MatrixXd more = truth.empirical.written - corners_ * formal - explained;
     const Eigen::MatrixXd half = root.matrixL().solve(more);
     const Eigen::MatrixXd white = root.matrixL().solve(Eigen::MatrixXd(half.transpose()));
     const linear_algebra::SymmetricEigen axes(0.5 * (white + white.transpose()));
@@ -175,6 +177,7 @@ class Propagation {
   const Eigen::MatrixXd& cofactor_;
   MarkerResult& result_;
   std::vector<Columns> columns_;
+  double corners_ = 1;
 };
 
 }  // namespace

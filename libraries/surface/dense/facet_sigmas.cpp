@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "geometry/median.hpp"
+
 namespace plumbline::surface {
 namespace {
 
@@ -102,6 +104,13 @@ std::vector<double> sigmas_within(const std::vector<const Facet*>& facets, doubl
   std::vector<size_t> numbers(facets.size());
   std::iota(numbers.begin(), numbers.end(), size_t{0});
   std::vector<double> sigmas(facets.size(), std::numeric_limits<double>::infinity());
+  // Of a facade where all facets are known a little worse than asked for none is another thing than the rest.
+  std::vector<double> measured;
+  const std::vector<double> first = stated_sigmas(left);
+  for (size_t i = 0; i < left.size(); ++i)
+    if (left[i]->outcome == FacetOutcome::measured) measured.push_back(first[i]);
+  constexpr double far_worse = 3;  // than half of the others
+  if (!measured.empty()) most = std::max(most, far_worse * upper_median(measured));
   for (;;) {
     const std::vector<double> found = stated_sigmas(left);
     const double worst = found.empty() ? 0 : *std::max_element(found.begin(), found.end());

@@ -158,7 +158,10 @@ std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest,
         auto joint = joint_between(faces[i], faces[j], axis, widest, offset);
         if (!joint) continue;
         const Eigen::Vector3d half = 0.5 * joint->width * joint->plane.axes.col(0);
-        if (something_between(faces, i, j, joint->plane.origin - half, joint->plane.origin + half)) continue;
+        constexpr double kNothingFits = 0.06;  // no panel is narrower: what lies there is behind the joint [m]
+        if (joint->width > kNothingFits &&
+            something_between(faces, i, j, joint->plane.origin - half, joint->plane.origin + half))
+          continue;
         joint->face_a = i, joint->face_b = j;
         joints.push_back(*joint);
       }

@@ -278,7 +278,7 @@ class AtTheEdge {
     if (outer.residuals.empty() || inner.residuals.empty()) return;
     constexpr double something_else = 0.01;  // [m]
     const double here = upper_median(outer.residuals), behind = upper_median(inner.residuals);
-    Sums& sums = std::max(std::abs(here), std::abs(behind)) > something_else ? before_ : own_;
+    Sums& sums = std::max(here, behind) > something_else ? before_ : own_;
     sums.squares += std::pow((1 + further_) * here - further_ * behind, 2), ++sums.count;
     sums.noise += std::pow(1 + further_, 2) * outer.variance() + std::pow(further_, 2) * inner.variance();
   }

@@ -28,7 +28,7 @@ struct WriteInstallation : Node {
 };
 
 struct WriteInstallationBcf : Node {
-  static constexpr Info info{"bim.write_installation_bcf", "", 1,
+  static constexpr Info info{"bim.write_installation_bcf", "", 2,
                              "Issues of an execution loop in BCF 2.1: open for what a person is to look at, closed for "
                              "what was mended, with what the journal says as comments"};
   In<plumbline::Design> design{"design", frame("frame=?F"), "the design, for the ids"};

@@ -203,7 +203,7 @@ struct WriteIfc : Node {
 };
 
 struct WriteBcf : Node {
-  static constexpr Info info{"bim.write_bcf", "", 7,
+  static constexpr Info info{"bim.write_bcf", "", 8,
                              "Issues in BCF 2.1 or 3.0: a topic with viewpoint and snapshot for every failing or "
                              "undecided anchor, panel and surface"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};

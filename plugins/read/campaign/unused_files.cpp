@@ -46,7 +46,7 @@ std::vector<std::string> sheets_of_known_points(const fs::path& path) {
   std::vector<std::string> names;
   try {
     for (const WorkbookSheet& sheet : sheets_of(text::read_whole(path), path))
-      if (has_columns_of_points(sheet.csv) && !is_table_of_plates(sheet.csv) && !is_table_of_tags(sheet.csv))
+      if (has_columns_of_points(sheet.csv, false) && !is_table_of_plates(sheet.csv) && !is_table_of_tags(sheet.csv))
         names.push_back(sheet.name);
   } catch (const std::runtime_error&) {  // who reads it says so
   }
@@ -126,13 +126,13 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
   std::sort(files.begin(), files.end());
   std::vector<UnusedFile> unused;
   for (const std::string& path : files) {
-    const bool used = uses.count(path) > 0;
-    if (used && is_workbook(path) && description.control.empty())
-      for (const std::string& sheet : sheets_of_known_points(root / path)) unused.push_back({path, sheet, "control"});
-    if (used) continue;
     const auto& aside = description.unused;
-    unused.push_back({path, "", looks_like(root, path, description.control.empty()),
-                      std::find(aside.begin(), aside.end(), path) != aside.end()});
+    const bool used = uses.count(path) > 0, is_set_aside = std::find(aside.begin(), aside.end(), path) != aside.end();
+    if (used && is_workbook(path) && description.control.empty())
+      for (const std::string& sheet : sheets_of_known_points(root / path))
+        unused.push_back({path, sheet, "control", is_set_aside});
+    if (used) continue;
+    unused.push_back({path, "", looks_like(root, path, description.control.empty()), is_set_aside});
   }
   return unused;
 }

@@ -68,11 +68,13 @@ std::optional<std::pair<std::size_t, std::size_t>> place_of(std::string_view ref
   return std::pair{column - 1, static_cast<std::size_t>(*row - 1)};
 }
 
-/// Days and years in it, outside of what is written as it stands ("..." and \\x) and of colours ([Red]).
+/// Days and years in it, outside of what is written as it stands ("..." and \\x), of blanks as
+/// wide as a letter (_x), of what fills (*x) and of colours ([Red]).
 bool is_format_of_dates(const std::string& code) {
+  if (code == "Standard") return false;  // "General" in German
   bool quoted = false, bracketed = false;
   for (std::size_t i = 0; i < code.size(); ++i) {
-    if (code[i] == '\\' && !quoted) {
+    if (!quoted && (code[i] == '\\' || code[i] == '_' || code[i] == '*')) {
       ++i;
     } else if (code[i] == '"') {
       quoted = !quoted;

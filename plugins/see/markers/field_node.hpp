@@ -8,7 +8,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerField : Node {
-  static constexpr Info info{"adjust.marker_field", "", 3,
+  static constexpr Info info{"adjust.marker_field", "", 4,
                              "Orients photographs in a field of tags with an approximate layout"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};

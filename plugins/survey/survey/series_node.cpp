@@ -215,7 +215,8 @@ void EpochSeriesNode::run(Context& context) {
     const std::string name = name_of(survey, dated.size());
     const NetworkResult r = adjusted(context, survey, name);
     SurveyNetworkT network = to_network_artifact(r, {});
-    untrusted = untrusted || proves_nothing(network);
+    // Epochs that nothing controls by themselves (one station, lists of coordinates) are tested against each other.
+    untrusted = untrusted || (r.degrees_of_freedom > 0 && proves_nothing(network));
     largest = std::max(largest, r.defect), smallest = std::min(smallest, r.defect);
     DatedEpoch& epoch = dated.emplace_back();
     epoch.name = name;
