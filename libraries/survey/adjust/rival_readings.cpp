@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kDecides = 10.8;  // of v'Pv: 0.1 %
 constexpr std::size_t kMostCandidates = 50;
-constexpr double kAlike = 0.5;  // square of the correlation of two tests
+constexpr double kOneTest = 0.5;  // square of the correlation of two tests
 
 /// A row of the problem that may explain what another one does.
 struct Candidate {
@@ -80,7 +80,7 @@ std::vector<Adjuster::RivalReading> Adjuster::rivals_of(const Pass& pass, int ro
       one.numerator = one.c.dot(lin.residuals.segment(block.row, block.rows)) - one.shared * out->residual / total;
       // Its information is at least what it shares: where even that is too much it cannot explain enough. And one that
       // shares little is a misfit of its own: with it out the other one would fail as before.
-      if (one.shared * one.shared > kAlike * total * least_squares::kUncontrolled * one.own &&
+      if (one.shared * one.shared > kOneTest * total * least_squares::kUncontrolled * one.own &&
           one.numerator * one.numerator > (explained - kDecides) * one.shared * one.shared / total)
         candidates.push_back(std::move(one));
     }
@@ -97,7 +97,7 @@ std::vector<Adjuster::RivalReading> Adjuster::rivals_of(const Pass& pass, int ro
     const Candidate& c = candidates[k];
     const double information = c.own - network[static_cast<Eigen::Index>(k)] + c.shared * c.shared / total;
     if (!(information > least_squares::kUncontrolled * c.own)) continue;
-    if (!(c.shared * c.shared > kAlike * total * information)) continue;
+    if (!(c.shared * c.shared > kOneTest * total * information)) continue;
     const double less = explained - c.numerator * c.numerator / information;
     if (!(less < kDecides)) continue;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(z.size());
