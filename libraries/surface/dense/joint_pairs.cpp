@@ -64,9 +64,12 @@ bool within_reach(const PanelFace& a, const PanelFace& b, double apart) {
   return (a.plane.origin - b.plane.origin).squaredNorm() <= reach * reach;
 }
 
-/// Whether a third face lies on the way from the one to the other, so that they are no neighbours.
+/// Whether a third face lies on the way from the one to the other, so that they are no neighbours. In the way of a
+/// joint lies what is flush with its panels; a sheet behind it is none of them.
 bool something_between(const std::vector<PanelFace>& faces, size_t a, size_t b, const Eigen::Vector3d& from,
                        const Eigen::Vector3d& to) {
+  constexpr double usual = 0.06, flush = 0.01;  // widths of joints; of thin panels in one plane [m]
+  const double depth = (to - from).norm() <= usual ? flush : kOffset;
   const Eigen::Vector3d middle = 0.5 * (from + to);
   for (size_t f = 0; f < faces.size(); ++f) {
     if (f == a || f == b) continue;
@@ -75,7 +78,7 @@ bool something_between(const std::vector<PanelFace>& faces, size_t a, size_t b, 
     for (const double part : {0.1, 0.3, 0.5, 0.7, 0.9}) {
       const Eigen::Vector3d at = faces[f].plane.local(from + part * (to - from));
       if (std::abs(at.x()) < 0.5 * faces[f].width && std::abs(at.y()) < 0.5 * faces[f].height &&
-          std::abs(at.z()) <= kOffset)
+          std::abs(at.z()) <= depth)
         return true;
     }
   }
@@ -158,10 +161,7 @@ std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest,
         auto joint = joint_between(faces[i], faces[j], axis, widest, offset);
         if (!joint) continue;
         const Eigen::Vector3d half = 0.5 * joint->width * joint->plane.axes.col(0);
-        constexpr double kNothingFits = 0.06;  // no panel is narrower: what lies there is behind the joint [m]
-        if (joint->width > kNothingFits &&
-            something_between(faces, i, j, joint->plane.origin - half, joint->plane.origin + half))
-          continue;
+        if (something_between(faces, i, j, joint->plane.origin - half, joint->plane.origin + half)) continue;
         joint->face_a = i, joint->face_b = j;
         joints.push_back(*joint);
       }

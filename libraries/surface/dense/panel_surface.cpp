@@ -303,8 +303,10 @@ class AtTheEdge {
 /// What is known so much less surely than the rest along the edges says nothing of them.
 void leave_out_unsure(std::vector<CellMisfit>& cells, double times) {
   std::vector<double> weights;
+  weights.reserve(cells.size());
   for (const CellMisfit& cell : cells)
     if (cell.weight > 0) weights.push_back(cell.weight);
+  if (weights.empty()) return;
   const double least = upper_median(weights) / (times * times);
   for (CellMisfit& cell : cells)
     if (cell.weight < least) cell = {};
