@@ -30,10 +30,15 @@ bool is_table_of_tags(const std::string& text) {
          has_columns(text::read_csv(text, {{"image", "image"}, {"tag_id", "tag_id"}}), {"image", "tag_id"});
 }
 
-bool has_columns_of_points(const std::string& text, bool heights_too) {
+bool has_columns_of_places(const std::string& text) {
+  const text::CsvTable table = text::read_csv(text, control::point_column_names(), text::TitleRows::passed_over);
+  return has_columns(table, {"id", "e", "n"}) || has_columns(table, {"id", "x", "y"});
+}
+
+bool has_columns_of_points(const std::string& text) {
   const text::CsvTable table = text::read_csv(text, control::point_column_names(), text::TitleRows::passed_over);
   return has_columns(table, {"id", "e", "n"}) || has_columns(table, {"id", "x", "y"}) ||
-         (heights_too && has_columns(table, {"id", "h"}));
+         has_columns(table, {"id", "h"});
 }
 
 bool is_table_of_names(const std::string& text) {

@@ -12,8 +12,10 @@ bool is_table_of_plates(const std::string& text);
 /// An observations.csv: tags that another program has measured.
 bool is_table_of_tags(const std::string& text);
 
-/// Columns for a name and for E and N, X and Y, or (`heights_too`) H; titles may stand above them.
-bool has_columns_of_points(const std::string& text, bool heights_too = true);
+/// Columns for a name and for E and N, or X and Y; titles may stand above them.
+bool has_columns_of_places(const std::string& text);
+/// The same, or for H alone.
+bool has_columns_of_points(const std::string& text);
 
 /// A table of names: points and the elements of the design that they are on.
 bool is_table_of_names(const std::string& text);

@@ -46,7 +46,7 @@ std::vector<std::string> sheets_of_known_points(const fs::path& path) {
   std::vector<std::string> names;
   try {
     for (const WorkbookSheet& sheet : sheets_of(text::read_whole(path), path))
-      if (has_columns_of_points(sheet.csv, false) && !is_table_of_plates(sheet.csv) && !is_table_of_tags(sheet.csv))
+      if (has_columns_of_places(sheet.csv) && !is_table_of_plates(sheet.csv) && !is_table_of_tags(sheet.csv))
         names.push_back(sheet.name);
   } catch (const std::runtime_error&) {  // who reads it says so
   }
