@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "surface/dense/joint_pairs.hpp"
+
 namespace plumbline::surface {
 namespace common_place_test {
 
