@@ -5,14 +5,13 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "plumbline/node.hpp"
-
 namespace plumbline {
 
 /// Of points whose joint covariance has `packed` values (a triangle), which the node holds `copies` times: as it came,
 /// unpacked, moved, in what it writes. A square one counts as two. Measured with 572 and 1188 points. Said where it is
 /// worth waiting for; once a run of a node.
-inline void announce_joint(Context& context, std::uint64_t packed, std::uint64_t copies) {
+template <class Context>  // of a node; a library has none
+void announce_joint(Context& context, std::uint64_t packed, std::uint64_t copies) {
   constexpr std::uint64_t worth_announcing = 64'000'000;
   const std::uint64_t bytes = copies * packed * sizeof(double);
   if (bytes > worth_announcing) context.reserve_memory(bytes);

@@ -225,9 +225,10 @@ void AdjustNode::run(Context& context) {
   tables.readings_left_out = std::max(0, tables.readings - result.readings);
   if (tables.readings_left_out > 0)  // a pipeline without a summary says it, too
     context.info("took part: " + counted_readings(tables.readings, tables.readings_left_out));
-  // A list of coordinates is no survey that failed: who judges by it says that nothing tested it.
-  const bool is_list = result.without_readings && result.validity != Validity::invalid;
-  context.metric("invalid", !is_list && proves_nothing(tables) ? 1 : 0, "1");
+  // What nothing tests by itself (a list of coordinates, sights from one station, an epoch) is no survey that failed:
+  // who judges by it says that nothing tested it.
+  const bool untested = result.degrees_of_freedom == 0 && result.validity != Validity::invalid;
+  context.metric("invalid", !untested && proves_nothing(tables) ? 1 : 0, "1");
   network.commit(tables);
 }
 

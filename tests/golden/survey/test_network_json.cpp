@@ -1,5 +1,7 @@
 // `plumbline run survey_network` on gama-local files, as their user meets it: coordinates and standard deviations in
 // network.json are compared with the stored result as they stand, in the axes of the file.
+#include <sys/wait.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -20,7 +22,10 @@ Json run_pipeline(const std::filesystem::path& file) {
                               "' '" PLUMBLINE_PROGRAM "' run '" + std::string(plumbline::test::source_dir()) +
                               "/pipelines/survey_network.yaml' 'file=" + file.string() + "' --out '" + out + "' > '" +
                               (folder.path() / "log").string() + "' 2>&1";
-  if (std::system(command.c_str()) != 0) throw std::runtime_error(test::read_file(folder.path() / "log"));
+  // One network has a common error that is no accident, and ends with 3 for it; its numbers are there all the same.
+  const int status = std::system(command.c_str());
+  if (!WIFEXITED(status) || (WEXITSTATUS(status) != 0 && WEXITSTATUS(status) != 3))
+    throw std::runtime_error(test::read_file(folder.path() / "log"));
   return Json::parse(test::read_file(out + "/network.json"));
 }
 

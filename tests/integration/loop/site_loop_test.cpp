@@ -347,12 +347,14 @@ TEST(SiteLoop, AStateIsGoneOnFromOnce) {
   // What was gone on from is not made another one under whoever went on.
   const Answer third = run_round(plumbline, 3, {"state=a/state.json", "reports.with.json=[]", "folder=campaign2"});
   ASSERT_TRUE(third.code == 0 || third.code == 3) << third.err;
-  const std::vector<std::string> other_words = {"setting_sigma=0.004", "reports.with.json=[one.json, other.json]"};
+  const std::vector<std::string> other_words = {"reported.with.moved_control=[K1]",
+                                                "reports.with.json=[one.json, other.json]"};
   const Answer under = run_round(plumbline, 2, other_words, "a");
   EXPECT_EQ(under.code, 1) << under.err;
   EXPECT_TRUE(contains(under.err, "goes on from, and this run gives another one")) << under.err;
   fs::remove_all(plumbline.work() / "round3");
-  EXPECT_EQ(run_round(plumbline, 2, other_words, "a").code, 0);
+  const Answer alone = run_round(plumbline, 2, other_words, "a");
+  EXPECT_TRUE(alone.code == 0 || alone.code == 3) << alone.err;
 }
 
 /// Points of a layout file: PtID;E;N;H.

@@ -622,7 +622,7 @@ TEST(EpochSeriesNode, EveryParameterHasItsEffect) {
   EXPECT_EQ(parameters_at_fault({situation("0\x1f"
                                            "30\x1f"
                                            "60")},
-                                {"geoid_height", "mean_height", "datum"}),
+                                {"geoid_height", "geoid_slope", "mean_height", "datum"}),
             "");
 }
 
@@ -679,7 +679,7 @@ TEST(CheckControlNode, EveryParameterHasItsEffect) {
   };
   // One file, in a plane: no stations of several, and nothing that a map would change.
   EXPECT_EQ(parameters_at_fault({situation(n.survey), situation(unweighted)},
-                                {"geoid_height", "mean_height", "same_stations"}),
+                                {"geoid_height", "geoid_slope", "mean_height", "same_stations"}),
             "");
 }
 
