@@ -345,7 +345,9 @@ TEST(SiteLoop, AStateIsGoneOnFromOnce) {
   const Answer both = second("a", "one.json, other.json");
   EXPECT_EQ(both.code, 0) << both.err;
   // What was gone on from is not made another one under whoever went on.
-  const Answer third = run_round(plumbline, 3, {"state=a/state.json", "reports.with.json=[]", "folder=campaign2"});
+  const Answer third =
+      run_round(plumbline, 3,
+                {"state=a/state.json", "reports.with.json=[]", "folder=campaign2", "reported.with.moved_control=[K1]"});
   ASSERT_TRUE(third.code == 0 || third.code == 3) << third.err;
   const std::vector<std::string> other_words = {"reported.with.moved_control=[K1]",
                                                 "reports.with.json=[one.json, other.json]"};
