@@ -136,24 +136,33 @@ bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& n
   return true;
 }
 
-/// Whether a JPEG or PNG lacks the mark of its end; of other files nothing is known. Cameras write trailers of some
-/// kilobytes behind it, and the compressed picture cannot hold it.
+/// Whether a file lacks the mark of its end: of JPEG and PNG (cameras write trailers of some kilobytes behind it, and
+/// the compressed picture cannot hold it), of IFC, of what is zipped, and the last line end of text. Of other files
+/// nothing is known.
 bool is_copied_in_part(const fs::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending != ".jpg" && ending != ".jpeg" && ending != ".png") return false;
+  const auto is_one_of = [&](auto... endings) { return ((ending == endings) || ...); };
   constexpr std::streamoff kTail = 1 << 16;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) return false;
   const std::streamoff size = file.tellg();
   file.seekg(std::max<std::streamoff>(0, size - kTail));
   const std::string tail(std::istreambuf_iterator<char>(file), {});
-  return tail.find(ending == ".png" ? "IEND" : "\xFF\xD9") == std::string::npos;
+  const auto has = [&](std::string_view mark) { return tail.find(mark) != std::string::npos; };
+  if (is_one_of(".jpg", ".jpeg")) return !has("\xFF\xD9");
+  if (ending == ".png") return !has("IEND");
+  if (ending == ".ifc") return !has("END-ISO-10303-21");
+  if (is_one_of(".ifczip", ".xlsx", ".zip")) return !has("PK\5\6");
+  if (is_one_of(".gsi", ".sdr", ".csv", ".txt", ".dat", ".raw", ".rw5", ".idx", ".job", ".xml", ".jxl", ".gkf"))
+    return tail.find_last_of("\n\r\x1A") + 1 != tail.size() &&
+           std::count(tail.begin(), tail.end(), '\n') > 2;  // no note
+  return false;
 }
 
-constexpr int kPatience = 60;  // [s]: a photograph without an end is waited for so long, because it may have none
+constexpr int kPatience = 60;  // [s]: a file without an end is waited for so long, because it may have none
 
-/// Photographs that have come or changed since `last` (without a last run: within the last minute) and have no end.
+/// Files that have come or changed since `last` (without a last run: within the last minute) and have no end.
 std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& now) {
   std::vector<std::string> names;
   const long long recent = std::time(nullptr) - kPatience;
@@ -165,7 +174,7 @@ std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& no
   return names;
 }
 
-/// Until nothing changes and photographs that came since `last` have their ends: a copy may pause for longer than the
+/// Until nothing changes and files that came since `last` have their ends: a copy may pause for longer than the
 /// time in which nothing may change. One that gets no end is left to the run, which says what is wrong with it.
 bool wait_until_copied(const std::set<fs::path>& paths, double quiet, const Snapshot& last, Snapshot& now) {
   for (auto told = Clock::time_point::max();;) {

@@ -249,7 +249,7 @@ struct ReadSurveyCampaign : Node {
 
 /// Each file by itself: campaigns of one network at different times.
 struct ReadSurveyEpochs : Node {
-  static constexpr Info info{"read.survey_epochs", "", 3,
+  static constexpr Info info{"read.survey_epochs", "", 4,
                              "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
@@ -262,8 +262,11 @@ struct ReadSurveyEpochs : Node {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
                                   campaign::CampaignUse::survey, campaign::given_by(added));
     site.description.survey = site.description.survey_in_order;
-    for (const auto& epoch : campaign::read_survey_files(site.description, site.root, site.added, *strict, context))
-      epochs.commit(survey::to_artifact(epoch));
+    std::vector<survey::SurveyObservations> read;
+    site.problems.attempt(
+        [&] { read = campaign::read_survey_files(site.description, site.root, site.added, *strict, context); });
+    site.problems.raise();  // a file that nobody named may be an epoch
+    for (const auto& epoch : read) epochs.commit(survey::to_artifact(epoch));
   }
 };
 

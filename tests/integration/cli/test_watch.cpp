@@ -85,6 +85,22 @@ TEST(Watch, WaitsForAPhotographThatHasNoEndYet) {
   EXPECT_TRUE(contains(answer.out, "half.PNG has no end yet")) << answer.out;
 }
 
+/// Half a survey file was a whole result of half the readings.
+TEST(Watch, WaitsForASurveyFileWhoseLastLineHasNoEnd) {
+  const Program plumbline;
+  plumbline.write("p.yaml", site);
+  std::string survey;
+  for (int line = 0; line < 4; ++line) survey += "*110001+000000000000S100 84..10+0000000005000000 \n";
+  plumbline.write("day1.gsi", survey + "*110002+0000000000");
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "1", "--quiet-for", "0.2"});
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  EXPECT_FALSE(fs::exists(plumbline.work() / "out/p/run.jsonl")) << "no run of half a survey";
+  plumbline.write("day1.gsi", survey);
+  const Answer answer = plumbline.finish(child);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "day1.gsi has no end yet")) << answer.out;
+}
+
 TEST(Watch, RunsAgainWhenANodeOfOnesOwnHasChanged) {
   Program plumbline;
   const std::string script = "#!/bin/sh\nprintf '{\"x\": [1, \"1\"]}' > \"$1/metrics.json\"\n";

@@ -196,6 +196,18 @@ TEST(SurveyPipelines, ThreeFilesAreASeries) {
   EXPECT_TRUE(contains(read_file(plumbline.work() / "near/series.html"), ">alarm level</text>"));
 }
 
+/// A forgotten epoch was "No point moves", with exit code 0.
+TEST(SurveyPipelines, AnEpochThatNothingNamesEndsTheSeries) {
+  const Program plumbline;
+  for (const int seed : {11, 12, 13}) plumbline.write("e" + std::to_string(seed) + ".gsi", job(seed));
+  plumbline.write("campaign.yaml", "plumbline_campaign: 1\nsurvey: [e11.gsi, e12.gsi]\nunsued: [e13.gsi]\n");
+  const Answer answer = plumbline({"run", pipeline("epoch_series"), "folder=.", "profile=total_station_5arcsec",
+                                   "movements.with.days=[0, 30]", "--out", "out"});
+  EXPECT_EQ(answer.code, 1);
+  EXPECT_TRUE(contains(answer.err, "1 survey file (e13.gsi)")) << answer.err;
+  EXPECT_TRUE(contains(answer.err, "unknown key 'unsued'")) << answer.err;
+}
+
 /// They were taken by their names: april, march, may, and the days given were those of other files, without a word.
 TEST(SurveyPipelines, EpochsAreInTheOrderInWhichTheyAreNamed) {
   const Program plumbline;
