@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kWidth = 720, kLeft = 262, kRight = 20, kTop = 54, kLine = 11, kGap = 9, kBottom = 38;
 
-/// Told apart by people who see red and green alike (Okabe and Ito 2008).
-const char* const palette[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7a6a10", "#6b6b6b"};
+/// The first ones are told apart by people who see red and green alike (Okabe and Ito 2008).
+const char* const palette[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9",
+                               "#7a6a10", "#6b6b6b", "#000000", "#6a3d9a", "#b15928", "#17d4c8"};
 
 std::string colour(std::size_t k) { return palette[k % (sizeof palette / sizeof *palette)]; }
 
@@ -159,17 +160,20 @@ Drawing panel(const Bench& bench, const Analysis& analysis, const Group& group) 
     d.height = 44;
     return d;
   }
-  double x = 8;
+  constexpr double kLegendLine = 13;
+  double x = 8, below = 0;  // of the first line of names
   for (std::size_t k = 0; k < names.size(); ++k) {
-    d.dots.push_back({x + 4, 30, 3.2, colour(k), names[k]});
-    d.words.push_back({x + 12, 33, 9.5, names[k]});
-    x += 30 + 5.2 * static_cast<double>(names[k].size());
+    const double wide = 30 + 5.2 * static_cast<double>(names[k].size());
+    if (x > 8 && x + wide > kWidth) x = 8, below += kLegendLine;
+    d.dots.push_back({x + 4, 30 + below, 3.2, colour(k), names[k]});
+    d.words.push_back({x + 12, 33 + below, 9.5, names[k]});
+    x += wide;
   }
   std::string absent;
   for (const std::string& name : missing) absent += (absent.empty() ? "not with these: " : ", ") + name;
-  if (!absent.empty()) d.words.push_back({8, 46, 8.5, absent});
+  if (!absent.empty()) d.words.push_back({8, 46 + below, 8.5, absent});
   const Axis axis(low, high);
-  double y = kTop + 6;
+  double y = kTop + 6 + below;
   for (const std::string& place : bench.places()) {
     const double middle = y + 0.5 * kLine * static_cast<double>(names.size() - 1);
     d.words.push_back(
