@@ -11,8 +11,9 @@ std::string in_small_letters(std::string text) {
   return text;
 }
 
-/// Edits between two words (Damerau and Levenshtein, neighbours swapped count as one).
-std::size_t edits(const std::string& a, const std::string& b) {
+}  // namespace
+
+std::size_t letter_edits(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = i;
   for (std::size_t j = 0; j <= b.size(); ++j) d[0][j] = j;
@@ -25,8 +26,6 @@ std::size_t edits(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-}  // namespace
-
 std::string nearest_of(const std::string& wanted, const std::vector<std::string>& candidates) {
   constexpr std::size_t kLongest = 200;  // a word of people
   std::size_t best = std::max<std::size_t>(1, wanted.size() / 3) + 1;
@@ -34,7 +33,7 @@ std::string nearest_of(const std::string& wanted, const std::vector<std::string>
   if (wanted.size() > kLongest) return nearest;
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongest) continue;
-    const std::size_t far = edits(in_small_letters(wanted), in_small_letters(candidate));
+    const std::size_t far = letter_edits(in_small_letters(wanted), in_small_letters(candidate));
     if (far < best) best = far, nearest = candidate;
   }
   return nearest;

@@ -5,6 +5,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "base/text/near_text.hpp"
 #include "base/text/words.hpp"
 
 namespace plumbline::loop {
@@ -19,22 +20,6 @@ std::string bare(const std::string& key) {
   return out;
 }
 
-/// Letters that are missing, too many, others, or exchanged with the next (optimal string alignment).
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
-  for (std::size_t i = 0; i <= a.size(); ++i)
-    for (std::size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        d[i][j] = i + j;
-        continue;
-      }
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  return d[a.size()][b.size()];
-}
-
 }  // namespace
 
 std::string meant_by(const std::string& key, const std::vector<std::string>& known) {
@@ -43,7 +28,7 @@ std::string meant_by(const std::string& key, const std::vector<std::string>& kno
   std::size_t least = 1000;
   for (const std::string& candidate : known) {
     const std::string other = bare(candidate);
-    const std::size_t apart = edits(wanted, other);
+    const std::size_t apart = text::letter_edits(wanted, other);
     if (apart <= other.size() / 4 && apart < least) best = candidate, least = apart;
   }
   return best;
