@@ -192,20 +192,23 @@ void add_by_value(const Bench& bench, const Field& field, const Standings& stand
     for (const std::string& value : variable.values) {
       const auto is_of_value = [&](const std::string& place) { return values_at[place].count(value) > 0; };
       std::vector<std::string> taken;
-      bool all_beaten = true;
+      bool all_beaten = true, any_compared = false;
       for (const std::string& name : field.ran) {
         const Standing& s = standings.at(name);
+        const bool compared = std::any_of(s.compared_on.begin(), s.compared_on.end(), is_of_value);
+        any_compared |= compared;
         const bool beaten = std::any_of(s.beaten_on.begin(), s.beaten_on.end(), is_of_value);
         all_beaten &= beaten;
         std::size_t cells = 0, lost = 0;
         for (const auto& [place, count] : s.at)
           if (is_of_value(place)) cells += count.cells, lost += count.lost;
-        if (s.compared && !beaten && 2 * lost <= cells && std::none_of(s.untried.begin(), s.untried.end(), is_of_value))
+        if (compared && !beaten && 2 * lost <= cells && std::none_of(s.untried.begin(), s.untried.end(), is_of_value))
           taken.push_back(name);
       }
-      said.add(value, !taken.empty() ? "take " + text::enumerate(taken, " or ")
-                      : all_beaten   ? "each is beaten by another"
-                                     : "none that is not beaten was tried everywhere and of use");
+      said.add(value, !any_compared    ? "nothing was compared"
+                      : !taken.empty() ? "take " + text::enumerate(taken, " or ")
+                      : all_beaten     ? "each is beaten by another"
+                                       : "none that is not beaten was tried everywhere and of use");
     }
     if (said.all().size() < 2) continue;
     std::vector<std::string> parts;

@@ -50,7 +50,8 @@ Standings standings_of(const Bench& bench, const Group& group, const Analysis& a
   for (const Pairing& pair : pairs)
     for (const Duel* duel : pair.places) {
       if (!has_verdict(*duel)) continue;
-      standings[duel->first].compared = standings[duel->second].compared = true;
+      for (const std::string& name : {duel->first, duel->second})
+        standings[name].compared = true, standings[name].compared_on.insert(duel->place);
       if (!is_winner(duel->errors.verdict)) continue;
       const bool first = duel->errors.verdict == Verdict::first_better;
       Standing& loser = standings[first ? duel->second : duel->first];

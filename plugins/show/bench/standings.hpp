@@ -25,6 +25,7 @@ struct Standing {
   std::set<std::string> untested_on;                    ///< places
   std::set<const Cell*> forbidden;                      ///< its cells there that its own test forbids and they give
   bool compared = false;                                ///< with enough trials for a verdict
+  std::set<std::string> compared_on;                    ///< places
   bool is_beaten() const { return beaten_overall || !beaten_on.empty(); }
 };
 using Standings = std::map<std::string, Standing>;

@@ -240,7 +240,6 @@ TEST(Choice, WhatWasNotTriedEverywhereIsSecondAndSaysWhere) {
   EXPECT_THAT(choice(bench), HasSubstr("take a or c, beaten nowhere that they were tried."));
 }
 
-/// Once "take Gut or X. Gut is beaten by 6.76 mm.", of gut.
 /// One place for each value of a variable; errors [m] by value and alternative, nan: not tried there with anything that
 /// the others were tried with.
 Bench bench_by_tags(const std::map<std::string, std::map<std::string, double>>& errors) {
@@ -285,6 +284,15 @@ TEST(Choice, WhereNoneIsBestEverywhereEachValueHasItsOwn) {
               Not(HasSubstr("Where tags")));
 }
 
+/// Once "where it is 8 take a or b": of three trials nothing is compared, so there nothing beats anything.
+TEST(Choice, AtAValueWhereNothingWasComparedNothingIsToBeTaken) {
+  Bench bench = bench_by_tags(
+      {{"1", {{"a", 0.1}, {"b", 0.3}}}, {"2", {{"a", 0.3}, {"b", 0.1}}}, {"8", {{"a", 0.1}, {"b", 0.1}}}});
+  std::erase_if(bench.cells, [](const Cell& cell) { return cell.values.at("tags") == "8" && cell.seed > 2; });
+  EXPECT_THAT(choice(bench),
+              HasSubstr("Where tags is 1 take a; where it is 2 take b; where it is 8 nothing was compared."));
+}
+
 TEST(Choice, TwoThatAreTakenAndWereNeverComparedAreSaidToBe) {
   Bench bench = bench_by_tags({{"1", {{"ceres", 0.1}, {"colmap", 0.1}, {"schur", 0.3}}}});
   bench.groups.push_back({"fusion", {"(5)", "(6)"}, {"fusion"}, false});
@@ -303,6 +311,7 @@ TEST(Choice, TwoThatAreTakenAndWereNeverComparedAreSaidToBe) {
   EXPECT_THAT(said, HasSubstr("have nowhere trials enough in common to be compared with each other")) << said;
 }
 
+/// Once "take Gut or X. Gut is beaten by 6.76 mm.", of gut.
 TEST(Choice, NamesStayAsTheyAreWritten) {
   const Bench bench = trials_of({""}, 12, {"Gut", "gut"}, [](const std::string& name, std::size_t, std::size_t seed) {
     return (name == "gut" ? 0.006 : 0.001) * (1 + 0.2 * noise(name[0], seed));
