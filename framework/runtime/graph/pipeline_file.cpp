@@ -11,6 +11,7 @@
 #include "base/text/one_document.hpp"
 #include "runtime/base/near_names.hpp"
 #include "runtime/base/printable.hpp"
+#include "runtime/graph/command_words.hpp"
 #include "runtime/graph/include_paths.hpp"
 #include "runtime/graph/node_overrides.hpp"
 #include "runtime/graph/pipeline_variables.hpp"
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr size_t deepest_include = 100;
+constexpr const char* kCommand = "${command}";
 
 /// Reads one file and, first, those it includes.
 class FileReader {
@@ -57,7 +59,8 @@ class FileReader {
           is_description(value) ? descriptions.push_back(&value) : variables_.replace(value);
     }
     const std::string nodes = descriptions.empty() ? "" : nodes_in_words(spec);
-    for (Scalar* value : descriptions) value->text = nodes;
+    for (Scalar* value : descriptions)
+      value->text = value->text == kCommand ? command_words(file, overrides_, include_folders_) : nodes;
     for (auto& [name, source] : spec.outputs) {
       refuse_variable_in_name(name, source.at);
       variables_.replace(source);
@@ -72,8 +75,12 @@ class FileReader {
  private:
   void problem(const Position& at, const std::string& message) { problems_.push_back({at, message}); }
 
-  /// The value "${pipeline}": what runs, in words, for a report. A variable of that name goes before it.
-  bool is_description(const Scalar& value) const { return value.text == "${pipeline}" && !variables_.has("pipeline"); }
+  /// The values "${pipeline}", what runs in words, and "${command}", what somebody typed, for a report. A variable of
+  /// that name goes before it.
+  bool is_description(const Scalar& value) const {
+    return (value.text == "${pipeline}" && !variables_.has("pipeline")) ||
+           (value.text == kCommand && !variables_.has("command"));
+  }
 
   /// A line for each node: its name, its kind, and the parameters that the pipeline gives it. Paths are left out: where
   /// a file lies is no part of a result, and what is in it is told by hashes.

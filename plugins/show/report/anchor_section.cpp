@@ -87,6 +87,10 @@ void write_row(Markup& html, const Entry& entry, const ReportInput& input, bool 
                       entry.built ? entry.built->verdict : ToleranceVerdict::not_measured);
   html.element("th", {{"scope", "row"}}, verbatim(entry.id()));
   html.element("td", floor > 0 ? std::to_string(floor) : unknown);
+  if (with_design && input.deviation->facades.size() > 1) {
+    const std::string facade = entry.built ? facade_of(entry.built->facade) : "";
+    html.element("td", {{"class", "text"}}, facade.empty() ? unknown : verbatim(facade));
+  }
   if (with_design && !input.grid.empty()) {
     const std::string place = entry.built ? place_in_grid(input, entry.built->design) : "";
     html.element("td", {{"class", "text"}}, place.empty() ? unknown : verbatim(place));
@@ -162,6 +166,7 @@ void write_anchors(Markup& html, const ReportInput& input) {
     Scope wide(html, "div", {{"class", "wide"}});
     Scope table(html, "table", {{"class", "sortable"}});
     std::vector<Cell> heads = {"Anchor", "Floor"};
+    if (with_design && input.deviation->facades.size() > 1) heads.push_back(left("Facade"));
     if (with_design && !input.grid.empty()) heads.push_back(left("Grid"));
     if (with_design)
       heads.insert(heads.end(), {left("Built"), left("Decided by"), "Horizontal ± u [mm]", "Height ± u [mm]",

@@ -57,6 +57,10 @@ void write_row(Markup& html, const PanelDeviationT& panel, const DeviationT& dev
                bool in_plane) {
   const PlacedRow row(html, panel.floor, facade_of(panel.facade), panel.verdict);
   html.element("th", {{"scope", "row"}}, verbatim(panel.name.empty() ? panel.guid : panel.name));
+  if (deviation.facades.size() > 1) {
+    const std::string facade = facade_of(panel.facade);
+    html.element("td", {{"class", "text"}}, facade.empty() ? unknown : verbatim(facade));
+  }
   {
     Scope td(html, "td", {{"class", "text"}, {"data-panel", std::to_string(index)}});
     verdict_badge(html, panel.verdict);
@@ -92,6 +96,7 @@ void write_panels(Markup& html, const DeviationT& deviation) {
     std::vector<Cell> head = {"Panel",        left("Verdict"),     left("Decided by"),
                               "Out ± u [mm]", "Sideways ± u [mm]", "Vertical ± u [mm]",
                               "Lean [mm/m]",  "Turn [mm/m]",       "Roll [mm/m]"};
+    if (deviation.facades.size() > 1) head.insert(head.begin() + 1, left("Facade"));
     if (in_plane) head.emplace_back("In plane ± u [mm]");
     head.insert(head.end(), {"Tilt [mm]", "Warp [mm]", "Slots [mm]", "Corner [mm]",
                              left("Shim per anchor, outward [mm]"), left("Joints as built (design) [mm]")});

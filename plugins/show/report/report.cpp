@@ -186,6 +186,7 @@ void write_body(Markup& html, const ReportInput& input) {
     write_installation(html, input);
     if (!input.deviation) write_verdict(html, input);
     write_warnings(html, input);
+    write_commands(html, input);
     if (input.control_check) write_control_warning(html, *input.control_check);
     write_navigation(html, input);
   }

@@ -128,6 +128,7 @@ struct SourceFile {
 struct ReportInput {
   std::string title = "Accuracy report";
   std::string subtitle;  ///< site, scenario, date: as the pipeline gives them
+  std::string command;   ///< what was typed to run it; empty: not known
   AccuracyT accuracy;
   std::optional<DeviationT> deviation;     ///< as-built minus design; without it the page is about measuring only
   std::optional<AsBuiltChangesT> changes;  ///< since the campaign before

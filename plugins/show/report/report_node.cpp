@@ -120,7 +120,7 @@ void add_frames(const SiteFramesT& frames, std::vector<Fact>& facts) {
 }  // namespace
 
 struct ReportHtml : Node {
-  static constexpr Info info{"report.html", "", 7,
+  static constexpr Info info{"report.html", "", 8,
                              "One offline HTML file: verdict, charts, tables, survey network, provenance"};
   In<Accuracy> accuracy{"accuracy", frame("frame=?F"), "the evaluation"};
   Optional<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged: the first screen"};
@@ -148,6 +148,8 @@ struct ReportHtml : Node {
   Param<std::string> pipeline{"pipeline", "",
                               "what ran, for the provenance: a line 'node: kind parameter=value' for each node, as "
                               "${pipeline} gives it"};
+  Param<std::string> command{"command", "",
+                             "what was typed, as ${command} gives it: the page offers it with what mends"};
   Param<std::string> language{"language", "en", one_of("en", "de"), "of the page"};
   Param<std::string> units{"units", "mm", one_of("mm", "in"), "of lengths on the page; data files keep theirs"};
   Out<File> out{"file", "report.html"};
@@ -157,7 +159,7 @@ struct ReportHtml : Node {
     ReportInput input;
     if (surfaces) input.surfaces = surfaces.unpack();
     if (orthophoto) input.pictures = read_pictures(context, orthophoto.unpack());
-    input.title = *title, input.subtitle = *subtitle;
+    input.title = *title, input.subtitle = *subtitle, input.command = *command;
     input.accuracy = accuracy.unpack();
     if (changes) input.changes = changes.unpack();
     if (deviation) input.deviation = deviation.unpack();

@@ -76,6 +76,8 @@ void write_filter(Markup& html, const DeviationT& deviation);
 
 /// First screen: can we install, where not and what to do, how sure. Nothing without a design.
 void write_installation(Markup& html, const ReportInput& input);
+/// Its headline: "Not ready: 2 anchors and 1 panel are out of tolerance."
+std::string installation_heading(const DeviationT& d, int panels_failed, int panels_open);
 /// How floors, and facades where there are several, stand.
 void write_overview(Markup& html, const DeviationT& deviation);
 /// Anchors and panels in space, and the numbers that the slider and the view recompute from.
@@ -84,6 +86,8 @@ void write_view(Markup& html, const ReportInput& input);
 void write_verdict(Markup& html, const ReportInput& input);
 /// All warnings, the cause before its consequences.
 void write_warnings(Markup& html, const ReportInput& input);
+/// Commands that run it again with what mends it, where something does.
+void write_commands(Markup& html, const ReportInput& input);
 /// The adjustment of the images: tests, groups, what was rejected.
 void write_block(Markup& html, const ReportInput& input);
 void write_key_numbers(Markup& html, const AccuracyT& accuracy);

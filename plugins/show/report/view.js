@@ -52,6 +52,10 @@
   figure.hidden = false;
   const floors = document.getElementById("floor-input"), factor = document.getElementById("factor-input"), told = document.getElementById("factor-output");
   for (const f of [...new Set(placed.map(a => a.f))].sort((x, y) => x - y)) floors.add(new Option(f || tell("unknown"), f));
+  // One facade of several, looked at from before it.
+  const facades = document.getElementById("facade-input");
+  if (facades) data.facades.forEach(([label], i) => facades.add(new Option(utf8(label), i)));
+  const asked = item => (floors.value === "" || String(item.f) === floors.value) && (!facades || facades.value === "" || String(item.o) === facades.value);
   const corners = [...placed.map(a => a.p), ...panels.flatMap(p => p.q).filter(c => c[0] !== null)];
   const reach = corners.reduce((r, c) => Math.max(r, Math.hypot(...c)), 1);
   let frame, yaw = 0.5, pitch = 0.25, zoom = 1, picked = -1, spots = [];
@@ -108,7 +112,7 @@
   const design = document.getElementById("design-input"), built = document.getElementById("built-input");
   draw = () => {
     const fills = [colour("--soft"), colour("--pass-fill"), colour("--undecided-fill"), colour("--fail-fill")];
-    const ink = colour("--fg"), only = floors.value, times = Number(factor.value), shown = item => only === "" || String(item.f) === only;
+    const ink = colour("--fg"), times = Number(factor.value), shown = asked;
     told.textContent = "\u00d7" + times;
     pen.clearRect(0, 0, canvas.width, canvas.height);
     fit();
@@ -164,7 +168,7 @@
     behind.draw({ yaw, pitch, frame, fills, ink, times, soft: fills[0], design: design.checked, built: built.checked, anchors, edges, grid,
                   around: !!around && around.checked,
                   panels: panels.map((p, i) => ({ ...p, w: state.panels[i] })).filter(shown), cells,
-                  key: [floors.value, times, design.checked, built.checked, !!heat && heat.checked, !!around && around.checked, ink, ...state.anchors, ...state.panels].join() });
+                  key: [floors.value, facades && facades.value, times, design.checked, built.checked, !!heat && heat.checked, !!around && around.checked, ink, ...state.anchors, ...state.panels].join() });
     spots = anchors.map(a => ({ a, at: project(at(a)) }));
     const chosen = spots.find(s => s.a.i === picked);
     if (chosen) { pen.strokeStyle = ink; pen.lineWidth = 2; pen.beginPath(); pen.arc(chosen.at[0], chosen.at[1], 12, 0, 7); pen.stroke(); }
@@ -201,7 +205,7 @@
     draw();
   };
   canvas.addEventListener("keydown", event => {
-    const shown = placed.filter(a => floors.value === "" || String(a.f) === floors.value), at = shown.findIndex(a => a.i === picked);
+    const shown = placed.filter(asked), at = shown.findIndex(a => a.i === picked);
     const step = n => shown.length && pick(shown[(at + n + shown.length) % shown.length]);
     const acts = { ArrowLeft: () => yaw -= 0.1, ArrowRight: () => yaw += 0.1, ArrowUp: () => pitch = Math.min(1.5, pitch + 0.1),
                    ArrowDown: () => pitch = Math.max(-1.5, pitch - 0.1), "+": () => zoom = Math.min(20, 1.2 * zoom), "=": () => zoom = Math.min(20, 1.2 * zoom),
@@ -212,6 +216,10 @@
   canvas.addEventListener("pointerup", release);
   canvas.addEventListener("pointercancel", event => pointers.delete(event.pointerId));
   canvas.addEventListener("wheel", event => { event.preventDefault(); zoom = Math.min(20, Math.max(0.3, zoom * Math.exp(-event.deltaY / 500))); draw(); }, { passive: false });
+  if (facades) facades.addEventListener("input", () => {
+    if (facades.value !== "") { const [, x, y] = data.facades[Number(facades.value)]; if (Math.hypot(x, y) > 0.01) { yaw = Math.atan2(x, -y); pitch = 0.15; } }
+    draw();
+  });
   for (const control of [floors, factor, design, built, heat, around].filter(c => c)) control.addEventListener("input", draw);
   show();
   // Unpacked when the view comes near: the page opens as quickly as without.

@@ -23,8 +23,33 @@ std::string turning_points(double tau_pass, double tau_fail) {
   return "[" + script_exact(tau_pass) + "," + script_exact(tau_fail) + "]";
 }
 
-std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin) {
-  return "{\"n\":" + script_text(a.id) + ",\"f\":" + std::to_string(a.floor) +
+/// Of several facades: which one something lies in, by its number; -1: in none. Of one: nothing.
+class FacadeNumbers {
+ public:
+  explicit FacadeNumbers(const DeviationT& deviation) {
+    if (deviation.facades.size() < 2) return;
+    for (const auto& facade : deviation.facades) {
+      const auto number = static_cast<int>(numbers_.size());
+      if (!numbers_.try_emplace(facade->name, number).second) continue;
+      names_ += (names_.empty() ? "[" : ",[") + script_text(facade->name) + "," + script_number(facade->out.x(), 4) +
+                "," + script_number(facade->out.y(), 4) + "]";
+    }
+  }
+  std::string of(const std::unique_ptr<FacadeFrameT>& frame) const {
+    if (numbers_.empty()) return "";
+    const auto found = numbers_.find(facade_of(frame));
+    return ",\"o\":" + std::to_string(found == numbers_.end() ? -1 : found->second);
+  }
+  /// Names, each with the plan direction out of it.
+  std::string all() const { return "[" + names_ + "]"; }
+
+ private:
+  std::map<std::string, int> numbers_;
+  std::string names_;
+};
+
+std::string anchor_json(const AnchorDeviationT& a, const Eigen::Vector3d& origin, const FacadeNumbers& facades) {
+  return "{\"n\":" + script_text(a.id) + ",\"f\":" + std::to_string(a.floor) + facades.of(a.facade) +
          ",\"p\":" + script_vector(a.design - origin, 4) + ",\"d\":" + script_vector(1e3 * a.deviation, 3) +
          ",\"w\":" + std::to_string(static_cast<int>(a.verdict)) + ",\"t\":" + turning_points(a.tau_pass, a.tau_fail) +
          "}";
@@ -49,7 +74,8 @@ std::string heat_json(const std::string& guid, const std::optional<SurfacesT>& s
 }
 
 std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
-                       const std::map<std::string, std::size_t>& index, const std::optional<SurfacesT>& surfaces) {
+                       const std::map<std::string, std::size_t>& index, const std::optional<SurfacesT>& surfaces,
+                       const FacadeNumbers& facades) {
   std::string anchors, corners, movements;
   for (const auto& fixing : p.fixings) {
     const auto anchor = index.find(fixing->anchor);
@@ -66,9 +92,9 @@ std::string panel_json(const PanelDeviationT& p, const Eigen::Vector3d& origin,
     movements += (movements.empty() ? "" : ",") + script_vector(1e3 * movement, 3);
   }
   return "{\"n\":" + script_text(p.name.empty() ? p.guid : p.name) + ",\"f\":" + std::to_string(p.floor) +
-         ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) + ",\"m\":" + (p.missing.empty() ? "0" : "1") +
-         ",\"t\":" + turning_points(p.tau_pass, p.tau_fail) + ",\"a\":[" + anchors + "],\"q\":[" + corners +
-         "],\"v\":[" + movements + "],\"h\":" + heat_json(p.guid, surfaces) + "}";
+         facades.of(p.facade) + ",\"w\":" + std::to_string(static_cast<int>(p.verdict)) +
+         ",\"m\":" + (p.missing.empty() ? "0" : "1") + ",\"t\":" + turning_points(p.tau_pass, p.tau_fail) + ",\"a\":[" +
+         anchors + "],\"q\":[" + corners + "],\"v\":[" + movements + "],\"h\":" + heat_json(p.guid, surfaces) + "}";
 }
 
 /// Middle of the anchors.
@@ -103,16 +129,17 @@ std::string data_of(const ReportInput& input) {
   {
     const DeviationT& d = *input.deviation;
     const Eigen::Vector3d origin = origin_of(d);
+    const FacadeNumbers facades(d);
     std::map<std::string, std::size_t> index;
     std::string anchors, panels;
     for (const auto& anchor : d.anchors) {
       index[anchor->id] = index.size();
-      anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin);
+      anchors += (anchors.empty() ? "" : ",\n") + anchor_json(*anchor, origin, facades);
     }
     for (const auto& panel : d.panels)
-      panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index, input.surfaces);
+      panels += (panels.empty() ? "" : ",\n") + panel_json(*panel, origin, index, input.surfaces, facades);
     text = "{\"tau\":" + script_number(1e3 * d.tau, 6) + ",\"doubt\":" + (d.doubts.empty() ? "false" : "true") +
-           ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
+           ",\"facades\":" + facades.all() + ",\"anchors\":[" + anchors + "],\"panels\":[" + panels + "]";
   }
   text += surroundings_json(input, origin_of(*input.deviation));
   std::string heights;
@@ -137,13 +164,19 @@ void write_tolerance_slider(Markup& html, double tau) {
   html.element("output", {{"for", "tau-input"}}, "");
 }
 
-/// What is shown in space: floor, length of the arrows, and which of all that could be shown.
+/// What is shown in space: floor, facade, length of the arrows, and which of all that could be shown.
 void write_choices(Markup& html, const ReportInput& input) {
   Scope bar(html, "div", {{"class", "slider"}});
   html.element("label", {{"for", "floor-input"}}, "Floor");
   html.open("select", {{"id", "floor-input"}});
   html.element("option", {{"value", ""}}, "all");
   html.close();
+  if (input.deviation->facades.size() > 1) {
+    html.element("label", {{"for", "facade-input"}}, "Facade");
+    html.open("select", {{"id", "facade-input"}});
+    html.element("option", {{"value", ""}}, "all");
+    html.close();
+  }
   html.element("label", {{"for", "factor-input"}}, "Arrows ×");
   html.empty(
       "input",

@@ -158,6 +158,48 @@ TEST_F(Building, MeasuredByTotalStationAloneIsJudgedLikeEveryOther) {
   }
 }
 
+/// Commands of a page that stand there to be pasted, without the program's name.
+std::vector<std::vector<std::string>> commands_in(const std::string& page) {
+  std::vector<std::vector<std::string>> commands;
+  const std::string mark = "<pre class=\"command\">plumbline ";
+  for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1)) {
+    std::string text = page.substr(at + mark.size(), page.find("</pre>", at) - at - mark.size());
+    for (const auto& [entity, c] : {std::pair{"&#39;", "'"}, std::pair{"&quot;", "\""}, std::pair{"&amp;", "&"}})
+      for (std::size_t found = text.find(entity); found != std::string::npos; found = text.find(entity))
+        text.replace(found, std::string(entity).size(), c);
+    std::vector<std::string> words(1);
+    bool quoted = false;
+    for (const char c : text)
+      if (c == '\'')
+        quoted = !quoted;
+      else if (c == ' ' && !quoted)
+        words.emplace_back();
+      else
+        words.back() += c;
+    commands.push_back(words);
+  }
+  return commands;
+}
+
+/// What the page offers is the whole command: pasted it runs, and what it is offered for is mended.
+TEST_F(Building, EachCommandThatThePageOffersRunsAndMends) {
+  const auto run = [&](std::vector<std::string> words, const std::string& out) {
+    words.insert(words.end(), {"--out", out});
+    const Answer answer = program_(words);
+    EXPECT_EQ(answer.code, 0) << answer.out << answer.err;
+    return read_file(program_.work() / out / "report.html");
+  };
+  const std::string page = run({"run", std::string(source_dir()) + "/pipelines/building.yaml", "shape=flat", "floors=5",
+                                "optics=real", "mounting_sigma=0.0005", "seed=1"},
+                               "out");
+  const auto commands = commands_in(page);
+  ASSERT_EQ(commands.size(), 1u) << "why all is less certain";
+  EXPECT_EQ(commands[0].back().find("block.with.image_principal_point_sigma="), 0u) << commands[0].back();
+  const std::string mended = run(commands[0], "mended");
+  EXPECT_TRUE(contains(page, "are 1.3")) << "less certain";
+  EXPECT_TRUE(commands_in(mended).empty());
+}
+
 /// The same folder without its survey: how anchors stand to each other is told as by the survey, where all stand is not
 /// decided. Once a fit to the anchors that are judged was "Ready to install", whatever the whole was off.
 TEST_F(Building, PhotographsAloneJudgeHowAnchorsStandToEachOther) {

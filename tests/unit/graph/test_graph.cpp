@@ -331,6 +331,21 @@ TEST_F(GraphTest, AReportMayBeToldWhatRuns) {
   EXPECT_EQ(value_of("i.with.file=/tmp/x/p.yaml"), "i: read.file\nt: report.image_block") << "no paths";
 }
 
+TEST_F(GraphTest, AReportMayBeToldWhatWasTyped) {
+  const auto file = write("p.yaml",
+                          "plumbline: 1\nvars: {name: p.yaml}\nnodes:\n"
+                          "  i: {use: read.file, with: {file: \"${name}\"}}\n"
+                          "  t: {use: report.image_block, with: {title: \"${command}\"}}\n");
+  const auto typed = [&](const std::vector<std::string>& overrides, const std::vector<std::filesystem::path>& folders) {
+    std::vector<Problem> problems;
+    const PipelineSpec spec = read_pipeline(file, overrides, folders, problems);
+    EXPECT_TRUE(problems.empty());
+    return spec.nodes.at(1).parameters.at(0).second.values.at(0).text;
+  };
+  EXPECT_EQ(typed({"name=p.yaml"}, {file.parent_path()}), "plumbline run p name=p.yaml");
+  EXPECT_EQ(typed({"name=it's here"}, {}), "plumbline run " + file.string() + " 'name=it'\\''s here'");
+}
+
 TEST_F(GraphTest, AChainOfIncludesHasAnEnd) {
   write("f0.yaml", "plumbline: 1\nnodes: {i: {use: read.file, with: {file: f0.yaml}}}\n");
   for (int i = 1; i <= 3000; ++i)

@@ -152,6 +152,27 @@ TEST(Building, SheetsSayWhatWasNotJudgedAndWhyAllIsLessCertain) {
   EXPECT_EQ(count_of(html, "are 1.34 times as large for it."), sheets);
 }
 
+/// 30 mm at a limit of 4 mm was "too close to call" where nobody knows which way the facade faces.
+TEST(Building, WhatIsUndecidedForItsFacadeIsNotTooCloseToCall) {
+  ReportInput input = test::example();
+  DeviationT& deviation = *input.deviation;
+  deviation.verdict = ToleranceVerdict::undecided, deviation.requests.clear(), deviation.not_judged = 0;
+  deviation.undecided = 2, deviation.not_measured = 0;
+  const auto heading = [&] {
+    int n = 0;
+    for (const auto& anchor : deviation.anchors) {
+      anchor->verdict = n < 2 ? ToleranceVerdict::undecided : ToleranceVerdict::pass;
+      anchor->pass_probability = n++ == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.6;
+      anchor->facade = std::make_unique<FacadeFrameT>();
+      anchor->facade->right.setZero(), anchor->facade->up.setZero(), anchor->facade->out.setZero();
+    }
+    const std::string html = render_report(input);
+    const std::size_t at = html.find("Not decided: ");
+    return at == std::string::npos ? std::string() : html.substr(at, html.find('<', at) - at);
+  };
+  EXPECT_EQ(heading(), "Not decided: 1\u00A0anchor whose facade is not confirmed, 1\u00A0anchor too close to call.");
+}
+
 /// A floor of 25 anchors is 30 m wide: on one strip across a sheet its names were 0.7 mm high.
 TEST(Building, AWideFloorIsDrawnInStretchesOfOneScale) {
   FacadeView view;
