@@ -8,7 +8,7 @@ target_include_directories(plumbline_testing INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/tests/support> $<INSTALL_INTERFACE:include/plumbline/testing>)
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
-foreach(name contract artifacts node folder_files text control linear_algebra geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block markers detect judgement pose surface
+foreach(name contract artifacts node folder_files text control linear_algebra geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block cameras markers detect judgement pose surface
              registration register_core adjust_core loop loop_nodes artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})

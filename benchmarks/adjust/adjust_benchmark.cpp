@@ -138,11 +138,11 @@ void compare_with_colmap(Made made) {
     theirs.push_back(children_seconds() - start);
     start = processor_seconds();
     const auto order = colmap::image_order(by_schur);
-    (void)markers::colmap_text(colmap::model_of(made.problem, by_schur, order));
+    (void)cameras::colmap_text(colmap::model_of(made.problem, by_schur, order));
     MinimiseOptions how;
     how.function_tolerance = 1e-10;
     minimise_schur(made.problem, by_schur, how);
-    (void)markers::colmap_text(colmap::model_of(made.problem, by_schur, order));
+    (void)cameras::colmap_text(colmap::model_of(made.problem, by_schur, order));
     ours.push_back(processor_seconds() - start);
     ratios.push_back(theirs.back() / ours.back());
   }

@@ -15,8 +15,8 @@
 #include "campaign_folder.hpp"
 #include "control/points/control_files.hpp"
 #include "control/points/image_points.hpp"
-#include "photo/markers/camera_files.hpp"
-#include "photo/markers/colmap_files.hpp"
+#include "photo/cameras/camera_files.hpp"
+#include "photo/cameras/colmap_files.hpp"
 #include "photo/markers/layout_files.hpp"
 
 namespace {
@@ -64,7 +64,7 @@ void run_image_points(const std::string& text) {
 }
 
 void run_camera(const std::string& text) {
-  for (const markers::CameraFile& file : markers::parse_camera_files(text, "camera.yaml")) check(file.camera);
+  for (const cameras::CameraFile& file : cameras::parse_camera_files(text, "camera.yaml")) check(file.camera);
 }
 
 void run_campaign_camera(const std::string& text) { check(campaign::parse_camera(text, "camera.yaml").camera); }
@@ -98,7 +98,7 @@ void run_colmap(const std::string& text) {
     std::ofstream(folder / name, std::ios::binary) << text.substr(at, end - at);
     at = std::min(end + 4, text.size());
   }
-  for (const auto& [id, camera] : markers::read_colmap(folder.string()).cameras) check(camera.camera);
+  for (const auto& [id, camera] : cameras::read_colmap(folder.string()).cameras) check(camera.camera);
 }
 
 struct Target {

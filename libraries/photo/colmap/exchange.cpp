@@ -43,7 +43,7 @@ std::string reported(const std::string& text, const std::string& name) {
   return first == std::string::npos ? "" : value.substr(first);
 }
 
-void read_back(const markers::ColmapModel& model, const std::vector<int>& order, const bundle::Problem& problem,
+void read_back(const cameras::ColmapModel& model, const std::vector<int>& order, const bundle::Problem& problem,
                bundle::State& state) {
   for (size_t k = 0; k < order.size(); ++k) {
     const auto found = model.images.find(static_cast<std::uint32_t>(k + 1));
@@ -88,9 +88,9 @@ std::vector<int> image_order(const bundle::State& state) {
   return order;
 }
 
-markers::ColmapModel model_of(const bundle::Problem& problem, const bundle::State& state,
+cameras::ColmapModel model_of(const bundle::Problem& problem, const bundle::State& state,
                               const std::vector<int>& order) {
-  markers::ColmapModel model;
+  cameras::ColmapModel model;
   for (size_t c = 0; c < problem.cameras.size(); ++c) {
     const auto id = static_cast<std::uint32_t>(c + 1);
     model.cameras[id] = {id, "", camera_of(problem.cameras[c], state.interiors[c])};
@@ -109,7 +109,7 @@ markers::ColmapModel model_of(const bundle::Problem& problem, const bundle::Stat
   for (size_t j = 0; j < problem.points.size(); ++j)
     model.points[static_cast<std::int64_t>(j + 1)].position = state.points[j];
   for (const auto& seen : problem.image_points) {
-    markers::ColmapImage& image = model.images[id_of[seen.image]];
+    cameras::ColmapImage& image = model.images[id_of[seen.image]];
     model.points[seen.point + 1].track.emplace_back(image.id, static_cast<std::uint32_t>(image.features.size()));
     image.features.push_back({seen.observed, seen.point + 1});
   }
@@ -120,7 +120,7 @@ BundleSummary adjust_by_colmap(const bundle::Problem& problem, bundle::State& st
   const ScratchFolder scratch;
   const fs::path in = scratch.make("in"), out = scratch.make("out");
   const std::vector<int> order = image_order(state);
-  write_files(markers::colmap_text(model_of(problem, state, order)), in);
+  write_files(cameras::colmap_text(model_of(problem, state, order)), in);
   const auto flag = [](bool on) { return std::string(on ? "1" : "0"); };
   const std::string said =
       run_program(options.program,
@@ -139,7 +139,7 @@ BundleSummary adjust_by_colmap(const bundle::Problem& problem, bundle::State& st
                        " iterations (it says: " + (summary.message.empty() ? "nothing" : summary.message) +
                        "); raise max_iterations, or hold what the images do not determine (refine_focal_length, "
                        "refine_extra_params: false)");
-  read_back(markers::read_colmap(out.string()), order, problem, state);
+  read_back(cameras::read_colmap(out.string()), order, problem, state);
   return summary;
 }
 

@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "photo/bundle/problem.hpp"
+#include "photo/cameras/colmap_files.hpp"
 #include "photo/colmap/program.hpp"
-#include "photo/markers/colmap_files.hpp"
 
 namespace plumbline::colmap {
 
@@ -30,7 +30,7 @@ struct BundleSummary {
 std::vector<int> image_order(const bundle::State& state);
 
 /// Precondition: only image points, of Brown cameras; every point is seen by two images or more.
-markers::ColmapModel model_of(const bundle::Problem& problem, const bundle::State& state,
+cameras::ColmapModel model_of(const bundle::Problem& problem, const bundle::State& state,
                               const std::vector<int>& order);
 
 /// Lets COLMAP adjust the problem from `state`, which becomes its answer: up to a similarity, which nothing determines.

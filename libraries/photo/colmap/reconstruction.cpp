@@ -28,15 +28,15 @@ std::vector<std::string> photographs_in(const fs::path& folder, std::vector<std:
 }
 
 /// The model with most photographs; COLMAP leaves several where it could not join them.
-markers::ColmapModel largest_model(const fs::path& folder, std::vector<std::string>& warnings) {
+cameras::ColmapModel largest_model(const fs::path& folder, std::vector<std::string>& warnings) {
   std::vector<fs::path> found;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_directory()) found.push_back(entry.path());
   std::sort(found.begin(), found.end());
-  markers::ColmapModel best;
+  cameras::ColmapModel best;
   std::string sizes;
   for (const fs::path& path : found) {
-    markers::ColmapModel model = markers::read_colmap(path.string());
+    cameras::ColmapModel model = cameras::read_colmap(path.string());
     sizes += (sizes.empty() ? "" : ", ") + std::to_string(model.images.size());
     if (model.images.size() > best.images.size()) best = std::move(model);
   }

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "photo/cameras/colmap_files.hpp"
 #include "photo/colmap/program.hpp"
-#include "photo/markers/colmap_files.hpp"
 
 namespace plumbline::colmap {
 
@@ -22,7 +22,7 @@ struct ReconstructionOptions {
 };
 
 struct Reconstruction {
-  markers::ColmapModel model;             ///< the one with most photographs, if there are several
+  cameras::ColmapModel model;             ///< the one with most photographs, if there are several
   std::vector<std::string> unregistered;  ///< photographs that are not in it
   std::vector<std::string> warnings;
 };

@@ -50,7 +50,8 @@ bundle::Known interior_prior(int camera, const bundle::Camera& given, const Brow
 
 class Adjustment {
  public:
-  Adjustment(ColmapModel& model, std::vector<Target> targets, const ControlOptions& options, ControlResult& result)
+  Adjustment(cameras::ColmapModel& model, std::vector<Target> targets, const ControlOptions& options,
+             ControlResult& result)
       : model_(model), options_(options), result_(result), targets_(std::move(targets)) {}
 
   void run() {
@@ -258,7 +259,7 @@ class Adjustment {
         {"tie points", factors[0]}, {"measured control points", factors[1]}, {"control"}, {"interior orientation"}};
     for (size_t c = 0; c < cameras_.size(); ++c) add_camera(c);
     for (const std::uint32_t id : images_) {
-      const ColmapImage& image = model_.images.at(id);
+      const cameras::ColmapImage& image = model_.images.at(id);
       problem_.images.push_back({image.name, camera_index_.at(image.camera)});
       state_.images.emplace_back();
       state_.images.back().set(image.cam_from_world.rotation, image.cam_from_world.inverse().translation);
@@ -425,7 +426,7 @@ class Adjustment {
     result_.points.push_back(p);
   }
 
-  ColmapModel& model_;
+  cameras::ColmapModel& model_;
   const ControlOptions& options_;
   ControlResult& result_;
   std::vector<Target> targets_;
@@ -448,7 +449,7 @@ double critical_w(size_t control_points) {
   return normal_quantile(1 + 0.5 * std::expm1(std::log1p(-1e-3) / tests));
 }
 
-void adjust_targets(ColmapModel& model, std::vector<Target> targets, const ControlOptions& options,
+void adjust_targets(cameras::ColmapModel& model, std::vector<Target> targets, const ControlOptions& options,
                     ControlResult& result) {
   Adjustment(model, std::move(targets), options, result).run();
 }

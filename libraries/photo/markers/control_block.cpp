@@ -19,7 +19,7 @@ namespace {
 /// Three digits, as many as anybody reads.
 std::string short_number(double value) { return fmt::format("{:.3g}", value); }
 
-void transform(ColmapModel& model, const SimilarityMotion& motion) {
+void transform(cameras::ColmapModel& model, const SimilarityMotion& motion) {
   for (auto& [id, image] : model.images) {
     const Eigen::Vector3d centre = motion * image.cam_from_world.inverse().translation;
     image.cam_from_world.rotation = (image.cam_from_world.rotation * motion.rotation.conjugate()).normalized();
@@ -29,7 +29,7 @@ void transform(ColmapModel& model, const SimilarityMotion& motion) {
 }
 
 /// The model into the survey's frame (minus `origin`) by its control points, without those that disagree grossly.
-void align(ColmapModel& model, std::vector<Target>& targets, ControlResult& result) {
+void align(cameras::ColmapModel& model, std::vector<Target>& targets, ControlResult& result) {
   std::vector<Eigen::Vector3d> from, to;
   std::vector<Target*> used;
   for (Target& t : targets) {
@@ -136,14 +136,14 @@ std::string control_table(const ControlResult& result) {
   return text;
 }
 
-ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+ControlResult adjust_with_control(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options) {
   ControlResult result;
   adjust_with_control(model, control, measured, options, result);
   return result;
 }
 
-void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+void adjust_with_control(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                          const std::vector<ImagePoint>& measured, const ControlOptions& options,
                          ControlResult& result) {
   result.model = model;

@@ -10,7 +10,7 @@
 #include "control/points/control_point.hpp"
 #include "least_squares/problem/reliability.hpp"
 #include "photo/block/check_points.hpp"
-#include "photo/markers/colmap_files.hpp"
+#include "photo/cameras/colmap_files.hpp"
 
 namespace plumbline::markers {
 
@@ -51,7 +51,7 @@ struct ControlObservation {
 };
 
 struct ControlResult {
-  ColmapModel model;  ///< in the frame of the survey
+  cameras::ColmapModel model;  ///< in the frame of the survey
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   std::vector<AdjustedControlPoint> points;
   std::map<std::uint32_t, Eigen::MatrixXd> camera_covariance;            ///< 9 × 9
@@ -70,10 +70,10 @@ struct ControlResult {
 
 /// Throws std::runtime_error that says what is missing: names that match no image of the model, fewer than three
 /// control points with two rays, control on a line. Check points are judged, and what does not hold is a warning.
-ControlResult adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+ControlResult adjust_with_control(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                                   const std::vector<ImagePoint>& measured, const ControlOptions& options);
 /// The same; where it throws, the warnings of `result` say what was noticed before.
-void adjust_with_control(const ColmapModel& model, const std::vector<ControlPoint>& control,
+void adjust_with_control(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                          const std::vector<ImagePoint>& measured, const ControlOptions& options, ControlResult& result);
 
 /// "control", "check", or what became of control that contradicts.

@@ -14,14 +14,14 @@ namespace {
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
 /// [px] from where the model has the point in that photograph; infinite: behind it, or no point.
-double distance(const ColmapModel& model, const std::optional<Eigen::Vector3d>& point, const Measured& ray) {
+double distance(const cameras::ColmapModel& model, const std::optional<Eigen::Vector3d>& point, const Measured& ray) {
   if (!point) return nowhere;
-  const ColmapImage& image = model.images.at(ray.image);
+  const cameras::ColmapImage& image = model.images.at(ray.image);
   const auto pixel = project(model.cameras.at(image.camera).camera, image.cam_from_world * *point);
   return pixel ? (*pixel - ray.pixel).norm() : nowhere;
 }
 
-double largest_distance(const ColmapModel& model, const std::vector<Measured>& rays) {
+double largest_distance(const cameras::ColmapModel& model, const std::vector<Measured>& rays) {
   const auto point = intersect(model, rays);
   double largest = 0;
   for (const Measured& ray : rays) largest = std::max(largest, distance(model, point, ray));
@@ -42,7 +42,7 @@ std::string same_place(const std::vector<Target>& targets, const Target& of, con
   return ". Is it another point's?";
 }
 
-std::string names_of(const ColmapModel& model, const std::vector<Measured>& rays) {
+std::string names_of(const cameras::ColmapModel& model, const std::vector<Measured>& rays) {
   std::vector<std::string> names;
   for (const Measured& ray : rays) names.push_back(model.images.at(ray.image).name);
   return text::join(names, 5);
@@ -50,7 +50,8 @@ std::string names_of(const ColmapModel& model, const std::vector<Measured>& rays
 
 }  // namespace
 
-void set_wrong_measurements_aside(const ColmapModel& model, std::vector<Target>& targets, ControlResult& result) {
+void set_wrong_measurements_aside(const cameras::ColmapModel& model, std::vector<Target>& targets,
+                                  ControlResult& result) {
   constexpr double of_sigma = 20, least = 25;  // [px]: a model that is bent fits its own photographs better than that
   for (Target& target : targets)
     while (target.rays.size() >= 2) {

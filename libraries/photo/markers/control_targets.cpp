@@ -14,7 +14,7 @@ namespace plumbline::markers {
 namespace {
 
 /// Images by name, and by base name where that is unique.
-std::map<std::string, std::uint32_t> names_of(const ColmapModel& model) {
+std::map<std::string, std::uint32_t> names_of(const cameras::ColmapModel& model) {
   std::map<std::string, std::uint32_t> names;
   std::map<std::string, int> times;
   for (const auto& [id, image] : model.images) {
@@ -30,11 +30,11 @@ std::map<std::string, std::uint32_t> names_of(const ColmapModel& model) {
 
 }  // namespace
 
-std::optional<Eigen::Vector3d> intersect(const ColmapModel& model, const std::vector<Measured>& rays) {
+std::optional<Eigen::Vector3d> intersect(const cameras::ColmapModel& model, const std::vector<Measured>& rays) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
   for (const Measured& m : rays) {
-    const ColmapImage& image = model.images.at(m.image);
+    const cameras::ColmapImage& image = model.images.at(m.image);
     const auto q = unproject(model.cameras.at(image.camera).camera, m.pixel);
     if (!q) continue;
     const RigidTransform world_from_cam = image.cam_from_world.inverse();
@@ -47,7 +47,8 @@ std::optional<Eigen::Vector3d> intersect(const ColmapModel& model, const std::ve
   return normal.ldlt().solve(right);
 }
 
-double largest_angle(const ColmapModel& model, const Eigen::Vector3d& point, const std::vector<Measured>& rays) {
+double largest_angle(const cameras::ColmapModel& model, const Eigen::Vector3d& point,
+                     const std::vector<Measured>& rays) {
   double smallest = 1;
   for (size_t i = 0; i < rays.size(); ++i)
     for (size_t j = i + 1; j < rays.size(); ++j) {
@@ -59,7 +60,7 @@ double largest_angle(const ColmapModel& model, const Eigen::Vector3d& point, con
   return std::acos(std::clamp(smallest, -1.0, 1.0));
 }
 
-std::vector<Target> targets_of(const ColmapModel& model, const std::vector<ControlPoint>& control,
+std::vector<Target> targets_of(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                                const std::vector<ImagePoint>& measured, const ControlOptions& options,
                                ControlResult& result) {
   const auto names = names_of(model);
@@ -101,7 +102,7 @@ std::vector<Target> targets_of(const ColmapModel& model, const std::vector<Contr
   return targets;
 }
 
-void add_ties(const ColmapModel& model, const ControlOptions& options, std::vector<Target>& targets) {
+void add_ties(const cameras::ColmapModel& model, const ControlOptions& options, std::vector<Target>& targets) {
   std::vector<std::pair<size_t, std::int64_t>> order;
   for (const auto& [id, point] : model.points)
     if (point.track.size() >= 2) order.emplace_back(point.track.size(), id);
@@ -119,7 +120,7 @@ void add_ties(const ColmapModel& model, const ControlOptions& options, std::vect
     for (const auto& t : track) ++held[t.first];
   }
   for (const std::int64_t id : chosen) {
-    const ColmapPoint& point = model.points.at(id);
+    const cameras::ColmapPoint& point = model.points.at(id);
     Target target{"tie " + std::to_string(id), point.position, {}, nullptr, id};
     std::set<std::uint32_t> images;
     for (const auto& [image, feature] : point.track)

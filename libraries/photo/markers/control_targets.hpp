@@ -28,14 +28,15 @@ struct Target {
 };
 
 /// Linear intersection of the rays of a point; nothing if they are nearly parallel.
-std::optional<Eigen::Vector3d> intersect(const ColmapModel& model, const std::vector<Measured>& rays);
+std::optional<Eigen::Vector3d> intersect(const cameras::ColmapModel& model, const std::vector<Measured>& rays);
 
 /// Largest angle between two rays [rad].
-double largest_angle(const ColmapModel& model, const Eigen::Vector3d& point, const std::vector<Measured>& rays);
+double largest_angle(const cameras::ColmapModel& model, const Eigen::Vector3d& point,
+                     const std::vector<Measured>& rays);
 
 /// The control points with their measurements. What belongs to no photograph or point is told in `result`; throws
 /// std::runtime_error if nothing belongs together.
-std::vector<Target> targets_of(const ColmapModel& model, const std::vector<ControlPoint>& control,
+std::vector<Target> targets_of(const cameras::ColmapModel& model, const std::vector<ControlPoint>& control,
                                const std::vector<ImagePoint>& measured, const ControlOptions& options,
                                ControlResult& result);
 
@@ -43,9 +44,10 @@ std::vector<Target> targets_of(const ColmapModel& model, const std::vector<Contr
 /// where the point's other photographs have it in the model as it is, if nothing else explains it; the whole point if
 /// it cannot be told which is wrong. Each is a warning. One such measurement bends the photographs until their tie
 /// points no longer fit, and the adjustment names anything but its cause.
-void set_wrong_measurements_aside(const ColmapModel& model, std::vector<Target>& targets, ControlResult& result);
+void set_wrong_measurements_aside(const cameras::ColmapModel& model, std::vector<Target>& targets,
+                                  ControlResult& result);
 
 /// Adds the tie points with the longest tracks, every photograph its share.
-void add_ties(const ColmapModel& model, const ControlOptions& options, std::vector<Target>& targets);
+void add_ties(const cameras::ColmapModel& model, const ControlOptions& options, std::vector<Target>& targets);
 
 }  // namespace plumbline::markers

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 
 namespace plumbline::pose {
 namespace {
@@ -30,8 +30,8 @@ std::string names_of(const Rig& rig) {
 /// The camera that a photograph names, or that of its folder or name.
 const RigCamera& camera_of_photograph(const ImageTagsT& image, const Rig& rig) {
   for (const std::string& name :
-       {image.camera, markers::camera_name(image.path, "by_folder"), markers::camera_name(image.path, "by_name"),
-        markers::camera_name(image.path, "by_file")})
+       {image.camera, cameras::camera_name(image.path, "by_folder"), cameras::camera_name(image.path, "by_name"),
+        cameras::camera_name(image.path, "by_file")})
     if (const auto found = rig.find(name); found != rig.end()) return found->second;
   throw std::runtime_error("image " + image.path + " is of " +
                            (image.camera.empty() ? "no camera that it names" : "camera '" + image.camera + "'") +
@@ -74,7 +74,7 @@ std::vector<Moment> moments_of(const std::vector<ImageTagsT>& images, const Rig&
     of_camera[at->second].push_back(i), paths[at->second].push_back(images[i].path);
     all.push_back(images[i].path);
   }
-  const auto names = markers::moments_of(paths, markers::cameras_told(all, "by_folder"));
+  const auto names = cameras::moments_of(paths, cameras::cameras_told(all, "by_folder"));
   std::map<std::pair<std::string, std::string>, Moment> moments;  // by reference camera and name
   for (const auto& [camera, c] : index)
     for (std::size_t k = 0; k < of_camera[c].size(); ++k) {

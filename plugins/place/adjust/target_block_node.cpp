@@ -8,7 +8,7 @@
 
 #include "artifacts/camera_artifact.hpp"
 #include "control/points/image_points.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 #include "target_block_artifacts.hpp"
 
 namespace plumbline::block {
@@ -36,7 +36,7 @@ SensorCamera ideal_camera(const Camera& camera, int id) {
 
 size_t camera_of_image(const std::vector<Camera>& cameras, const std::string& path) {
   for (size_t c = 0; c < cameras.size(); ++c)
-    if (cameras.size() == 1 || cameras[c].id == markers::folder_of(path)) return c;
+    if (cameras.size() == 1 || cameras[c].id == cameras::folder_of(path)) return c;
   throw std::runtime_error(path + " is of none of the " + std::to_string(cameras.size()) +
                            " cameras: give one camera, or several that are called as the images' folders");
 }

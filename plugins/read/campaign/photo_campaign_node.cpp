@@ -5,8 +5,8 @@
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
 #include "listed_campaign.hpp"
+#include "photo/cameras/camera_files.hpp"
 #include "photo/images/photograph_header.hpp"
-#include "photo/markers/camera_files.hpp"
 #include "reader_files_node.hpp"
 
 namespace plumbline::campaign {
@@ -14,10 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-CameraT artifact_of(const markers::CameraFile& file, const std::string& name) {
+CameraT artifact_of(const cameras::CameraFile& file, const std::string& name) {
   CameraT camera;
   camera.id = file.id;
-  set_interior(file.camera, file.covariance.size() ? file.covariance : markers::usual_covariance(file.camera), camera);
+  set_interior(file.camera, file.covariance.size() ? file.covariance : cameras::usual_covariance(file.camera), camera);
   camera.source = file.format + " file " + name;
   return camera;
 }
@@ -29,7 +29,7 @@ std::vector<CameraT> cameras_of(const fs::path& path, const std::string& name, C
   if (text.starts_with(key) || text.find("\n" + key) != std::string::npos)
     return {to_artifact(parse_camera(text, path), name)};
   std::vector<CameraT> cameras;
-  for (const markers::CameraFile& file : markers::parse_camera_files(text, path.string())) {
+  for (const cameras::CameraFile& file : cameras::parse_camera_files(text, path.string())) {
     cameras.push_back(artifact_of(file, name));
     context.info(name + ": " + file.format + " camera " + file.id);
   }

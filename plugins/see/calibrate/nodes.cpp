@@ -11,7 +11,7 @@
 #include "artifacts/file.hpp"
 #include "geometry/median.hpp"
 #include "output.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 #include "photo/markers/repeated_sights.hpp"
 #include "plumbline/node.hpp"
 
@@ -73,8 +73,8 @@ struct CalibrateBoard : Node {
       const bool by_pitch = photographs.back().contradicts && std::isfinite(photographs.back().marker_ratio);
       if (!photographs.back().problem.empty() && !by_pitch) told.insert(paths.back());
     }
-    const std::string by = cameras_told(paths, *cameras);
-    const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
+    const std::string by = cameras::cameras_told(paths, *cameras);
+    const std::string suspects = by == "by_folder" ? cameras::suspected_cameras(paths) : "";
     if (!suspects.empty())
       context.warn(
           "the photographs are called " + suspects +

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "photo/markers/camera_files.hpp"
+#include "photo/cameras/camera_files.hpp"
 
 namespace plumbline::markers {
 
@@ -304,7 +304,7 @@ std::string yaml_of(const std::vector<Calibrated>& cameras, const std::string& i
   for (const auto& one : cameras) {
     const std::string name = cameras.size() == 1 ? id : one.selection.camera;
     const std::string own =
-        camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one)});
+        cameras::camera_yaml({name, one.calibration.camera, one.calibration.covariance, "", remarks_of(one)});
     if (cameras.size() == 1) return own;
     std::string quoted = name;
     for (size_t at = 0; (at = quoted.find_first_of("\"\\", at)) != std::string::npos; at += 2) quoted.insert(at, "\\");

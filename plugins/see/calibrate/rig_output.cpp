@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "output.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 #include "photo/markers/rig_adjustment.hpp"
 
 namespace plumbline::markers {
@@ -96,7 +96,7 @@ Json rig_json(const std::vector<Calibrated>& cameras, const std::string& by, con
     paths.emplace_back();
     for (const auto& view : one.selection.views) paths.back().push_back(view.path);
   }
-  const auto moments = moments_of(paths, by);
+  const auto moments = cameras::moments_of(paths, by);
   for (const AdjustedRig& rig : adjust_rigs(given, moments, options)) {
     if (!rig.refused.empty()) {
       warnings.push_back("No rig: " + rig.refused +

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "geometry/edge_inset.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -108,7 +108,7 @@ Selection select_one(const std::vector<const BoardPointsT*>& photographs, bool t
 std::vector<Selection> select(const std::vector<BoardPointsT>& photographs, const std::string& cameras) {
   constexpr size_t enough = 3;
   std::map<std::string, std::vector<const BoardPointsT*>> groups;
-  for (const auto& p : photographs) groups[camera_name(p.path, cameras)].push_back(&p);
+  for (const auto& p : photographs) groups[cameras::camera_name(p.path, cameras)].push_back(&p);
   std::vector<Selection> result, small;
   for (const auto& [name, members] : groups) {
     Selection selection = select_one(members, cameras != "one");

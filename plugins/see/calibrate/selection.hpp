@@ -19,7 +19,7 @@ struct Selection {
   std::string board;
 };
 
-/// One entry a camera, told apart as markers::camera_name does; a camera with fewer than three usable photographs
+/// One entry a camera, told apart as cameras::camera_name does; a camera with fewer than three usable photographs
 /// beside one with more only stands in the `left_out` of the first.
 std::vector<Selection> select(const std::vector<BoardPointsT>& photographs, const std::string& cameras);
 

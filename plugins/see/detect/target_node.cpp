@@ -10,9 +10,9 @@
 #include "artifacts/camera_artifact.hpp"
 #include "base/text/csv_table.hpp"
 #include "control/points/image_points.hpp"
+#include "photo/cameras/camera_groups.hpp"
 #include "photo/detect/target_fit.hpp"
 #include "photo/images/grey_image.hpp"
-#include "photo/markers/camera_groups.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -72,7 +72,7 @@ const BrownCamera& camera_for(const std::vector<KnownCamera>& cameras, const Ima
   const std::string path = photograph.path()->str();
   const BrownCamera* found = cameras.size() == 1 ? &cameras.front().camera : nullptr;
   for (const auto& [id, camera] : cameras)
-    if (!found && (id == markers::folder_of(path) || (photograph.camera() && id == photograph.camera()->str())))
+    if (!found && (id == cameras::folder_of(path) || (photograph.camera() && id == photograph.camera()->str())))
       found = &camera;
   if (!found)
     throw std::runtime_error(path + " is of none of the " + std::to_string(cameras.size()) +

@@ -219,7 +219,7 @@ void AdjustColmapControl::run(Context& context) {
   const std::vector<ControlPoint>& surveyed = known.points;
   ControlResult result;
   try {
-    adjust_with_control(read_colmap(model_folder), surveyed, pixels, options, result);
+    adjust_with_control(cameras::read_colmap(model_folder), surveyed, pixels, options, result);
   } catch (const std::exception&) {  // what was noticed before may be why
     for (const auto& text : result.warnings) context.warn(text);
     throw;

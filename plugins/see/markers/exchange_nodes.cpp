@@ -12,8 +12,8 @@
 #include "control/points/image_points.hpp"
 #include "observation_files.hpp"
 #include "output.hpp"
-#include "photo/markers/camera_groups.hpp"
-#include "photo/markers/colmap_files.hpp"
+#include "photo/cameras/camera_groups.hpp"
+#include "photo/cameras/colmap_files.hpp"
 #include "read_nodes.hpp"
 
 namespace plumbline::markers {
@@ -45,7 +45,7 @@ void ReadImageObservations::run(Context&) {
 }
 
 void ReadColmap::run(Context&) {
-  const ColmapModel model = read_colmap(folder->path);
+  const cameras::ColmapModel model = cameras::read_colmap(folder->path);
   for (const CameraT& camera : camera_artifacts(model)) cameras.commit(camera);
   poses.commit(pose_artifacts(model));
   PointsT cloud;
@@ -80,7 +80,7 @@ PointsT point_artifacts(const std::vector<ControlPoint>& control) {
   return result;
 }
 
-std::vector<CameraT> camera_artifacts(const ColmapModel& model) {
+std::vector<CameraT> camera_artifacts(const cameras::ColmapModel& model) {
   std::vector<CameraT> result;
   for (const auto& [id, camera] : model.cameras) {
     CameraT artifact;
@@ -92,7 +92,7 @@ std::vector<CameraT> camera_artifacts(const ColmapModel& model) {
   return result;
 }
 
-PosesT pose_artifacts(const ColmapModel& model) {
+PosesT pose_artifacts(const cameras::ColmapModel& model) {
   PosesT all;
   for (const auto& [id, image] : model.images) {
     auto pose = std::make_unique<PoseT>();
@@ -104,10 +104,11 @@ PosesT pose_artifacts(const ColmapModel& model) {
   return all;
 }
 
-FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context) {
+FolderT write_model(const cameras::ColmapModel& model, const std::string& uri, const std::string& path,
+                    Context& context) {
   FolderT listing;
   listing.uri = uri;
-  for (const auto& [name, text] : colmap_text(model)) {
+  for (const auto& [name, text] : cameras::colmap_text(model)) {
     std::ofstream stream(path + "/" + name, std::ios::binary);
     if (!(stream << text).flush()) throw std::runtime_error("cannot write " + path + "/" + name);
     stream.close();
@@ -121,8 +122,8 @@ FolderT write_model(const ColmapModel& model, const std::string& uri, const std:
 namespace {
 
 /// Features of the image: the centres of its tags that stand for a point.
-void add_features(const ImageTagsT& seen, const std::map<std::string, std::int64_t>& point_of, ColmapModel& model,
-                  ColmapImage& image) {
+void add_features(const ImageTagsT& seen, const std::map<std::string, std::int64_t>& point_of,
+                  cameras::ColmapModel& model, cameras::ColmapImage& image) {
   for (const auto& tag : seen.tags) {
     const std::string id = std::to_string(tag->id), full = tag->family + ":" + id;
     const auto point = point_of.count(full) ? point_of.find(full) : point_of.find(id);
@@ -135,11 +136,11 @@ void add_features(const ImageTagsT& seen, const std::map<std::string, std::int64
 }  // namespace
 
 void WriteColmap::run(Context& context) {
-  ColmapModel result;
+  cameras::ColmapModel result;
   std::map<std::string, std::uint32_t> camera_of_name;
   for (size_t i = 0; i < cameras.size(); ++i) {
     const CameraT given = cameras.unpack(i);
-    ColmapCamera camera;
+    cameras::ColmapCamera camera;
     camera.id = static_cast<std::uint32_t>(i + 1), camera.camera = camera_of(given);
     camera_of_name[given.id] = camera.id;
     result.cameras[camera.id] = camera;
@@ -156,9 +157,9 @@ void WriteColmap::run(Context& context) {
   for (const auto& image : tags.images) seen[image->path] = image.get();
   const PosesT oriented = poses.unpack();
   for (const auto& pose : oriented.poses) {
-    ColmapImage image;
+    cameras::ColmapImage image;
     image.id = static_cast<std::uint32_t>(result.images.size() + 1), image.name = pose->path;
-    const auto named = camera_of_name.find(folder_of(pose->path));
+    const auto named = camera_of_name.find(cameras::folder_of(pose->path));
     if (result.cameras.size() != 1 && named == camera_of_name.end())
       throw std::runtime_error(pose->path + " is of none of the " + std::to_string(result.cameras.size()) +
                                " cameras: give one camera, or several that are called as the images' folders");

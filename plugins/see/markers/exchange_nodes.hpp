@@ -8,7 +8,7 @@
 #include "artifacts/poses.hpp"
 #include "artifacts/tag_observations.hpp"
 #include "control/points/control_table.hpp"
-#include "photo/markers/colmap_files.hpp"
+#include "photo/cameras/colmap_files.hpp"
 #include "photo/markers/control_block.hpp"
 #include "plumbline/node.hpp"
 
@@ -50,11 +50,12 @@ void tell(const control::ControlTable& table, const std::string& file, Context& 
 PointsT point_artifacts(const std::vector<ControlPoint>& control);
 
 /// Interior and exterior orientations of a model, in the order of their ids.
-std::vector<CameraT> camera_artifacts(const ColmapModel& model);
-PosesT pose_artifacts(const ColmapModel& model);
+std::vector<CameraT> camera_artifacts(const cameras::ColmapModel& model);
+PosesT pose_artifacts(const cameras::ColmapModel& model);
 
 /// The model as COLMAP text files in the folder at `path`, which the host knows as `uri`.
-FolderT write_model(const ColmapModel& model, const std::string& uri, const std::string& path, Context& context);
+FolderT write_model(const cameras::ColmapModel& model, const std::string& uri, const std::string& path,
+                    Context& context);
 
 struct WriteColmap : Node {
   static constexpr Info info{"write.colmap", "", 1, "Writes cameras, poses and points as a COLMAP model, text"};

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "base/text/text.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 #include "photograph_groups.hpp"
 
 namespace plumbline::markers {
@@ -48,7 +48,7 @@ int calibration_by_folder(const std::string& name, const std::vector<CameraT>& k
 /// Index of the calibration that holds for a photograph; −1: none does.
 int calibration_of(const std::string& path, const std::vector<CameraT>& known, const std::string& by) {
   if (known.size() == 1) return 0;
-  const std::string name = camera_name(path, by);
+  const std::string name = cameras::camera_name(path, by);
   for (size_t c = 0; c < known.size(); ++c)
     if (known[c].id == name) return static_cast<int>(c);
   for (size_t c = 0; c < known.size(); ++c)  // "left" calibrated in a folder of its own, "images/left" in the campaign
@@ -129,7 +129,7 @@ std::vector<bool> usable(const TagObservationsT& observations, std::vector<Camer
     }
     if (!known.empty()) {
       const int c = calibration_of(image.path, known, by);
-      const std::string why = c < 0 ? "is of camera '" + camera_name(image.path, by) +
+      const std::string why = c < 0 ? "is of camera '" + cameras::camera_name(image.path, by) +
                                           "', which the file of calibrations has not (it has '" + known.front().id +
                                           "' and others); cameras=by_name or by_folder tells how they are called"
                                     : contradiction(image, known[c]);
@@ -239,7 +239,7 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
   BlockInput input;
   std::vector<std::string> paths;
   for (const auto& image : observations.images) paths.push_back(image->path);
-  const std::string by = cameras_told(paths, options.cameras);
+  const std::string by = cameras::cameras_told(paths, options.cameras);
   std::vector<bool> use = usable(observations, known, by, input);
   std::vector<int> camera_of_image(observations.images.size(), -1);
   if (!known.empty()) {
@@ -250,7 +250,7 @@ BlockInput block_of(const std::vector<ImageT>& images, const TagObservationsT& o
       if (use[i]) camera_of_image[i] = calibration_of(observations.images[i]->path, known, by);
   } else {
     std::vector<CameraGroup> groups = groups_of(images, observations, use, by);
-    const std::string suspects = by == "by_folder" ? suspected_cameras(paths) : "";
+    const std::string suspects = by == "by_folder" ? cameras::suspected_cameras(paths) : "";
     if (!suspects.empty())
       input.warnings.push_back("the photographs are called " + suspects +
                                ", each with the same numbers, and count as one camera's: cameras=by_name calibrates "

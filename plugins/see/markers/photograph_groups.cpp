@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "base/text/words.hpp"
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 
 namespace plumbline::markers {
 namespace {
@@ -29,7 +29,7 @@ std::vector<KeyOfImage> keys_of(const std::vector<ImageT>& images, const TagObse
     const ImageTagsT& seen = *observations.images[i];
     const auto found = header.find(seen.path);
     CameraKey& key = keys[i].key;
-    key.folder = camera_name(seen.path, by), key.width = seen.width, key.height = seen.height;
+    key.folder = cameras::camera_name(seen.path, by), key.width = seen.width, key.height = seen.height;
     if (found == header.end()) continue;
     const ImageT& image = *found->second;
     key.model = image.model;

@@ -7,7 +7,7 @@
 #include "artifacts/points.hpp"
 #include "base/text/whole_file.hpp"
 #include "geometry/packed_symmetric.hpp"
-#include "photo/markers/camera_files.hpp"
+#include "photo/cameras/camera_files.hpp"
 #include "photo/markers/layout_files.hpp"
 #include "plumbline/node.hpp"
 
@@ -26,10 +26,11 @@ struct ReadCamera : Node {
 
   void run(Context& context) override {
     if (file->path.empty()) return;
-    for (const CameraFile& read : parse_camera_files(text::read_whole(file->path), file->path, *which)) {
+    for (const cameras::CameraFile& read :
+         cameras::parse_camera_files(text::read_whole(file->path), file->path, *which)) {
       CameraT result;
       result.id = read.id;
-      const Eigen::MatrixXd stated = read.covariance.size() ? read.covariance : usual_covariance(read.camera);
+      const Eigen::MatrixXd stated = read.covariance.size() ? read.covariance : cameras::usual_covariance(read.camera);
       set_interior(read.camera, *exact ? Eigen::MatrixXd() : stated, result);
       result.source = read.format + " file";
       context.info(read.format + (read.camera.lens == LensModel::fisheye ? " camera, a fisheye, fx " : " camera, fx ") +

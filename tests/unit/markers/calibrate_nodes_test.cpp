@@ -10,8 +10,8 @@
 #include "geometry/camera.hpp"
 #include "geometry/edge_inset.hpp"
 #include "node_harness.hpp"
+#include "photo/cameras/camera_files.hpp"
 #include "photo/markers/calibration_parts.hpp"
-#include "photo/markers/camera_files.hpp"
 #include "scene.hpp"
 
 namespace plumbline::markers {
@@ -317,7 +317,8 @@ TEST(CalibrateBoard, AFisheyeIsCalibratedAsOneAndSaysSo) {
   EXPECT_THAT(found.warnings(), Contains(testing::AllOf(HasSubstr("The lens is a fisheye"),
                                                         HasSubstr("photographs that the lens was not fitted to"))));
   const FileT yaml = found.output<File>("yaml");
-  const CameraFile read = parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
+  const cameras::CameraFile read =
+      cameras::parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
   EXPECT_EQ(read.camera.lens, LensModel::fisheye);
   EXPECT_EQ(read.camera.k4, camera.parameters[7]);
   EXPECT_EQ(run("brown", brown).lens, "") << "as it was asked for";
@@ -330,7 +331,8 @@ TEST(CalibrateBoard, WritesOneCovarianceEverywhere) {
   for (int k = 0; k < 12; ++k) node.input<BoardPoints>("points", photograph(k, ""));
   node.run();
   const FileT yaml = node.output<File>("yaml"), file = node.output<File>("json");
-  const CameraFile read = parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
+  const cameras::CameraFile read =
+      cameras::parse_camera_file({yaml.content.begin(), yaml.content.end()}, "camera.yaml");
   const auto json = nlohmann::json::parse(file.content.begin(), file.content.end());
   ASSERT_EQ(json["covariance_lower_triangle"].size(), 45u);
   std::size_t at = 0;

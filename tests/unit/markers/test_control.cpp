@@ -15,7 +15,7 @@ namespace test_control {
 using testing::HasSubstr;
 
 struct Site {
-  ColmapModel model;
+  cameras::ColmapModel model;
   std::vector<ControlPoint> control;
   std::vector<ImagePoint> measured;
   std::map<std::string, Eigen::Vector3d> truth;
@@ -27,7 +27,7 @@ Site site(unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0, 1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  ColmapCamera camera;
+  cameras::ColmapCamera camera;
   camera.id = 1, camera.model = "SIMPLE_RADIAL";
   camera.camera = {2000, 1500, 1800, 1800, 999.5, 749.5, -0.05, 0, 0, 0, 0};
   s.model.cameras[1] = camera;
@@ -46,7 +46,7 @@ Site site(unsigned seed) {
     const Eigen::Quaterniond q =
         Eigen::Quaterniond(Eigen::AngleAxisd(k % 2 ? 1.5 : 0, Eigen::Vector3d::UnitZ())) * Eigen::Quaterniond(r);
     cameras.push_back({q, -(q * centre)});
-    ColmapImage image;
+    cameras::ColmapImage image;
     image.id = static_cast<std::uint32_t>(k + 1), image.camera = 1, image.name = "img" + std::to_string(k) + ".jpg";
     image.cam_from_world.rotation = q * turn.conjugate();
     image.cam_from_world.translation = -(image.cam_from_world.rotation * to_model(centre));
@@ -59,11 +59,11 @@ Site site(unsigned seed) {
   };
   for (int j = 0; j < 150; ++j) {
     const Eigen::Vector3d p(-5 + 10 * uniform(random), 0.6 * uniform(random), 8 * uniform(random));
-    ColmapPoint point;
+    cameras::ColmapPoint point;
     point.position = to_model(p) + 0.002 * Eigen::Vector3d(normal(random), normal(random), normal(random));
     for (size_t k = 0; k < cameras.size(); ++k)
       if (const auto pixel = see(k, p)) {
-        ColmapImage& image = s.model.images[static_cast<std::uint32_t>(k + 1)];
+        cameras::ColmapImage& image = s.model.images[static_cast<std::uint32_t>(k + 1)];
         point.track.emplace_back(image.id, static_cast<std::uint32_t>(image.features.size()));
         image.features.push_back({*pixel, j + 1});
       }

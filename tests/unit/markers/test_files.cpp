@@ -10,10 +10,10 @@
 #include <set>
 #include <sstream>
 
+#include "photo/cameras/camera_files.hpp"
+#include "photo/cameras/camera_groups.hpp"
+#include "photo/cameras/colmap_files.hpp"
 #include "photo/detect/tag_dictionary.hpp"
-#include "photo/markers/camera_files.hpp"
-#include "photo/markers/camera_groups.hpp"
-#include "photo/markers/colmap_files.hpp"
 #include "photo/markers/layout_files.hpp"
 #include "photo/markers/robust_similarity.hpp"
 #include "photo/markers/survey_frame.hpp"
@@ -178,12 +178,12 @@ TEST(CameraFiles, AValueThatIsNoneIsRefusedWithItsLine) {
                   "line 6 has '-0,1', expected a number: k1"),
         std::pair(std::string("plumbline_camera: 1\nparameters: {fx: [], fy: 800, cx: 320, cy: 240}\n"),
                   "line 2 has '[]', expected a number: fx")})
-    EXPECT_THAT([&] { markers::parse_camera_files(text, "camchain.yaml"); },
+    EXPECT_THAT([&] { cameras::parse_camera_files(text, "camchain.yaml"); },
                 ThrowsMessage<std::runtime_error>(HasSubstr(words)));
 }
 
 TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
-  const auto opencv = markers::parse_camera_file(
+  const auto opencv = cameras::parse_camera_file(
       "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   "
       "dt: d\n   data: [ 600., 0., 320., 0., 610., 240., 0., 0., 1. ]\n"
       "distortion_coefficients: !!opencv-matrix\n   rows: 5\n   cols: 1\n   dt: d\n   data: [ 0.1, 0.2, 0.003, 0.004, "
@@ -193,7 +193,7 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
   EXPECT_EQ(opencv.camera.fy, 610);
   EXPECT_EQ(opencv.camera.p2, 0.004);
   EXPECT_EQ(opencv.camera.k3, 0.5);
-  const auto xml = markers::parse_camera_file(
+  const auto xml = cameras::parse_camera_file(
       "<?xml version=\"1.0\"?><opencv_storage><Camera_Matrix "
       "type_id=\"opencv-matrix\"><rows>3</rows><cols>3</cols><dt>d</dt><data>500 0 300 0 500 200 0 0 "
       "1</data></Camera_Matrix>"
@@ -203,20 +203,20 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
   EXPECT_EQ(xml.camera.cx, 300);
   EXPECT_EQ(xml.camera.k1, -0.1);
   EXPECT_EQ(xml.camera.width, 0);
-  const auto kalibr = markers::parse_camera_file(
+  const auto kalibr = cameras::parse_camera_file(
       "cam0:\n  camera_model: pinhole\n  intrinsics: [461.6, 460.3, 362.7, 248.1]\n  distortion_model: radtan\n  "
       "distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n  resolution: [752, 480]\n",
       "chain.yaml");
   EXPECT_EQ(kalibr.camera.fx, 461.6);
   EXPECT_EQ(kalibr.camera.height, 480);
-  const auto ours = markers::parse_camera_file(
-      markers::camera_yaml({"x", opencv.camera, Eigen::MatrixXd::Identity(9, 9) * 4, ""}), "camera.yaml");
+  const auto ours = cameras::parse_camera_file(
+      cameras::camera_yaml({"x", opencv.camera, Eigen::MatrixXd::Identity(9, 9) * 4, ""}), "camera.yaml");
   EXPECT_EQ(ours.camera.parameters(), opencv.camera.parameters());
   EXPECT_DOUBLE_EQ(ours.covariance(0, 0), 4);
-  EXPECT_THAT(message_of([] { markers::parse_camera_file("camera_matrix: [1, 2, 3]\n", "bad.yml"); }),
+  EXPECT_THAT(message_of([] { cameras::parse_camera_file("camera_matrix: [1, 2, 3]\n", "bad.yml"); }),
               HasSubstr("bad.yml"));
   EXPECT_THAT(message_of([] {
-                markers::parse_camera_file(
+                cameras::parse_camera_file(
                     "intrinsics: [500, 500, 300, 200]\ndistortion_model: ds\nresolution: [640, 480]\n", "f.yaml");
               }),
               HasSubstr("'ds'; known are Brown's (plumb_bob, radtan) and the fisheye"));
@@ -225,7 +225,7 @@ TEST(CameraFiles, OfOpenCVRosKalibrAndOurs) {
 /// A lens model is told by its whole name: parts of it are in the names of cameras.
 TEST(CameraFiles, TellTheLensByWholeNames) {
   const auto read = [](const std::string& line) {
-    return markers::parse_camera_file("intrinsics: [500, 500, 300, 200]\n" + line +
+    return cameras::parse_camera_file("intrinsics: [500, 500, 300, 200]\n" + line +
                                           "\ndistortion_coeffs: [0.1, 0.01, 0, 0]\nresolution: [640, 480]\n",
                                       "c.yaml")
         .camera.lens;
@@ -244,7 +244,7 @@ TEST(CameraFiles, TellTheLensByWholeNames) {
 /// lie pixels off, and nothing would say so.
 TEST(CameraFiles, OfInverseAndModifiedModelsAreBrownsOnlyWithoutDistortion) {
   const auto read = [](const std::string& model, const std::string& coefficients) {
-    return markers::parse_camera_file("width: 640\nheight: 480\nfx: 600\nfy: 600\nppx: 320\ncx: 320\ncy: 240\nmodel: " +
+    return cameras::parse_camera_file("width: 640\nheight: 480\nfx: 600\nfy: 600\nppx: 320\ncx: 320\ncy: 240\nmodel: " +
                                           model + "\ncoeffs: " + coefficients + "\ndistortion: " + coefficients + "\n",
                                       "realsense.yaml")
         .camera;
@@ -266,12 +266,12 @@ TEST(CameraFiles, OfFisheyes) {
       "cam0:\n  camera_model: pinhole\n  intrinsics: [190.97847715128717, 190.9733070521226, 254.93170605935475, "
       "256.8974428996504]\n  distortion_model: equidistant\n  distortion_coeffs: [0.0034823894022493434, "
       "0.0007150348452162257, -0.0020532361418706202, 0.00020293673591811182]\n  resolution: [512, 512]\n";
-  const auto read = markers::parse_camera_file(kalibr, "camchain.yaml");
+  const auto read = cameras::parse_camera_file(kalibr, "camchain.yaml");
   EXPECT_EQ(read.camera.lens, LensModel::fisheye);
   EXPECT_EQ(read.camera.k1, 0.0034823894022493434);
   EXPECT_EQ(read.camera.k4, 0.00020293673591811182);
   EXPECT_EQ(read.camera.p1, 0);
-  const auto opencv = markers::parse_camera_file(
+  const auto opencv = cameras::parse_camera_file(
       "<?xml version=\"1.0\"?><opencv_storage><fisheye_model>1</fisheye_model><camera_matrix "
       "type_id=\"opencv-matrix\"><data>318 0 499.5 0 319 374.5 0 0 1</data></camera_matrix>"
       "<distortion_coefficients><data>0.1 0.2 0.3 0.4</data></distortion_coefficients></opencv_storage>",
@@ -280,23 +280,23 @@ TEST(CameraFiles, OfFisheyes) {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(9, 9);
   covariance.diagonal().head<8>().setConstant(4);
   covariance(7, 2) = covariance(2, 7) = 1;
-  const std::string text = markers::camera_yaml({"x", read.camera, covariance, ""});
+  const std::string text = cameras::camera_yaml({"x", read.camera, covariance, ""});
   EXPECT_THAT(text, HasSubstr("lens: fisheye"));
   EXPECT_THAT(text, testing::Not(HasSubstr("p1")));
-  const auto ours = markers::parse_camera_file(text, "camera.yaml");
+  const auto ours = cameras::parse_camera_file(text, "camera.yaml");
   EXPECT_EQ(ours.camera.lens, LensModel::fisheye);
   EXPECT_EQ(ours.camera.parameters(), read.camera.parameters());
   EXPECT_LT((ours.covariance - covariance).norm(), 1e-12);
   const auto changed = [&](const std::string& from, const std::string& to) {
     std::string wrong = text;
     wrong.replace(wrong.find(from), from.size(), to);
-    return message_of([&] { markers::parse_camera_file(wrong, "camera.yaml"); });
+    return message_of([&] { cameras::parse_camera_file(wrong, "camera.yaml"); });
   };
   EXPECT_THAT(changed("lens: fisheye", "lens: fish"), HasSubstr("'fish', expected the lens: brown or fisheye"));
   EXPECT_THAT(changed("  k4:", "  p1:"), HasSubstr("'parameters' has no 'p1', only fx, fy, cx, cy, k1, k2, k3, k4"));
   std::string five = kalibr;
   five.replace(five.find("0.00020293673591811182]"), 1, "1, 0");
-  EXPECT_THAT(message_of([&] { markers::parse_camera_file(five, "camchain.yaml"); }),
+  EXPECT_THAT(message_of([&] { cameras::parse_camera_file(five, "camchain.yaml"); }),
               HasSubstr("has 5 coefficients of distortion, a fisheye (equidistant, Kannala-Brandt) has 4"));
 }
 
@@ -316,8 +316,8 @@ TEST(CameraFiles, CarryTheWholeCovariance) {
   BrownCamera camera;
   camera.width = 1280, camera.height = 720, camera.fx = 1124, camera.fy = 1125, camera.cx = 640, camera.cy = 360;
   camera.k1 = 0.13;
-  const std::string text = markers::camera_yaml({"x", camera, covariance, "", {"sigmas: 2.1 times\nas large"}});
-  const auto read = markers::parse_camera_file(text, "camera.yaml");
+  const std::string text = cameras::camera_yaml({"x", camera, covariance, "", {"sigmas: 2.1 times\nas large"}});
+  const auto read = cameras::parse_camera_file(text, "camera.yaml");
   EXPECT_LT((read.covariance - covariance).cwiseAbs().maxCoeff(), 1e-12);
   for (Eigen::Index i = 0; i < 9; ++i)
     for (Eigen::Index j = 0; j < 9; ++j)
@@ -327,13 +327,13 @@ TEST(CameraFiles, CarryTheWholeCovariance) {
   std::string indented = "left:\n";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);) indented += "  " + line + "\n";
-  EXPECT_LT((markers::parse_camera_file(indented, "c.yaml", "left").covariance - covariance).norm(), 1e-12);
+  EXPECT_LT((cameras::parse_camera_file(indented, "c.yaml", "left").covariance - covariance).norm(), 1e-12);
 }
 
 TEST(CameraFiles, CorrelationsThatAreNoneAreRefused) {
   const auto refused = [](const std::string& correlations) {
     return message_of([&] {
-      markers::parse_camera_file(
+      cameras::parse_camera_file(
           "plumbline_camera: 1\nwidth: 4000\nheight: 3000\nparameters: {fx: 3000, fy: 3000, cx: 2000, cy: 1500}\n"
           "sigmas: {fx: 1, fy: 1, cx: 2, cy: 2}\ncorrelations: " +
               correlations + "\n",
@@ -352,7 +352,7 @@ TEST(CameraFiles, CorrelationsThatAreNoneAreRefused) {
 TEST(CameraFiles, MistypedNamesAndImpossibleNumbersAreRefused) {
   const auto refused = [](const std::string& parameters, const std::string& more) {
     return message_of([&] {
-      markers::parse_camera_file(
+      cameras::parse_camera_file(
           "plumbline_camera: 1\nwidth: 4000\nheight: 3000\nparameters: {" + parameters + "}\n" + more, "c.yaml");
     });
   };
@@ -367,9 +367,9 @@ TEST(CameraFiles, MistypedNamesAndImpossibleNumbersAreRefused) {
   EXPECT_THAT(refused("fx: 3000, fy: 3000, cx: 2000", ""), HasSubstr("'parameters' has no cy"));
   const std::string matrix = "camera_matrix: [3000, 0, 2000, 0, 3000, 1500, 0, 0, 1]\n";
   for (const std::string list : {"[-0.1]", "[-0.1, 0.05]", "[-0.1, 0.05, 0.01]"})
-    EXPECT_THAT(message_of([&] { markers::parse_camera_file(matrix + "dist_coeffs: " + list + "\n", "o.yaml"); }),
+    EXPECT_THAT(message_of([&] { cameras::parse_camera_file(matrix + "dist_coeffs: " + list + "\n", "o.yaml"); }),
                 HasSubstr("coefficients of distortion, expected are 4 (k1, k2, p1, p2), 5 (and k3)"));
-  EXPECT_EQ(message_of([&] { markers::parse_camera_file(matrix + "dist_coeffs: [-0.1, 0.05, 0, 0]\n", "o.yaml"); }),
+  EXPECT_EQ(message_of([&] { cameras::parse_camera_file(matrix + "dist_coeffs: [-0.1, 0.05, 0, 0]\n", "o.yaml"); }),
             "nothing was thrown");
 }
 
@@ -377,84 +377,84 @@ TEST(CameraFiles, OfSeveralCamerasAreReadByName) {
   const std::string one =
       "  plumbline_camera: 1\n  width: 640\n  height: 480\n  parameters: {fx: 500, fy: 501, cx: 320, cy: 240}\n";
   const std::string text = "\"left\":\n" + one + "\"rig/right\":\n" + one;
-  const auto cameras = markers::parse_camera_files(text, "c.yaml");
+  const auto cameras = cameras::parse_camera_files(text, "c.yaml");
   ASSERT_EQ(cameras.size(), 2u);
   EXPECT_EQ(cameras[1].id, "rig/right");
   EXPECT_EQ(cameras[1].camera.width, 640);
-  EXPECT_EQ(markers::parse_camera_files(text, "c.yaml", "left").size(), 1u);
-  EXPECT_THAT(message_of([&] { markers::parse_camera_file(text, "c.yaml"); }),
+  EXPECT_EQ(cameras::parse_camera_files(text, "c.yaml", "left").size(), 1u);
+  EXPECT_THAT(message_of([&] { cameras::parse_camera_file(text, "c.yaml"); }),
               testing::AllOf(HasSubstr("several cameras; choose one with which="), HasSubstr("'left', 'rig/right'")));
   // Kalibr's camchain of a rig: not silently its first camera.
   const std::string kalibr =
       "  intrinsics: [461.6, 460.3, 362.7, 248.1]\n  distortion_model: radtan\n"
       "  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n  resolution: [752, 480]\n";
   const std::string chain = "cam0:\n" + kalibr + "cam1:\n" + kalibr;
-  const auto rig = markers::parse_camera_files(chain, "chain.yaml");
+  const auto rig = cameras::parse_camera_files(chain, "chain.yaml");
   ASSERT_EQ(rig.size(), 2u);
   EXPECT_EQ(rig[1].id, "cam1");
   EXPECT_EQ(rig[1].format, "Kalibr");
-  EXPECT_THAT(message_of([&] { markers::parse_camera_file(chain, "chain.yaml"); }), HasSubstr("'cam0', 'cam1'"));
+  EXPECT_THAT(message_of([&] { cameras::parse_camera_file(chain, "chain.yaml"); }), HasSubstr("'cam0', 'cam1'"));
 }
 
 TEST(CameraGroups, AreToldFromFoldersAndNames) {
-  EXPECT_EQ(markers::camera_name("rig/left/0017.png", "by_folder"), "rig/left");
-  EXPECT_EQ(markers::camera_name("rig/left/0017.png", "by_name"), "rig/left");
-  EXPECT_EQ(markers::camera_name("cam_0_frame_0017.png", "by_name"), "cam_0_frame");
-  EXPECT_EQ(markers::camera_name("left01.jpg", "by_name"), "left");
-  EXPECT_EQ(markers::camera_name("left01.jpg", "one"), "");
+  EXPECT_EQ(cameras::camera_name("rig/left/0017.png", "by_folder"), "rig/left");
+  EXPECT_EQ(cameras::camera_name("rig/left/0017.png", "by_name"), "rig/left");
+  EXPECT_EQ(cameras::camera_name("cam_0_frame_0017.png", "by_name"), "cam_0_frame");
+  EXPECT_EQ(cameras::camera_name("left01.jpg", "by_name"), "left");
+  EXPECT_EQ(cameras::camera_name("left01.jpg", "one"), "");
   // The number first: each moment was a camera of its own.
-  EXPECT_EQ(markers::camera_name("rig/0017_left.png", "by_name"), "rig/left");
-  EXPECT_EQ(markers::camera_name("0017_cam2.png", "by_name"), "cam2");
-  EXPECT_EQ(markers::camera_name("frame0017-Camera 10.png", "by_name"), "frame_Camera 10");
-  EXPECT_EQ(markers::moment_of("frame0017-Camera 10.png", "by_name"), "17");
-  EXPECT_EQ(markers::camera_name("cam10_5.png", "by_name"), "cam10");
-  EXPECT_EQ(markers::moment_of("rig/cam3.png", "by_name"), "3") << "the only number";
+  EXPECT_EQ(cameras::camera_name("rig/0017_left.png", "by_name"), "rig/left");
+  EXPECT_EQ(cameras::camera_name("0017_cam2.png", "by_name"), "cam2");
+  EXPECT_EQ(cameras::camera_name("frame0017-Camera 10.png", "by_name"), "frame_Camera 10");
+  EXPECT_EQ(cameras::moment_of("frame0017-Camera 10.png", "by_name"), "17");
+  EXPECT_EQ(cameras::camera_name("cam10_5.png", "by_name"), "cam10");
+  EXPECT_EQ(cameras::moment_of("rig/cam3.png", "by_name"), "3") << "the only number";
   EXPECT_EQ(
-      markers::suspected_cameras({"1_cam0.png", "2_cam0.png", "3_cam0.png", "1_cam1.png", "2_cam1.png", "3_cam1.png"}),
+      cameras::suspected_cameras({"1_cam0.png", "2_cam0.png", "3_cam0.png", "1_cam1.png", "2_cam1.png", "3_cam1.png"}),
       "cam0 and cam1");
-  EXPECT_EQ(markers::moment_of("a/cam_0_frame_0050.jpg", "by_name"), markers::moment_of("b/cam1_50.jpg", "by_name"));
-  EXPECT_EQ(markers::moment_of("2024-01-01/first.jpg", "by_name"), "first.jpg");
+  EXPECT_EQ(cameras::moment_of("a/cam_0_frame_0050.jpg", "by_name"), cameras::moment_of("b/cam1_50.jpg", "by_name"));
+  EXPECT_EQ(cameras::moment_of("2024-01-01/first.jpg", "by_name"), "first.jpg");
   EXPECT_EQ(
-      markers::suspected_cameras({"left1.jpg", "left2.jpg", "left3.jpg", "right1.jpg", "right2.jpg", "right3.jpg"}),
+      cameras::suspected_cameras({"left1.jpg", "left2.jpg", "left3.jpg", "right1.jpg", "right2.jpg", "right3.jpg"}),
       "left and right");
-  EXPECT_EQ(markers::suspected_cameras({"a1.jpg", "a2.jpg", "a3.jpg", "b4.jpg", "b5.jpg", "b6.jpg"}), "")
+  EXPECT_EQ(cameras::suspected_cameras({"a1.jpg", "a2.jpg", "a3.jpg", "b4.jpg", "b5.jpg", "b6.jpg"}), "")
       << "names that only count on";
 }
 
 TEST(CameraGroups, FoldersOfMomentsAreFoundOut) {
   const std::vector<std::string> rig = {"run/0001/cam0.png", "run/0001/cam1.png", "run/0002/cam0.png",
                                         "run/0002/cam1.png", "run/0003/cam1.png", "run/0003/cam0.png"};
-  EXPECT_EQ(markers::cameras_told(rig, "by_folder"), "by_file");
-  EXPECT_EQ(markers::cameras_told(rig, "by_name"), "by_file");
-  EXPECT_EQ(markers::cameras_told(rig, "one"), "one");
-  EXPECT_EQ(markers::camera_name("run/0001/cam1.png", "by_file"), "cam1");
-  EXPECT_EQ(markers::moment_of("run/0003/cam1.png", "by_file"), "run/0003");
+  EXPECT_EQ(cameras::cameras_told(rig, "by_folder"), "by_file");
+  EXPECT_EQ(cameras::cameras_told(rig, "by_name"), "by_file");
+  EXPECT_EQ(cameras::cameras_told(rig, "one"), "one");
+  EXPECT_EQ(cameras::camera_name("run/0001/cam1.png", "by_file"), "cam1");
+  EXPECT_EQ(cameras::moment_of("run/0003/cam1.png", "by_file"), "run/0003");
   // The folder's number once more in the name; but not any number that is alike.
-  EXPECT_EQ(markers::camera_name("0017/cam1_0017.png", "by_file"), "cam1");
-  EXPECT_EQ(markers::camera_name("0017/0017_left.png", "by_file"), "left");
-  EXPECT_EQ(markers::camera_name("1/img_1.png", "by_file"), "img_1");
-  EXPECT_EQ(markers::camera_name("0017/0017.png", "by_file"), "0017");
+  EXPECT_EQ(cameras::camera_name("0017/cam1_0017.png", "by_file"), "cam1");
+  EXPECT_EQ(cameras::camera_name("0017/0017_left.png", "by_file"), "left");
+  EXPECT_EQ(cameras::camera_name("1/img_1.png", "by_file"), "img_1");
+  EXPECT_EQ(cameras::camera_name("0017/0017.png", "by_file"), "0017");
   EXPECT_EQ(
-      markers::cameras_told(
+      cameras::cameras_told(
           {"t1/left.png", "t1/right.png", "t2/left.png", "t2/right.png", "t3/left.png", "t3/right.png"}, "by_folder"),
       "by_file");
   // A folder for each camera, with the same numbers.
   EXPECT_EQ(
-      markers::cameras_told({"cam0/01.png", "cam0/02.png", "cam1/01.png", "cam1/02.png", "cam2/01.png", "cam2/02.png"},
+      cameras::cameras_told({"cam0/01.png", "cam0/02.png", "cam1/01.png", "cam1/02.png", "cam2/01.png", "cam2/02.png"},
                             "by_folder"),
       "by_folder");
-  EXPECT_EQ(markers::cameras_told(
+  EXPECT_EQ(cameras::cameras_told(
                 {"1/IMG_01.png", "1/IMG_02.png", "2/IMG_01.png", "2/IMG_02.png", "3/IMG_01.png", "3/IMG_02.png"},
                 "by_folder"),
             "by_folder");
-  EXPECT_EQ(markers::cameras_told({"left/cam.png", "right/cam.png", "top/cam.png", "left/a.png"}, "by_folder"),
+  EXPECT_EQ(cameras::cameras_told({"left/cam.png", "right/cam.png", "top/cam.png", "left/a.png"}, "by_folder"),
             "by_folder");
   // Two walls by one camera each are no moments.
-  EXPECT_EQ(markers::cameras_told({"wall1/left.png", "wall1/right.png", "wall2/left.png"}, "by_folder"), "by_folder");
+  EXPECT_EQ(cameras::cameras_told({"wall1/left.png", "wall1/right.png", "wall2/left.png"}, "by_folder"), "by_folder");
 }
 
 TEST(CameraGroups, TimesThatDifferByLittleAreOneMoment) {
-  const auto moments = markers::moments_of(
+  const auto moments = cameras::moments_of(
       {{"cam0/data/1403636579763555584.png", "cam0/data/1403636579813555456.png", "cam0/data/1403636580063555584.png"},
        {"cam1/data/1403636579763561000.png", "cam1/data/1403636579813540000.png", "cam1/data/1403636579863555584.png"}},
       "by_folder");
@@ -463,15 +463,15 @@ TEST(CameraGroups, TimesThatDifferByLittleAreOneMoment) {
   EXPECT_NE(moments[0][2], moments[1][2]);
   EXPECT_EQ(std::set<std::string>(moments[0].begin(), moments[0].end()).size(), 3u);
   // Seconds with a fraction are one number, for the camera's name as for the moment.
-  EXPECT_EQ(markers::camera_name("left_1403636579.763555.png", "by_name"), "left");
-  EXPECT_EQ(markers::moment_of("left/1403636579.763555.png", "by_folder"), "1403636579.763555");
-  EXPECT_EQ(markers::camera_name("cam1.0050.png", "by_name"), "cam1");
-  const auto seconds = markers::moments_of(
+  EXPECT_EQ(cameras::camera_name("left_1403636579.763555.png", "by_name"), "left");
+  EXPECT_EQ(cameras::moment_of("left/1403636579.763555.png", "by_folder"), "1403636579.763555");
+  EXPECT_EQ(cameras::camera_name("cam1.0050.png", "by_name"), "cam1");
+  const auto seconds = cameras::moments_of(
       {{"l/1403636579.50.png", "l/1403636580.50.png"}, {"r/1403636579.51.png", "r/1403636580.49.png"}}, "by_folder");
   EXPECT_EQ(seconds[0], seconds[1]);
   EXPECT_NE(seconds[0][0], seconds[0][1]);
   // Numbers that count are taken by the letter.
-  const auto counted = markers::moments_of({{"l/10.png", "l/20.png"}, {"r/11.png", "r/21.png"}}, "by_folder");
+  const auto counted = cameras::moments_of({{"l/10.png", "l/20.png"}, {"r/11.png", "r/21.png"}}, "by_folder");
   EXPECT_NE(counted[0][0], counted[1][0]);
 }
 
@@ -578,21 +578,21 @@ TEST(SurveyFrame, NeighboursThatAreExchangedDoNotAgree) {
 }
 
 TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
-  markers::ColmapModel model;
-  markers::ColmapCamera camera;
+  cameras::ColmapModel model;
+  cameras::ColmapCamera camera;
   camera.id = 1, camera.camera = {640, 480, 600, 610, 319.5, 239.5, -0.1, 0.02, 0, 0.001, 0.002};
   model.cameras[1] = camera;
-  markers::ColmapImage image;
+  cameras::ColmapImage image;
   image.id = 4, image.camera = 1, image.name = "a b.jpg";
   image.cam_from_world = {Eigen::Quaterniond(0.8, 0.6, 0, 0), {1, 2, 3}};
   image.features = {{{10.25, 20.5}, 9}, {{30, 40}, -1}};
   model.images[4] = image;
-  markers::ColmapPoint point;
+  cameras::ColmapPoint point;
   point.position = {1, 2, 3}, point.error = 0.5, point.track = {{4, 0}};
   model.points[9] = point;
   const test::TemporaryFolder folder;
-  for (const auto& [name, text] : markers::colmap_text(model)) std::ofstream(folder.path() / name) << text;
-  const auto back = markers::read_colmap(folder.path().string());
+  for (const auto& [name, text] : cameras::colmap_text(model)) std::ofstream(folder.path() / name) << text;
+  const auto back = cameras::read_colmap(folder.path().string());
   EXPECT_EQ(back.cameras.at(1).camera.parameters(), camera.camera.parameters());
   EXPECT_EQ(back.images.at(4).name, "a b.jpg");
   EXPECT_EQ(back.images.at(4).features.at(0).pixel, image.features[0].pixel);
@@ -604,17 +604,17 @@ TEST(ColmapFiles, ComeBackAsTheyWereWritten) {
                                          std::pair("1 SIMPLE_RADIAL_FISHEYE 640 480 300 320 240 5\n",
                                                    std::array<double, 9>{300, 300, 319.5, 239.5, 5, 0, 0, 0, 0})}) {
     std::ofstream(folder.path() / "cameras.txt") << line;
-    const auto fisheye = markers::read_colmap(folder.path().string());
+    const auto fisheye = cameras::read_colmap(folder.path().string());
     EXPECT_EQ(fisheye.cameras.at(1).camera.lens, LensModel::fisheye);
     EXPECT_EQ(fisheye.cameras.at(1).camera.parameters(), parameters);
-    EXPECT_THAT(markers::colmap_text(fisheye).at("cameras.txt"), HasSubstr("1 OPENCV_FISHEYE 640 480 300 30"));
+    EXPECT_THAT(cameras::colmap_text(fisheye).at("cameras.txt"), HasSubstr("1 OPENCV_FISHEYE 640 480 300 30"));
   }
   std::ofstream(folder.path() / "points3D.txt") << "9 1 2 3 0 0 0 0.5 7 0\n";
-  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }),
+  EXPECT_THAT(message_of([&] { cameras::read_colmap(folder.path().string()); }),
               HasSubstr("image 7, which is not there"));
   std::ofstream(folder.path() / "cameras.txt") << "1 FOV 640 480 1 2 3 4 5\n";
-  EXPECT_THAT(message_of([&] { markers::read_colmap(folder.path().string()); }), HasSubstr("is FOV; known are"));
-  EXPECT_THAT(message_of([] { markers::read_colmap("/nowhere"); }), HasSubstr("no COLMAP model"));
+  EXPECT_THAT(message_of([&] { cameras::read_colmap(folder.path().string()); }), HasSubstr("is FOV; known are"));
+  EXPECT_THAT(message_of([] { cameras::read_colmap("/nowhere"); }), HasSubstr("no COLMAP model"));
 }
 
 }  // namespace test_files

@@ -5,9 +5,9 @@
 #include "base/text/one_document.hpp"
 #include "campaign_folder.hpp"
 #include "control/points/image_points.hpp"
+#include "photo/cameras/camera_files.hpp"
 #include "photo/detect/board.hpp"
 #include "photo/detect/tag_dictionary.hpp"
-#include "photo/markers/camera_files.hpp"
 #include "photo/markers/layout_files.hpp"
 #include "survey/model/instrument_profile.hpp"
 
@@ -58,7 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
                "cam0:\n  camera_model: pinhole\n  intrinsics: [461.6, 460.3, 362.7, 248.1]\n"
                "  distortion_model: radtan\n  distortion_coeffs: [-0.28, 0.07, 0.0002, 1.7e-05]\n"
                "  resolution: [752, 480]\n",
-               [](const std::string& text) { markers::parse_camera_file(text, "the.file"); }},
+               [](const std::string& text) { cameras::parse_camera_file(text, "the.file"); }},
         Reader{"layout",
                "aruco_bc_mInfoType: 1\naruco_bc_markers:\n"
                "  - {id: 3, corners: [[0, 1, 0], [1, 1, 0], [1, 0, 0], [0, 0, 0]]}\n",

@@ -7,7 +7,7 @@
 
 #include "geometry/camera.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 
 struct CameraFile {
   std::string id;
@@ -36,4 +36,4 @@ Eigen::MatrixXd usual_covariance(const InteriorOrientation& camera);
 /// Our own format, as campaign folders take it, with standard deviations and correlations; docs/campaign_folder.md.
 std::string camera_yaml(const CameraFile& camera);
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

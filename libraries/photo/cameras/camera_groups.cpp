@@ -1,4 +1,4 @@
-#include "photo/markers/camera_groups.hpp"
+#include "photo/cameras/camera_groups.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,7 +6,7 @@
 #include <set>
 #include <tuple>
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 namespace {
 
 constexpr size_t npos = std::string::npos;
@@ -208,4 +208,4 @@ std::string suspected_cameras(const std::vector<std::string>& paths) {
   return "";
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 
 /// "rig/left" of "rig/left/0017.png" and "" without a folder.
 std::string folder_of(const std::string& path);
@@ -36,4 +36,4 @@ std::vector<std::vector<std::string>> moments_of(const std::vector<std::vector<s
 /// three: the same moments under several beginnings. Empty otherwise.
 std::string suspected_cameras(const std::vector<std::string>& paths);
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -1,4 +1,4 @@
-#include "photo/markers/colmap_files.hpp"
+#include "photo/cameras/colmap_files.hpp"
 
 #include <bit>
 #include <charconv>
@@ -11,7 +11,7 @@
 
 #include "base/text/whole_file.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 namespace {
 
 namespace fs = std::filesystem;
@@ -331,4 +331,4 @@ std::map<std::string, std::string> colmap_text(const ColmapModel& model) {
   return {{"cameras.txt", cameras}, {"images.txt", images}, {"points3D.txt", points}};
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace plumbline::markers::camera_file {
+namespace plumbline::cameras::camera_file {
 
 /// Throws std::runtime_error: the file, what is wrong with it, and which files are read.
 [[noreturn]] void refuse(const std::string& file, const std::string& what);
@@ -34,4 +34,4 @@ std::optional<int> whole(const YAML::Node& node);
 /// One finite number, of which a refusal says what it is.
 double number(const YAML::Node& node, const std::string& file, const std::string& of);
 
-}  // namespace plumbline::markers::camera_file
+}  // namespace plumbline::cameras::camera_file

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 
 /// `other`: a model that is neither Brown's nor the fisheye's of Kannala and Brandt. `not_quite_brown`: one with
 /// Brown's coefficients in another formula (inverse, modified), which is Brown's where all of them are zero.
@@ -13,4 +13,4 @@ enum class LensName { unknown, brown, fisheye, not_quite_brown, other };
 /// RealSense.
 LensName lens_named(const std::string& name);
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

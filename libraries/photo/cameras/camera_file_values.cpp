@@ -1,4 +1,4 @@
-#include "photo/markers/camera_file_values.hpp"
+#include "photo/cameras/camera_file_values.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -8,7 +8,7 @@
 
 #include "base/text/one_document.hpp"
 
-namespace plumbline::markers::camera_file {
+namespace plumbline::cameras::camera_file {
 namespace {
 
 /// An XML element as the YAML node of the same content.
@@ -132,4 +132,4 @@ double number(const YAML::Node& node, const std::string& file, const std::string
   return values[0];
 }
 
-}  // namespace plumbline::markers::camera_file
+}  // namespace plumbline::cameras::camera_file

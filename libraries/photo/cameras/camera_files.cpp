@@ -1,4 +1,4 @@
-#include "photo/markers/camera_files.hpp"
+#include "photo/cameras/camera_files.hpp"
 
 #include <yaml-cpp/yaml.h>
 
@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "geometry/camera_correlations.hpp"
-#include "photo/markers/camera_file_values.hpp"
-#include "photo/markers/lens_names.hpp"
+#include "photo/cameras/camera_file_values.hpp"
+#include "photo/cameras/lens_names.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 namespace {
 
 void read_size(const YAML::Node& root, const std::string& file, InteriorOrientation& camera) {
@@ -293,4 +293,4 @@ Eigen::MatrixXd usual_covariance(const InteriorOrientation& camera) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -12,7 +12,7 @@
 #include "geometry/camera.hpp"
 #include "plumbline/rigid_transform.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 
 struct ColmapCamera {
   std::uint32_t id = 0;
@@ -54,4 +54,4 @@ ColmapModel read_colmap(const std::string& folder);
 /// where k3 is not zero.
 std::map<std::string, std::string> colmap_text(const ColmapModel& model);
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "photo/markers/camera_files.hpp"
+#include "photo/cameras/camera_files.hpp"
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 
 namespace {
 
@@ -55,4 +55,4 @@ std::string camera_yaml(const CameraFile& file) {
   return text;
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras

@@ -1,9 +1,9 @@
-#include "photo/markers/lens_names.hpp"
+#include "photo/cameras/lens_names.hpp"
 
 #include <algorithm>
 #include <vector>
 
-namespace plumbline::markers {
+namespace plumbline::cameras {
 namespace {
 
 const std::vector<std::string> kBrown = {"brown",
@@ -89,4 +89,4 @@ LensName lens_named(const std::string& name) {
   return LensName::unknown;
 }
 
-}  // namespace plumbline::markers
+}  // namespace plumbline::cameras
