@@ -232,7 +232,7 @@ const std::map<std::string, std::string> texts_of_others = {
 const std::map<std::string, int> known_sentences = {
     {"framework/cli/explain.cpp", 1},
     {"framework/cli/result_screen.cpp", 1},
-    {"libraries/loop/state/machine.cpp", 1},
+    {"libraries/loop/state/apply_actuals.cpp", 1},
     {"libraries/photo/block/point_block.cpp", 1},
     {"libraries/photo/block/point_block_words.cpp", 3},
     {"libraries/photo/block/tag_block_rejected.cpp", 1},
