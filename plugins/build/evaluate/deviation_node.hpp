@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 16,
+      "evaluate.deviation", "", 17,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};
@@ -79,7 +79,8 @@ struct EvaluateDeviation : Node {
   Param<std::string> unmeasured_panels{
       "unmeasured_panels", "asked", one_of("asked", "not_built"),
       "panels of which no anchor was measured: asked for, and exit code 3; or not built yet, as while a tower is "
-      "measured floor by floor: then those that were measured in part are told, and end with it"};
+      "measured floor by floor: then those that were measured in part are noted, and release.state, which knows what "
+      "hangs, ends with exit code 3 for those that do not"};
   Out<Deviation> deviation{"deviation", frame("frame=?F"), "the judgement"};
   Out<File> stake_out{"stake_out",
                       "stake_out.csv: PtID;E;N;H and corrections in the survey's frame, as site instruments import it"};

@@ -2,6 +2,7 @@
 
 #include "loop/job/job.hpp"
 #include "loop/state/date.hpp"
+#include "loop/state/measured_in_part.hpp"
 #include "loop/state/next_words.hpp"
 #include "loop/state/plan_artifact.hpp"
 #include "loop/state/setting_scatter.hpp"
@@ -73,6 +74,10 @@ void ReleaseState::run(Context& context) {
   apply_plan(state, planned, options);
   note_jobs(planned, state);
   close_round(state);
+  const std::vector<std::string> in_part = measured_in_part(planned, state);
+  for (const std::string& panel : in_part)
+    context.warn("Measured in part: " + panel + ": measure what is missing; nothing is decided of that panel.");
+  if (!in_part.empty()) context.metric("invalid", 1, "1");  // exit code 3 (framework/cli/run.cpp)
   for (const std::string& control : state.moved_control)
     context.warn(control +
                  " moved: nothing there is verified or released; look at it, measure again, and if it is in "
