@@ -1,12 +1,12 @@
 // Open, measured once, closed, and closed with nobody who looks at what the state asks a person for: the same simulated
 // towers side by side. Prints a table, the reliability of p_in, joints, faults.
 //
-//   loop_benchmark [TRIALS [FLOORS [FAULTS [SEED [FACADES [FACTOR [TOLERANCE [CLOSED]]]]]]]]
+//   loop_benchmark [TRIALS [FLOORS [FAULTS [SEED [FACADES [FACTOR [TOLERANCE [CLOSED [SEEN]]]]]]]]]
 //
 // FAULTS is their share, FACTOR that on the survey's errors. TOLERANCE [mm] is that of corners; joints have 1.6 times
 // as much. With one of 2 or 3 mm there are panels of every stated probability: the reliability diagram. With CLOSED = 0
-// both closed loops are left out, with 2 the one without a person. SEED is the first. The unit of all intervals and
-// tests is the tower.
+// both closed loops are left out, with 2 the one without a person. SEEN [mm] is how well who hangs a panel measures its
+// place. SEED is the first. The unit of all intervals and tests is the tower.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -165,6 +165,7 @@ int main(int argc, char** argv) {
   const double tolerance = argc > 7 ? 1e-3 * std::atof(argv[7]) : options.tower.tolerance;
   options.tower.tolerance = tolerance, options.tower.joint_tolerance = 1.6 * tolerance;
   const int closed = argc > 8 ? std::atoi(argv[8]) : 1;
+  if (argc > 9) options.seen = 1e-3 * std::atof(argv[9]);
   const auto is_left_out = [&](Strategy strategy) {
     return is_closed(strategy) && (closed == 0 || (closed == 2 && strategy == Strategy::unattended));
   };

@@ -25,7 +25,7 @@ struct Robot : RobotNode {
       deed.measured = todo.origin + wanted.target + own.normal3(*sigma + 1e-4);  // it sees what it has hung
     return deed;
   }
-  RobotErrors errors() const override { return {*sigma, 0}; }  // what a plan has to take of it
+  RobotErrors errors(const Job&) const override { return {*sigma, 0}; }  // what a plan has to take of it
 };
 
 }  // namespace

@@ -256,6 +256,25 @@ TEST(SimulatedRobots, ErrorsAreOfTheirSizeAndTheirKind) {
   expect_moved(rounded, {0, -0.005, 0.005}, {-0.005, 0, 0}, "division");
 }
 
+/// What the plan has to take is what all that a floor is worked on with adds up to: of b1, the second one, two drifts,
+/// and tilt times the 2.82 m from the base that turn along one axis. It was one drift, and 2.5 m.
+TEST(SimulatedRobots, ThePlanIsToldOfAllDriftAndTheWholeArm) {
+  if (!are_built_here()) GTEST_SKIP() << "simulate.robots is not built here";
+  const auto told = [](const char* name, const char* value) {
+    NodeHarness node("simulate.robots");
+    node.input<File>("job", make_job()), node.input<Points>("truth", make_truth());
+    for (const char* none : {"repeatability", "station_sigma", "slip_share", "calibration"}) node.set(none, "0");
+    node.set(name, value), node.run();
+    const std::string before = "give the planner station_sigma=";
+    for (const std::string& warning : node.warnings())
+      if (const auto at = warning.find(before); at != std::string::npos) return warning.substr(at + before.size());
+    return std::string("nothing");
+  };
+  EXPECT_EQ(told("drift", "0.001"), "0.00141");
+  EXPECT_EQ(told("tilt", "0.001"), "0.00282");
+  EXPECT_EQ(told("drift", "0.0002"), "nothing") << "0.28 mm, and the plan took 0.3";
+}
+
 /// A panel is seen where its hooks really put it, with the plan that says which they are, and not at its target.
 TEST(SimulatedRobots, APanelHangsWhereItsHooksAre) {
   if (!are_built_here()) GTEST_SKIP() << "simulate.robots is not built here";

@@ -1,5 +1,8 @@
 #include "loop/simulate/robot.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "loop/fit/panel_pose.hpp"
 
 namespace plumbline::loop {
@@ -35,6 +38,24 @@ Eigen::Vector3d moved_by(const RobotModel& model, const Eigen::Vector3d& setting
   if (own.uniform() < model.slip_share) moved += own.normal3(model.slip);
   if (model.wander > 0) moved += own.normal3(model.wander).cwiseProduct(Eigen::Vector3d(1, 1, 0));
   return moved;
+}
+
+Eigen::Vector3d off_by_base(const RobotModel& model, const Eigen::Vector3d& from_first, int items, Random station,
+                            Random drifts, Random tilts) {
+  Eigen::Vector3d off = station.normal3(model.station);
+  for (int i = 0; i < items; ++i) off += drifts.normal3(model.drift);
+  return off + tilts.normal3(model.tilt).cross(from_first - kBase);
+}
+
+double sigma_by_base(const RobotModel& model, const std::vector<Eigen::Vector3d>& from_first) {
+  double most = model.station * model.station;
+  for (std::size_t i = 0; i < from_first.size(); ++i) {
+    const Eigen::Vector3d arm = from_first[i] - kBase;
+    const double turned = arm.squaredNorm() - arm.cwiseAbs2().minCoeff();
+    most = std::max(most, model.station * model.station + static_cast<double>(i + 1) * model.drift * model.drift +
+                              model.tilt * model.tilt * turned);
+  }
+  return std::sqrt(most);
 }
 
 Eigen::Vector3d centre_on(const Panel& panel, const std::vector<Bracket>& brackets,

@@ -10,13 +10,14 @@
 
 namespace plumbline::loop {
 
-/// Of robots; standard deviations [m] where nothing else is said.
+/// Of robots; standard deviations [m] where nothing else is said. Panels' manufacture is no robot's (SiteOptions,
+/// ErrorModel).
 struct RobotModel {
   double repeatability = 0.0003;  ///< of the arm, each setting and axis
   double calibration = 0.0002;    ///< of the arm, each axis, the same all the time
   double station = 0.0003;        ///< of the base's place: common to one floor and round
   double tilt = 0;                ///< of the base, about each axis [rad]: common to one floor and round
-  double drift = 0;               ///< of the base's place from one item to the next of a floor and round, each axis
+  double drift = 0;               ///< of the base's place, each axis, at each item of a floor and round: they add up
   double wander = 0;              ///< of the tool along the facade: a bit that wanders before it bites
   double slip_share = 0.02;       ///< of brackets that slip on tightening
   double slip = 0.002;            ///< how far
@@ -63,6 +64,21 @@ BracketTask task_of(const Faults& faults, const Eigen::Vector3d& setting, int re
 /// where the base stands (`base`), of the hand and, where it slips, of tightening. Along right, up, out [m].
 Eigen::Vector3d moved_by(const RobotModel& model, const Eigen::Vector3d& setting, const Eigen::Vector3d& arm,
                          const Eigen::Vector3d& base, Random& own);
+
+/// Where the base of a robot stands before the item of a floor that it works on first, along that item's right, up and
+/// out [m].
+inline const Eigen::Vector3d kBase(0, -2, 1.5);
+
+/// What an item is off by for where the base stands, along its right, up, out [m]. `from_first`: where it is from the
+/// first item of its floor and round, along the same; `items`: how many were worked on there, with this one. Each of
+/// the three draws what is the same for the floor and round.
+Eigen::Vector3d off_by_base(const RobotModel& model, const Eigen::Vector3d& from_first, int items, Random station,
+                            Random drifts, Random tilts);
+
+/// Its standard deviation along the axis where it is largest, at that item of a floor where it is largest [m];
+/// `from_first`: of each item, in the order of work. sqrt(station² + items drift² + tilt² (|v|² - v_k²)), with v from
+/// the base to the item: first order in the tilt.
+double sigma_by_base(const RobotModel& model, const std::vector<Eigen::Vector3d>& from_first);
 
 /// Where the centre of a panel's face is, in the frame [m]: on hooks whose true deviations from the design are
 /// `truth`, by bracket; `face`: how far its face is out of its plane by manufacture [m].

@@ -25,8 +25,14 @@ SimulatedSite::SimulatedSite(const SiteOptions& options, std::uint64_t seed)
 ErrorModel SimulatedSite::stated_errors() const {
   const RobotModel& r = options_.robot;
   ErrorModel errors;
-  errors.setting = r.repeatability, errors.slip_share = r.slip_share, errors.slip = r.slip;
-  errors.station = std::hypot(r.station, r.calibration);
+  errors.slip_share = r.slip_share, errors.slip = r.slip;
+  // As if all brackets of the lowest floor were set in one round, from their first one on.
+  std::vector<Eigen::Vector3d> from_first;
+  for (const Bracket& bracket : design_.brackets)
+    if (bracket.floor == design_.brackets.front().floor)
+      from_first.push_back(bracket.axes.transpose() * (bracket.design - design_.brackets.front().design));
+  errors.setting = std::hypot(r.repeatability, r.wander);
+  errors.station = std::hypot(sigma_by_base(r, from_first), r.calibration);
   errors.edge = options_.edge, errors.face = options_.face;
   errors.knock_share = options_.faults.tag_bumped, errors.control_share = options_.faults.control_knocked;
   return errors;
@@ -84,12 +90,21 @@ Facade SimulatedSite::measure(int round) {
   return facade;
 }
 
+Eigen::Vector3d SimulatedSite::off_by_base_at(std::size_t b, int round) {
+  const Bracket& bracket = design_.brackets[b];
+  const std::uint64_t place = static_cast<std::uint64_t>(round) * 1000u + static_cast<unsigned>(bracket.floor);
+  auto& [first, items] = worked_on_.try_emplace(place, b, 0).first->second;
+  ++items;
+  const Eigen::Vector3d from_first = bracket.axes.transpose() * (bracket.design - design_.brackets[first].design);
+  return off_by_base(options_.robot, from_first, items, Random(seed_, "station", place), Random(seed_, "drift", place),
+                     Random(seed_, "tilt", place));
+}
+
 void SimulatedSite::set(std::size_t b, const Eigen::Vector3d& setting, int round) {
   const Bracket& bracket = design_.brackets[b];
   const auto key = static_cast<std::uint64_t>(round) * 100000u + b;
-  Random station(seed_, "station", static_cast<std::uint64_t>(round) * 1000u + static_cast<unsigned>(bracket.floor));
   Random own(seed_, "setting", key);
-  const Eigen::Vector3d base = station.normal3(options_.robot.station);
+  const Eigen::Vector3d base = off_by_base_at(b, round);
   Eigen::Vector3d done = moved_by(options_.robot, setting, arm_, base, own);
   done = (set_[b] + done).cwiseMax(bracket.type.low).cwiseMin(bracket.type.high) - set_[b];
   set_[b] += done, truth_[b] += bracket.axes * done;
@@ -116,14 +131,13 @@ void SimulatedSite::execute_bracket(const LoopItemT& item, int round, ActualsT& 
 
 /// Its face, in the frame of the control that its floor has.
 void SimulatedSite::see_panel(const std::string& id, Random& luck, ActualT& actual) const {
-  constexpr double kSeen = 0.001;  // who hangs a panel sees it to a millimetre
   for (std::size_t j = 0; j < design_.panels.size(); ++j) {
     const Panel& panel = design_.panels[j];
     if (panel.id != id) continue;
     actual.measured = centre_on(panel, design_.brackets, truth_, made_[5 * j + 4]) +
-                      walk_[panel.floor - 1] * Eigen::Vector3d::UnitZ() + luck.normal3(kSeen);
+                      walk_[panel.floor - 1] * Eigen::Vector3d::UnitZ() + luck.normal3(options_.seen);
   }
-  actual.sigma.setConstant(kSeen);
+  actual.sigma.setConstant(options_.seen);
 }
 
 /// By a crew, who do what they are told.

@@ -28,6 +28,7 @@ struct SiteOptions {
   RobotModel robot;
   Faults faults;
   double edge = 0.0005, face = 0.0005;  ///< of manufacture [m]
+  double seen = 0.001;                  ///< of a panel's place as who hangs it measures it, each axis [m]
 };
 
 /// A fault that was planted, and what it did.
@@ -69,6 +70,8 @@ class SimulatedSite {
   ErrorModel stated_errors() const;
 
  private:
+  /// What a bracket that is set now is off by for where the robot's base stands, along right, up, out.
+  Eigen::Vector3d off_by_base_at(std::size_t bracket, int round);
   void execute_bracket(const LoopItemT& item, int round, ActualsT& actuals);
   static void take_down(const LoopItemT& panel, ActualsT& actuals);
   void see_panel(const std::string& id, Random& luck, ActualT& actual) const;
@@ -86,6 +89,8 @@ class SimulatedSite {
   std::vector<Eigen::Vector3d> seen_;       ///< deviations as they were measured last; nan: never
   std::map<std::string, std::size_t> bracket_at_;
   Eigen::Vector3d arm_;
+  /// Brackets that were set, by floor and round: the first one, and how many.
+  std::map<std::uint64_t, std::pair<std::size_t, int>> worked_on_;
   std::vector<PlantedFault> planted_;
   std::set<std::string> loads_;     ///< panels that the building carries
   std::set<std::string> not_hung_;  ///< panels that were reported as hung and are not

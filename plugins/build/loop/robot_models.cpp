@@ -2,17 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "geometry/random.hpp"
 #include "loop/gate/station_error.hpp"
-#include "loop/simulate/robot.hpp"
 
 namespace plumbline::loop {
 namespace {
 
-/// Where the base stands before the item that a robot works on first on a floor, along its right, up, out [m].
-const Eigen::Vector3d kBase(0, -2, 1.5);
+/// From the first item of its floor in the job, along its own right, up, out [m].
+Eigen::Vector3d from_first(const Job& todo, std::size_t index) {
+  const JobItem& item = todo.items[index];
+  for (const JobItem& first : todo.items)
+    if (first.floor == item.floor) return item.design_rotation.conjugate() * (item.target - first.target);
+  return Eigen::Vector3d::Zero();
+}
 
 /// The panel after this one in the job; null: it has no other.
 const JobItem* other_panel(const Job& job, std::size_t index) {
@@ -32,13 +37,26 @@ void SimulateRobots::run(Context& context) {
   RobotNode::run(context);
 }
 
+RobotModel SimulateRobots::model() const {
+  RobotModel robot;
+  robot.repeatability = *repeatability, robot.calibration = *calibration, robot.wander = *bit_wander;
+  robot.station = *station_sigma, robot.tilt = *tilt, robot.drift = *drift;
+  robot.slip_share = *slip_share, robot.slip = *slip_sigma;
+  return robot;
+}
+
 /// Where robots find their place, the plan has it from the same poses.
-RobotErrors SimulateRobots::errors() const {
-  const double base = believed ? 0.0 : std::hypot(*station_sigma, *tilt * kBase.norm(), *drift);
+RobotErrors SimulateRobots::errors(const Job& todo) const {
+  double base = 0;
+  std::map<int, std::vector<Eigen::Vector3d>> by_floor;
+  for (std::size_t i = 0; i < todo.items.size(); ++i)  // brackets come before panels
+    if (todo.items[i].kind == "bracket") by_floor[todo.items[i].floor].push_back(from_first(todo, i));
+  for (const auto& [floor, items] : by_floor)
+    if (!believed) base = std::max(base, sigma_by_base(model(), items));
   return {std::hypot(*repeatability, *bit_wander), std::hypot(base, *calibration)};
 }
 
-Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, std::size_t index, std::uint64_t seed) const {
+Eigen::Vector3d SimulateRobots::off_by_place(const Job& todo, std::size_t index, std::uint64_t seed) const {
   const JobItem& item = todo.items[index];
   const Eigen::Vector3d place = todo.origin + item.target;
   if (believed) {
@@ -49,13 +67,10 @@ Eigen::Vector3d SimulateRobots::off_by_base(const Job& todo, std::size_t index, 
     throw std::runtime_error("a robot believes to stand at " + pose.path + ", and 'standing' has no such place");
   }
   const auto floor = static_cast<std::uint64_t>(item.floor);
-  Eigen::Vector3d off = Random(seed, "station", floor).normal3(*station_sigma);
-  std::size_t first = index;
-  Random drifts(seed, "drift", floor), tilts(seed, "tilt", floor);
-  for (std::size_t i = 0; i <= index; ++i)
-    if (todo.items[i].floor == item.floor) first = std::min(first, i), off += drifts.normal3(*drift);
-  const Eigen::Vector3d from_first = item.design_rotation.conjugate() * (item.target - todo.items[first].target);
-  return off + tilts.normal3(*tilt).cross(from_first - kBase);
+  const auto items = std::count_if(todo.items.begin(), todo.items.begin() + static_cast<std::ptrdiff_t>(index) + 1,
+                                   [&](const JobItem& before) { return before.floor == item.floor; });
+  return off_by_base(model(), from_first(todo, index), static_cast<int>(items), Random(seed, "station", floor),
+                     Random(seed, "drift", floor), Random(seed, "tilt", floor));
 }
 
 Deed SimulateRobots::work(const Job& todo, std::size_t index, std::uint64_t seed) {
@@ -68,9 +83,6 @@ Deed SimulateRobots::set_bracket(const Job& todo, std::size_t index, std::uint64
   faults.did_nothing = *did_nothing, faults.off_8mm = *off_8mm, faults.wrong_side = *wrong_side;
   faults.wrong_item = *wrong_item, faults.skipped = *skipped, faults.twice = *twice;
   faults.old_revision = *old_revision, faults.other_job = *other_job;
-  RobotModel model;
-  model.repeatability = *repeatability, model.wander = *bit_wander;
-  model.slip_share = *slip_share, model.slip = *slip_sigma;
   Random luck(seed, "fault " + item.id), own(seed, "setting " + item.id);
   Deed deed = asked(item);
   const BracketTask task = task_of(faults, item.setting, item.revision, luck);
@@ -83,9 +95,9 @@ Deed SimulateRobots::set_bracket(const Job& todo, std::size_t index, std::uint64
     return deed;
   }
   const Eigen::Vector3d arm = Random(static_cast<std::uint64_t>(*robot_seed), "arm " + deed.by).normal3(*calibration);
-  const Eigen::Vector3d base = off_by_base(todo, index, seed);
-  deed.moved = moved_by(model, task.asked, arm, base, own);
-  if (task.twice) deed.moved += moved_by(model, task.asked, arm, base, own);
+  const Eigen::Vector3d base = off_by_place(todo, index, seed);
+  deed.moved = moved_by(model(), task.asked, arm, base, own);
+  if (task.twice) deed.moved += moved_by(model(), task.asked, arm, base, own);
   return deed;
 }
 
@@ -117,7 +129,9 @@ Deed SimulateRobots::hang_panel(const Job& todo, std::size_t index, std::uint64_
 }
 
 /// What is rounded to a division is off by up to half of it either way, each place as likely.
-RobotErrors SimulateFitters::errors() const { return {std::hypot(*hand_sigma, *division / std::sqrt(12.0)), 0}; }
+RobotErrors SimulateFitters::errors(const Job&) const {
+  return {std::hypot(*hand_sigma, *division / std::sqrt(12.0)), 0};
+}
 
 Deed SimulateFitters::work(const Job& todo, std::size_t index, std::uint64_t seed) {
   const JobItem& item = todo.items[index];

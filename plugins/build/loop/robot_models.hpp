@@ -3,11 +3,12 @@
 
 #include "artifacts/poses.hpp"
 #include "build/loop/robot_node.hpp"
+#include "loop/simulate/robot.hpp"
 
 namespace plumbline::loop {
 
 struct SimulateRobots : RobotNode {
-  static constexpr Info info{"simulate.robots", "robot", 5,
+  static constexpr Info info{"simulate.robots", "robot", 6,
                              "Robots that do a job with their errors and faults, on a site whose truth only they move"};
   Optional<Poses> believed{
       "believed", frame("frame=?F"),
@@ -24,7 +25,7 @@ struct SimulateRobots : RobotNode {
   Param<double> tilt{"tilt", 0.0, "rad", between(0, 0.1),
                      "of the base, about each axis: what is above it is off by it; drawn like station_sigma"};
   Param<double> drift{"drift", 0.0, "m", between(0, 0.1),
-                      "of the base's place from one item of a floor to the next, each direction"};
+                      "of the base's place at each item of a floor, each direction: the drifts add up"};
   Param<double> bit_wander{"bit_wander", 0.0, "m", between(0, 0.1), "of the tool, along the facade"};
   Param<double> slip_share{"slip_share", 0.02, "1", between(0, 1), "of brackets that slip on tightening"};
   Param<double> slip_sigma{"slip_sigma", 0.002, "m", between(0, 0.1), "how far"};
@@ -45,11 +46,12 @@ struct SimulateRobots : RobotNode {
  protected:
   void run(Context& context) override;
   Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
-  RobotErrors errors() const override;
+  RobotErrors errors(const Job& todo) const override;
 
  private:
-  /// By the base, along the item's right, up and out [m].
-  Eigen::Vector3d off_by_base(const Job& todo, std::size_t item, std::uint64_t seed) const;
+  RobotModel model() const;
+  /// By where the base stands, along the item's right, up and out [m].
+  Eigen::Vector3d off_by_place(const Job& todo, std::size_t item, std::uint64_t seed) const;
   Deed set_bracket(const Job& todo, std::size_t item, std::uint64_t seed);
   Deed hang_panel(const Job& todo, std::size_t item, std::uint64_t seed);
   PosesT believed_, standing_;
@@ -63,7 +65,7 @@ struct SimulateFitters : RobotNode {
 
  protected:
   Deed work(const Job& todo, std::size_t item, std::uint64_t seed) override;
-  RobotErrors errors() const override;
+  RobotErrors errors(const Job& todo) const override;
 };
 
 }  // namespace plumbline::loop

@@ -56,7 +56,7 @@ Eigen::Vector3d RobotNode::centre_of(const Job& todo, const JobItem& item, doubl
 
 void RobotNode::tell_of_what_the_plan_took(const Job& todo, Context& context) const {
   constexpr double kAsGood = 1.1;  // less changes p by less than what it is rounded to
-  const RobotErrors own = errors();
+  const RobotErrors own = errors(todo);
   const auto tell = [&](const char* parameter, const char* what, double is, double taken) {
     if (!todo.items.empty() && is > kAsGood * taken)
       context.warn(

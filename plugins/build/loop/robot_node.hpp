@@ -27,7 +27,9 @@ struct Deed {
   bool is_fault = false;                            ///< not what was asked for, and not told
 };
 
-/// Standard deviations of what is set against what was asked for, each direction [m], without slips and faults.
+/// Standard deviations of what is set against what was asked for, along the direction where they are largest [m],
+/// without faults. Brackets that slip (slip_share, slip_sigma) and panels' manufacture (edge_sigma, face_sigma) the
+/// plan takes beside them; a job does not say what it took, and they are not compared.
 struct RobotErrors {
   double setting = 0;  ///< of each bracket by itself
   double station = 0;  ///< common to what is set from one place
@@ -52,8 +54,8 @@ struct RobotNode : Node {
   static Deed asked(const JobItem& item);
   /// `seed`: of the node, for Random(seed, stream).
   virtual Deed work(const Job& todo, std::size_t item, std::uint64_t seed) = 0;
-  /// What a plan has to take of them for its probabilities to be true; where it took less, that is told.
-  virtual RobotErrors errors() const = 0;
+  /// What a plan has to take of them for its probabilities to be true, with this job; where it took less, that is told.
+  virtual RobotErrors errors(const Job& todo) const = 0;
 
  private:
   void tell_of_what_the_plan_took(const Job& todo, Context& context) const;

@@ -11,7 +11,7 @@ import words_of_programs
 ROOT = pathlib.Path(sys.argv[1])
 PLANTED = ["scripts/mutate --biuld --files 3", "scripts/mutate --run --most many", "scripts/mutate --run --agian old.jsonl", "scripts/test --slow",
            "benchmarks/calibration/calibration_sets.py --folder FOLDER", "benchmarks/site_mistakes/site_mistakes.py build/bin/plumbline --campains 20",
-           "loop_benchmark 1 2 3 4 5 6 7 8 9", "judgement_benchmark false_pass 100", "build/bin/detect_benchmark compare FAMILY a.jpg --repet 3",
+           "loop_benchmark 1 2 3 4 5 6 7 8 9 10", "judgement_benchmark false_pass 100", "build/bin/detect_benchmark compare FAMILY a.jpg --repet 3",
            "detct_benchmark scene x.jpg", "strecha.py PLUMBLINE FOLDER", "stereo_benchmark fountain", "cmake --preset relase",
            "cmake -DPLUMBLINE_BENCHMARK=ON", "ctest -R Nobody.IsCalledSo", "ninja -C build survey_benchmark"]
 faults, lines = [], 0

@@ -6,6 +6,33 @@
 namespace plumbline::loop {
 namespace trial_test {
 
+/// What is stated of where a base stands is what its errors are, at the item that is worst off: of both simulators.
+TEST(Robots, WhatIsStatedOfTheBaseIsWhatItIsOffBy) {
+  RobotModel model;
+  model.station = 0.0002, model.drift = 0.0003, model.tilt = 0.0001;
+  std::vector<Eigen::Vector3d> from_first;
+  for (int i = 0; i < 16; ++i) from_first.emplace_back(0.4 * i, 0, 0);
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  constexpr int kTrials = 4000;
+  for (int t = 0; t < kTrials; ++t)
+    squares += off_by_base(model, from_first.back(), 16, Random(t, "station"), Random(t, "drift"), Random(t, "tilt"))
+                   .cwiseAbs2();
+  EXPECT_NEAR(std::sqrt(squares.maxCoeff() / kTrials), sigma_by_base(model, from_first), 0.00005);
+  EXPECT_GT(sigma_by_base(model, from_first), 4 * model.drift) << "16 drifts add up";
+}
+
+/// A site whose robots tilt and drift is set off by it, and says so.
+TEST(Robots, ASiteHasTheTiltAndTheDriftOfItsRobots) {
+  SiteOptions options;
+  SimulatedSite exact(options, 3);
+  options.robot.drift = 0.001, options.robot.tilt = 0.001;
+  SimulatedSite drifting(options, 3);
+  EXPECT_GT(drifting.stated_errors().station, 2 * exact.stated_errors().station);
+  for (SimulatedSite* site : {&exact, &drifting})
+    for (std::size_t b = 0; b < 4; ++b) site->set(b, Eigen::Vector3d(0.002, 0, 0), 1);
+  EXPECT_GT((drifting.true_deviations()[3] - exact.true_deviations()[3]).norm(), 0.0005);
+}
+
 TEST(Trial, NothingWrongBecomesVerifiedAmongFaultsOfAllKinds) {
   SiteOptions options;
   options.tower.floors = 3, options.tower.bays = 2, options.tower.facades = 2;
