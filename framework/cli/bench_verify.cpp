@@ -71,6 +71,10 @@ void put_in_place(const std::vector<std::string>& given, runtime::Overrides& ove
 
 /// `bench verify ARCHIVE [KEY=VALUE ...]`
 void require_archive_and_settings(const BenchOptions& options) {
+  if (!options.seeds.empty() || !options.scenarios.empty())
+    throw UsageError(
+        "'plumbline bench verify' makes cells again that lie spread over all of the archive: --seeds and --scenario "
+        "choose none of them; leave them out, and give --cells 0 for all cells");
   if (options.overrides.empty() || options.overrides[0].find('=') != std::string::npos)
     throw UsageError(
         "'plumbline bench verify' takes a folder that --archive wrote, and KEY=VALUE for inputs and programs that lie "

@@ -165,8 +165,22 @@ std::string lateness_text(double seconds, int log) {
   return "it took longer than its limit of " + rounded(seconds) + " s and was killed; " + last_words(log);
 }
 
+constexpr const char* peak_words = ", with a peak of ";
+
+std::string without_peaks(std::string text) {
+  const std::string words = peak_words, unit = " MiB";
+  for (auto at = text.find(words); at != std::string::npos; at = text.find(words, at)) {
+    const auto end = text.find_first_not_of("0123456789.", at + words.size());
+    if (end == std::string::npos || text.compare(end, unit.size(), unit) != 0)
+      at += words.size();
+    else
+      text.erase(at, end + unit.size() - at);
+  }
+  return text;
+}
+
 std::string death_text(const ChildEnd& end, int log, uint64_t memory_limit) {
-  const std::string with = ", with a peak of " + rounded(end.peak_mebibytes) + " MiB; ";
+  const std::string with = peak_words + rounded(end.peak_mebibytes) + " MiB; ";
   std::string text;
   if (WIFSIGNALED(end.status)) {
     const int signal = WTERMSIG(end.status);

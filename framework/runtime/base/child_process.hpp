@@ -50,6 +50,9 @@ std::string last_words(int log);
 /// How it ended, for people: signal or exit code, peak of memory, the limit it had (bytes; 0: none), its last words.
 std::string death_text(const ChildEnd& end, int log, uint64_t memory_limit);
 
+/// A text that holds death_text() without the peak, which is another each time.
+std::string without_peaks(std::string text);
+
 /// The text for one that was killed at its limit of time.
 std::string lateness_text(double seconds, int log);
 

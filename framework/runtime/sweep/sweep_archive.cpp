@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "runtime/base/child_process.hpp"
 #include "runtime/base/digest.hpp"
 
 namespace plumbline::runtime {
@@ -263,9 +264,10 @@ bool alike_in_words(const std::string& a, const std::string& b) {
   return true;
 }
 
-/// Why a cell failed, in its first line; files, which an archive has in another folder, are without their names.
+/// Why a cell failed, in its first line, without what a process took; files, which an archive has in another folder,
+/// are without their names.
 std::string reason_of(const nlohmann::json& result) {
-  const std::string text = result.value("error", "");
+  const std::string text = without_peaks(result.value("error", ""));
   std::istringstream words(text.substr(0, text.find('\n')));
   std::string reason;
   for (std::string word; words >> word;) {

@@ -17,6 +17,8 @@ namespace {
 constexpr double kRisk = 1e-3;
 constexpr double kTenth = 1.1;  ///< a standard deviation that is off by less is as good as can be asked for
 
+constexpr double kFewValues = 2;  ///< a trial, of which one bad value moves NEES
+
 using Column = std::vector<double>;
 
 double weighted_mean(const Column& values, const Weights& weights) {
@@ -62,7 +64,7 @@ FailureRate failure_rate(const std::vector<Trial>& finished, std::size_t failure
 }
 
 Calibration calibration_of(const std::string& mode, const std::vector<StatedError>& trials, double confidence) {
-  Calibration result{mode, {}, 0, 0, {kNan, kNan}};
+  Calibration result{mode, {}, 0, 0, {kNan, kNan}, trials.size()};
   Column found, predicted;
   double nees = 0, freedom = 0;
   for (const StatedError& trial : trials) {
@@ -113,8 +115,8 @@ std::string two_digits(double value) {
 Honesty honesty(const Calibration& calibration) {
   const Interval& ratio = calibration.ratio.interval;
   if (!std::isfinite(ratio.lower) || !std::isfinite(ratio.upper)) return Honesty::unknown;
-  // Of everything together NEES says little: one bad part among many good ones.
-  const bool known = !calibration.mode.empty() && std::isfinite(calibration.nees) && calibration.freedom > 0;
+  const bool known = !calibration.mode.empty() && std::isfinite(calibration.nees) && calibration.freedom > 0 &&
+                     calibration.freedom <= kFewValues * static_cast<double>(calibration.trials);
   const double square = calibration.nees * calibration.freedom, tail = 0.5 * kRisk;
   const bool low = !known || square < chi_squared_quantile(tail, calibration.freedom),
              high = !known || square > chi_squared_quantile(1 - tail, calibration.freedom);

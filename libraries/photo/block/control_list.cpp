@@ -28,7 +28,8 @@ void drop_strangers(ReadBlock& read, const std::vector<std::string>& labels) {
   BlockControl kept;
   std::vector<Eigen::Index> rows;
   for (size_t k = 0; k < control.points.size(); ++k) {
-    if (std::find(strangers.begin(), strangers.end(), k) != strangers.end()) {
+    // A check point that is off is what it is there to tell.
+    if (!control.is_check[k] && std::find(strangers.begin(), strangers.end(), k) != strangers.end()) {
       names.push_back(labels[k]);
       continue;
     }
@@ -36,6 +37,7 @@ void drop_strangers(ReadBlock& read, const std::vector<std::string>& labels) {
     kept.is_check.push_back(control.is_check[k]);
     for (Eigen::Index c = 0; c < 3; ++c) rows.push_back(3 * static_cast<Eigen::Index>(k) + c);
   }
+  if (names.empty()) return;
   kept.position = control.position(rows);
   kept.covariance = control.covariance(rows, rows);
   control = kept;

@@ -254,6 +254,24 @@ void fill_control(const PointBlock& given, const Built& built, const bundle::Rel
   }
 }
 
+/// What check points are off together: what the block says of them, and what their survey does.
+void fill_checks(const BlockControl& control, const bundle::Layout& layout, const bundle::Cofactors& cofactors,
+                 double factor, PointBlockResult& result) {
+  std::vector<int> blocks;
+  std::vector<Eigen::Index> rows, unknown;
+  for (size_t k = 0; k < control.points.size(); ++k) {
+    if (!control.is_check[k]) continue;
+    blocks.push_back(layout.block({bundle::Kind::point, control.points[k]}));
+    for (int c = 0; c < 3; ++c) {
+      if (c < layout.size(blocks.back())) unknown.push_back(static_cast<Eigen::Index>(rows.size()));
+      rows.push_back(3 * static_cast<Eigen::Index>(k) + c);
+    }
+  }
+  if (blocks.empty() || blocks.size() > max_joint_points) return;
+  result.check_covariance = control.covariance(rows, rows);
+  result.check_covariance(unknown, unknown) += factor * cofactors.joint(blocks);
+}
+
 void fill_reliability(bundle::Reliability reliability, double factor, PointBlockResult& result) {
   result.measurement_reliability = std::move(reliability.points);
   result.scale_bar_reliability = std::move(reliability.distances);
@@ -359,7 +377,8 @@ static PointBlockResult adjust_as_stated(const PointBlock& given, const PointBlo
   if (options.by_gradients)
     fill_unknown_covariances(built.problem, layout, result);
   else
-    fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result);
+    fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result),
+        fill_checks(given.control, layout, *adjusted.cofactors, factor, result);
   bundle::Reliability reliability = options.by_gradients ? residuals_of(built.problem, layout, adjusted.state)
                                                          : bundle::reliability_of(built.problem, adjusted);
   fill_control(given, built, reliability, factor, result);

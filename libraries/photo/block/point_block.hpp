@@ -139,7 +139,10 @@ struct PointBlockResult {
       measurement_reliability;  ///< [mm] on the sensor, like PointBlock::measurements
   std::vector<least_squares::RowStatistics> scale_bar_reliability;  ///< [m]
   std::vector<ControlResult> control;                               ///< in the order of PointBlock::control
-  std::vector<int> rays;                                            ///< one a point: images that measured it
+  /// 3m × 3m of what the check points of `control` are off, block and survey together [m²], in their order; empty
+  /// where there are none, more than max_joint_points, or no covariances.
+  Eigen::MatrixXd check_covariance;
+  std::vector<int> rays;  ///< one a point: images that measured it
 };
 
 /// Above this number of points their joint covariance is left out: it grows with the square.

@@ -25,7 +25,9 @@ inline bool tell_check_points(Context& context, const PointBlockResult& result) 
     if (check->given_sigma.allFinite()) covariance.diagonal().segment<3>(at) += check->given_sigma.cwiseAbs2();
     names.push_back(result.block.points[check->point].name);
   }
-  const CheckJudgement found = judge_check_points(names, differences, covariance, false);
+  const bool joint = result.check_covariance.rows() == n;
+  const CheckJudgement found =
+      judge_check_points(names, differences, joint ? result.check_covariance : covariance, joint);
   for (const std::string& sentence : found.words) context.warn(sentence);
   context.metric("check_points", static_cast<double>(names.size()), "1");
   context.metric("check_rmse_3d", std::sqrt(differences.squaredNorm() / static_cast<double>(names.size())), "m");

@@ -77,7 +77,7 @@ inline std::array<int, 2> size_of_images(const std::vector<int64_t>& given) {
 }
 
 struct ReadPhotoModeler : Node {
-  static constexpr Info info{"read.photomodeler", "", 1,
+  static constexpr Info info{"read.photomodeler", "", 2,
                              "Reads a PhotoModeler text export and a list of control points"};
   Param<FilePath> file{"file", required, "the export, *-pmexport.txt"};
   Param<FilePath> control{
@@ -100,7 +100,7 @@ struct ReadPhotoModeler : Node {
 };
 
 struct ReadBal : Node {
-  static constexpr Info info{"read.bal", "", 1,
+  static constexpr Info info{"read.bal", "", 2,
                              "Reads a bundle adjustment problem in text (Bundle Adjustment in the Large)"};
   Param<FilePath> file{"file", required, "cameras, points and observations"};
   Param<double> pixel_pitch{"pixel_pitch", bal_pixel_pitch, "mm", between(1e-6, 1),
@@ -139,7 +139,7 @@ struct WriteBal : Node {
 };
 
 struct ReadImageBlock : Node {
-  static constexpr Info info{"read.image_block", "", 1,
+  static constexpr Info info{"read.image_block", "", 2,
                              "Reads an AICON folder, a PhotoModeler export or a BAL problem, with control"};
   Param<FolderPath> folder{"folder", required, "folder that holds the block, also in folders below it"};
   Param<std::string> project{"project", "", "beginning of the name of the export, where the folder holds several"};

@@ -141,6 +141,7 @@ void describe_control(const PointBlockResult& result, TargetBlockT& targets) {
     targets.control.push_back(std::move(entry));
   }
   if (count[0] > 0) targets.control_rms = std::sqrt(squares[0] / count[0]);
+  targets.check_covariance = pack_symmetric(result.check_covariance);
   if (count[1] > 0) targets.check_rms = std::sqrt(squares[1] / count[1]);
 }
 

@@ -310,15 +310,36 @@ void add_untested(const Bench& bench, const Group& group, const Standings& stand
                         " own test " + (names.size() > 1 ? "each " : "") + what);
 }
 
-/// Of those that are not beaten, who states its own errors right and who does not.
+/// A row without its choice of the group: what else was chosen, and where.
+using Elsewhere = std::pair<std::string, std::map<std::string, std::string>>;
+
+Elsewhere elsewhere_of(const Row& row, const std::string& group) {
+  Elsewhere rest{row.place, {row.choices.begin(), row.choices.end()}};
+  rest.second.erase(group);
+  return rest;
+}
+
+/// Of those that are not beaten, who states its own errors right and who does not, where all of them were tried alike:
+/// a registration that states too much speaks against no adjuster that was not tried with it.
 void add_honesty(const Group& group, const Field& field, const Analysis& analysis,
                  std::vector<std::string>& sentences) {
+  const std::set<std::string> unbeaten(field.unbeaten.begin(), field.unbeaten.end());
+  std::map<Elsewhere, std::set<std::string>> judged;
+  const auto chosen = [&](const Row& row) {
+    const auto choice = row.choices.find(group.name);
+    return choice != row.choices.end() && unbeaten.count(choice->second) > 0 ? choice->second : std::string();
+  };
+  const auto is_judged = [](const auto& part) { return statistics::honesty(part) != statistics::Honesty::unknown; };
+  for (const Row& row : analysis.rows)
+    if (const auto& parts = row.summary.calibration; std::any_of(parts.begin(), parts.end(), is_judged))
+      judged[elsewhere_of(row, group.name)].insert(chosen(row));
   std::vector<std::string> right, wrong;
   for (const std::string& name : field.unbeaten) {
     bool known = false, lies = false;
     for (const Row& row : analysis.rows) {
-      if (const auto choice = row.choices.find(group.name); choice == row.choices.end() || choice->second != name)
-        continue;
+      if (chosen(row) != name) continue;
+      const std::set<std::string>& who = judged[elsewhere_of(row, group.name)];
+      if (!std::includes(who.begin(), who.end(), unbeaten.begin(), unbeaten.end())) continue;
       for (const auto& part : row.summary.calibration) {
         const auto honest = statistics::honesty(part);
         known |= honest != statistics::Honesty::unknown;

@@ -12,7 +12,7 @@ namespace {
 using namespace plumbline;
 
 struct BenchSummary : Node {
-  static constexpr Info info{"bench.summary", "", 2,
+  static constexpr Info info{"bench.summary", "", 3,
                              "Compares alternatives on repeated trials: intervals, verdicts in words, tables, a page"};
   Param<FilePath> cells{"cells", required, "the table of cells that plumbline bench writes (cells.json)"};
   Out<File> html{"html", "page that needs no network"};

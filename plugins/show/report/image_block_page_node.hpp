@@ -65,7 +65,7 @@ struct ReportTagBlock : Node {
 };
 
 struct ReportTargetBlock : Node {
-  static constexpr Info info{"report.target_block", "", 2, "HTML page of an adjusted block of measured targets"};
+  static constexpr Info info{"report.target_block", "", 3, "HTML page of an adjusted block of measured targets"};
   In<Block> block{"block", frame("frame=?F"), "the block of adjust.schur or adjust.ceres"};
   In<ImageBlock> measured{"measured", frame("frame=?G"), "what was adjusted, such as that of read.image_block"};
   Param<std::string> title{"title", "Image block", "heading"};

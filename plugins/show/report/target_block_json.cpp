@@ -5,6 +5,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "geometry/packed_symmetric.hpp"
 #include "photo/block/check_points.hpp"
 #include "photo/bundle/lens.hpp"
 #include "show/report/block_json_parts.hpp"
@@ -53,8 +54,8 @@ class Converter {
   }
 
  private:
-  /// As the adjuster judges them: each by its own covariance and that of its survey. What check points have in common
-  /// is not in the artifact, so all of them together are not tested.
+  /// As the adjuster judges them: together where the artifact has what they have in common, else each by its own
+  /// covariance and that of its survey.
   void judge_checks() {
     std::vector<std::string> names;
     std::vector<Eigen::Matrix3d> covariances;
@@ -74,7 +75,10 @@ class Converter {
       const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
       difference.segment<3>(at) = differences[k], covariance.block<3, 3>(at, at) = covariances[k];
     }
-    if (!names.empty()) checks_ = block::judge_check_points(names, difference, covariance, false);
+    const bool joint = targets_.check_covariance.size() == packed_size(static_cast<std::size_t>(n));
+    if (joint)
+      covariance = unpack_symmetric(targets_.check_covariance, static_cast<std::size_t>(n), "the check points");
+    if (!names.empty()) checks_ = block::judge_check_points(names, difference, covariance, joint);
     for (const auto& check : checks_.points) check_of_[check.name] = &check;
   }
 
@@ -93,6 +97,9 @@ class Converter {
             {"largest_nees", largest},
             {"degrees_of_freedom_of_a_point", 3},
             {"limit_of_a_point", checks_.limit},
+            {"nees", checks_.nees},  // of all that agree one by one; no degrees of freedom: not known together
+            {"degrees_of_freedom", checks_.freedom},
+            {"limit", checks_.joint_limit},
             {"points", points},
             {"words", checks_.words}};
   }

@@ -155,6 +155,13 @@ TEST(Bench, VerifyTakesRoundedNumbersInReasonsForWhatTheyAre) {
   EXPECT_TRUE(differ("2.34e+03 of 7", "2.34e+04 of 7"));
   EXPECT_TRUE(differ("3 of 16 points", "4 of 16 points"));
   EXPECT_TRUE(differ("point 3.1 of F1", "point 3.1 of F2"));
+  const auto died = [](const std::string& code, const std::string& peak) {
+    return "node 'n': its process ended by itself with exit code " + code + ", with a peak of " + peak +
+           " MiB; it printed nothing";
+  };
+  EXPECT_FALSE(differ(died("1", "9.8"), died("1", "10.0"))) << "what a process takes is another each time";
+  EXPECT_FALSE(differ(died("1", "9.8"), died("1", "104")));
+  EXPECT_TRUE(differ(died("1", "9.8"), died("2", "9.8")));
 }
 
 /// Once `--archive .` removed the folder "files" that stood there.

@@ -192,6 +192,29 @@ TEST(PointBlock, ControlComesBackWithItsStandardDeviations) {
               0.05 * std::abs(check.w(2)));
 }
 
+/// What the block says of them together, and what their survey says.
+TEST(PointBlock, CheckPointsHaveTheirCovarianceInCommon) {
+  PointBlock block = small_block();
+  test::Random random(4);
+  for (auto& m : block.measurements) m.position += 5e-4 * Eigen::Vector2d(random.normal(), random.normal());
+  block.control.points = {0, 5, 10, 15, 19, 12};
+  block.control.is_check = {false, true, false, false, true, false};
+  block.control.position.resize(18);
+  block.control.covariance = 1e-6 * Eigen::MatrixXd::Identity(18, 18);
+  block.control.covariance(3, 14) = block.control.covariance(14, 3) = 0.4e-6;
+  for (Eigen::Index k = 0; k < 6; ++k)
+    block.control.position.segment<3>(3 * k) = block.points[block.control.points[k]].position;
+  const auto result = block::adjust_point_block(block, options());
+  const std::vector<Eigen::Index> points = {15, 16, 17, 57, 58, 59}, rows = {3, 4, 5, 12, 13, 14};
+  const Eigen::MatrixXd expected = result.point_covariance(points, points) + block.control.covariance(rows, rows);
+  ASSERT_EQ(result.check_covariance.rows(), 6);
+  EXPECT_LT((result.check_covariance - expected).norm(), 1e-9 * expected.norm());
+  EXPECT_GT(std::abs(result.check_covariance(0, 3)), 1e-9) << "the control shifts both";
+  block::PointBlockOptions by_gradients = options();
+  by_gradients.by_gradients = true;
+  EXPECT_EQ(block::adjust_point_block(block, by_gradients).check_covariance.size(), 0);
+}
+
 /// Noise of `sigma` [mm] in the images, six known points of 0.2 mm.
 PointBlock noisy_block(uint64_t seed, double sigma, double stated) {
   PointBlock block = small_block();
@@ -479,6 +502,30 @@ TEST(PhotoModelerFiles, ControlThatIsAnotherPointIsLeftOutByName) {
   EXPECT_EQ(wrong.block.control.position(9), 18);
   EXPECT_THAT(wrong.contradictions, testing::ElementsAre(HasSubstr("control 3: other points in the block")));
   EXPECT_EQ(wrong.left_out, wrong.contradictions);
+}
+
+/// Once left out like control: the witness was gone before anybody judged, and a block with a check point 50 mm off
+/// ended with "They hold".
+TEST(PhotoModelerFiles, ACheckPointThatIsOffStaysToBeJudged) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "control.txt";
+  const std::vector<Eigen::Vector3d> places = {{0, 0, 0}, {10, 0, 0}, {0, 8, 0}, {3, 4, 6}, {9, 9, 1}, {1, 7, 3}};
+  block::ReadBlock block;
+  std::ofstream list(file);
+  for (size_t j = 0; j < places.size(); ++j) {
+    const Eigen::Vector3d given = places[j] + (j == 3 || j == 5 ? 9.0 : 0.0) * Eigen::Vector3d(1, -1, 1);
+    block.block.points.push_back({std::to_string(j), places[j]});
+    list << j << ' ' << given.x() << ' ' << given.y() << ' ' << given.z() << " 0.005\n";
+  }
+  list.close();
+  block::ReadBlock of_one = block;
+  block::add_control(file, {"3"}, block);
+  EXPECT_EQ(block.block.control.points, (std::vector<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(block.block.control.is_check, (std::vector<bool>{false, false, false, true, false}));
+  EXPECT_THAT(block.contradictions, testing::ElementsAre(HasSubstr("control 5: other points in the block")));
+  block::add_control(file, {"3", "5"}, of_one);
+  EXPECT_EQ(of_one.block.control.points.size(), 6u);
+  EXPECT_TRUE(of_one.contradictions.empty());
 }
 
 TEST(AiconFiles, ErrorsNameFileAndLine) {

@@ -311,6 +311,28 @@ TEST(Choice, TwoThatAreTakenAndWereNeverComparedAreSaidToBe) {
   EXPECT_THAT(said, HasSubstr("have nowhere trials enough in common to be compared with each other")) << said;
 }
 
+/// Once "of their own errors schur states too much, joint does not", of rows in which joint was not tried.
+TEST(Choice, WhatWasNotTriedWithAllSpeaksAgainstNone) {
+  Bench bench = bench_by_tags({{"1", {{"joint", 0.1}, {"schur", 0.1}, {"slow", 0.3}}}});
+  bench.groups.push_back({"fusion", {"(5)", "(7)"}, {"fusion"}, false});
+  std::vector<Cell> cells;
+  for (Cell cell : bench.cells)
+    for (const std::string fusion : {"(5)", "(7)"}) {
+      const std::string name = cell.choices.at("solver");
+      if (name == "joint" && fusion == "(7)") continue;
+      cell.choices["fusion"] = fusion;
+      cell.measures["predicted"] = (fusion == "(7)" ? 3 : 1) * cell.measures.at("error");
+      cells.push_back(cell);
+    }
+  bench.cells = cells;
+  bench.metrics = {{"error", "errors.rmse_z"}, {"predicted", "errors.predicted_rmse_z"}};
+  EXPECT_THAT(choice(bench), Not(HasSubstr("of their own errors"))) << choice(bench);
+  for (Cell& cell : bench.cells)
+    if (cell.choices.at("solver") == "schur" && cell.choices.at("fusion") == "(5)")
+      cell.measures["predicted"] = 3 * cell.measures.at("error");
+  EXPECT_THAT(choice(bench), HasSubstr("f their own errors schur states too much or too little")) << choice(bench);
+}
+
 /// Once "take Gut or X. Gut is beaten by 6.76 mm.", of gut.
 TEST(Choice, NamesStayAsTheyAreWritten) {
   const Bench bench = trials_of({""}, 12, {"Gut", "gut"}, [](const std::string& name, std::size_t, std::size_t seed) {

@@ -1,9 +1,12 @@
 // The page of a block as the adjusters give it: what it says is what was adjusted.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <map>
+#include <sstream>
 
 #include "node_harness.hpp"
 #include "show/report/image_block_page.hpp"
@@ -117,6 +120,49 @@ TEST(BlockPages, ResidualsOfATargetBlockAreThoseOfTheAdjustment) {
   EXPECT_EQ(json["observations"].size(), 9972u);
   for (const Json& point : json["points"]) EXPECT_GT(point["largest_angle_deg"].get<double>(), 5) << point["id"];
   EXPECT_THROW(target_block_json(adjusted().block, measured), std::runtime_error);
+}
+
+/// The AICON block; every second target of the first forty is known to 0.05 mm, those between are check points whose
+/// heights are `off` by as much to the same side [m].
+Json aicon_with_checks(double off, NodeHarness& adjust) {
+  NodeHarness read("read.image_block");
+  const test::TemporaryFolder folder;
+  std::ofstream list(folder.path() / "control.txt");
+  std::ifstream coordinates(test::data_file("blocks/aicon/example.obc"));
+  std::string line, checks;  // a list's values stand between unit separators
+  for (int k = 0; k < 40 && std::getline(coordinates, line); ++k) {
+    std::istringstream columns(line);
+    std::string id;
+    Eigen::Vector3d at;
+    columns >> id >> at.x() >> at.y() >> at.z();
+    if (k % 2 == 1) checks += (checks.empty() ? "" : "\x1f") + id, at.z() += 1e3 * off;
+    list << id << ", P" << id << fmt::format(", {:.7f}, {:.7f}, {:.7f}", 1e-3 * at.x(), 1e-3 * at.y(), 1e-3 * at.z())
+         << ", 0.00005, 0.00005, 0.00005\n";
+  }
+  list.close();
+  read.set("folder", test::data_file("blocks/aicon"));
+  read.set("control", (folder.path() / "control.txt").string());
+  read.set("check", checks);
+  read.run();
+  const auto measured = read.output<ImageBlock>("block");
+  adjust.input<ImageBlock>("block", measured);
+  adjust.run();
+  return target_block_json(adjust.output<Block>("block"), measured);
+}
+
+/// Once "They hold", of twenty that were three standard deviations off to the same side.
+TEST(BlockPages, CheckPointsThatAreOffTogetherDoNotHold) {
+  PLUMBLINE_REQUIRE_DATA("blocks/aicon/example.obc");
+  NodeHarness sound("adjust.schur"), shifted("adjust.schur");
+  const Json good = aicon_with_checks(0, sound)["check_points"], bad = aicon_with_checks(2e-4, shifted)["check_points"];
+  EXPECT_TRUE(good["holds"]) << good["words"];
+  EXPECT_EQ(sound.metric("invalid"), 0);
+  EXPECT_GT(good["degrees_of_freedom"], 50);
+  for (const Json& point : bad["points"]) EXPECT_FALSE(point["contradicts"]) << point;
+  EXPECT_FALSE(bad["holds"]);
+  EXPECT_EQ(shifted.metric("invalid"), 1) << "as the adjuster says";
+  EXPECT_GT(bad["nees"].get<double>(), bad["limit"].get<double>());
+  EXPECT_THAT(bad["words"][0].get<std::string>(), HasSubstr("together are off by more"));
 }
 
 /// Two surveyed points that were withheld; `off`: of the second one's height [m].
