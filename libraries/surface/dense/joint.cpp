@@ -266,7 +266,8 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
                             const OrientationCovariance& orientations, const JointOptions& options) {
   MeasuredJoint measured;
   const bool dark = joint_is_dark(joint, views, options.search);
-  const auto [a, b] = edge_lines(joint, faces, surfaces);
+  const auto lines = edge_lines(joint, faces, surfaces);
+  const auto& [a, b] = lines;
   const Station station(joint, a, b, dark, views, orientations, options);
   const int count = std::max(1, static_cast<int>((joint.length - options.station) / options.station));
   int one_edge = 0;
@@ -276,6 +277,11 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
     stop_point();
     const double along = ((s + 0.5) / count - 0.5) * (joint.length - options.station);
     ++measured.stations_looked_at;
+    if (is_covered(lines, joint.plane, along, options.station)) {
+      ++measured.covered;
+      places.push_back({along, false, false});
+      continue;
+    }
     int looking = 0;
     const auto [edge_a, edge_b] = station.edges(along, looking);
     places.push_back({along, looking >= options.min_views, edge_a.found || edge_b.found});
@@ -301,6 +307,8 @@ MeasuredJoint measure_joint(const Joint& joint, const std::vector<PanelFace>& fa
   // Of a panel that nobody measured it is not known whether there is anything to see.
   if (unmeasured_of(a, b).empty()) measured.closed = without_edges(places, measured.stations);
   sum_up(measured, "two straight edges show");
+  if (!measured.not_measured.empty() && measured.covered > 0)
+    measured.not_measured += "; at " + std::to_string(measured.covered) + " something stands before an edge";
   return measured;
 }
 

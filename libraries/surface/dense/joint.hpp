@@ -59,6 +59,8 @@ struct MeasuredJoint {
   /// Places where no gap is to be seen between the panels: filled flush there, or closed. Of a scan where both panels
   /// have points closely, two or more in a row; of photographs where enough of them look and show no edge, over 60 mm.
   int closed = 0;
+  /// Places of photographs where something stands before an edge, as the panels' points show: not measured.
+  int covered = 0;
   size_t narrowest = 0, widest = 0, largest_step = 0, largest_shift = 0;  ///< stations, if there are any
 };
 

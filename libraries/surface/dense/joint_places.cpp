@@ -119,6 +119,18 @@ void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, 
   measured.stations = std::move(kept);
 }
 
+bool is_covered(const std::array<EdgeLine, 2>& lines, const FacadePlane& plane, double along, double reach) {
+  for (const EdgeLine& line : lines) {
+    if (!line.surface) continue;
+    const double cell = line.surface->cell;
+    for (const Eigen::Vector2d& middle : line.surface->before) {
+      const Eigen::Vector3d at = plane.local(line.face->plane.world({middle.x(), middle.y(), 0}));
+      if (std::abs(at.y() - along) <= cell + reach && std::abs(at.x() - line.nominal) <= 1.5 * cell) return true;
+    }
+  }
+  return false;
+}
+
 int without_edges(const std::vector<LookedAt>& places, const std::vector<JointStation>& believed) {
   constexpr double least = 0.06 - 1e-9;  // a tube or a rope before a joint hides less [m]
   const double spacing = places.size() > 1 ? places[1].along - places[0].along : 0;

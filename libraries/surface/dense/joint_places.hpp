@@ -50,6 +50,10 @@ struct EdgePair {
 /// scatter about the line, and the random part is widened to that. `edges`: of the stations, in their order.
 void keep_straight(MeasuredJoint& measured, const std::vector<EdgePair>& edges, double bow, size_t run);
 
+/// Whether points of one of the panels show something before it within `reach` along the joint [m] and a cell and a
+/// half across, whose border photographs would take for the panel's.
+bool is_covered(const std::array<EdgeLine, 2>& lines, const FacadePlane& plane, double along, double reach);
+
 /// A place along a joint as photographs saw it.
 struct LookedAt {
   double along = 0;     ///< from the joint's middle [m]

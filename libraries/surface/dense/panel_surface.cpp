@@ -173,6 +173,23 @@ OutlyingCells outlying_cells(const PanelFace& face, const std::vector<Sample>& s
   return result;
 }
 
+/// PanelSurface::before.
+std::vector<Eigen::Vector2d> lying_before(const PanelFace& face, const std::vector<Sample>& samples,
+                                          const OutlyingCells& cells, const Vector6& form) {
+  constexpr double least = 0.002;  // what is nearer hides no edge, and is the panel's own more often [m]
+  std::vector<Eigen::Vector2d> before;
+  for (const std::vector<size_t>& points : cells.points) {
+    std::vector<double> off;
+    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+    for (size_t i : points) {
+      off.push_back(samples[i].h - base_of(face, samples[i]).dot(form));
+      middle += Eigen::Vector2d(samples[i].u, samples[i].v) / static_cast<double>(points.size());
+    }
+    if (upper_median(off) > least) before.push_back(middle);
+  }
+  return before;
+}
+
 /// Why the fitted surface may be that of something before the panel: nothing can be seen through a panel, so what lies
 /// behind a good part of the fitted surface, beside the rest of it, is the panel, or the panel is broken. Empty if
 /// little does: a dent.
@@ -430,6 +447,7 @@ PanelSurface measure_panel(const PanelFace& face, const std::vector<MeasuredTile
   panel.half_width = 0.5 * face.width, panel.half_height = 0.5 * face.height;
   // By the points' own noise, as far as it is known: what they scatter by more may be the misfit itself.
   panel.edge_misfit = edge_misfit(face, samples, form, std::sqrt(panel.repeated), options);
+  panel.before = lying_before(face, samples, outlying, form), panel.cell = options.cell;
   panel.hidden = hidden_in_cells(face, samples, counts, form, options);
   // The best plane of that form over the whole panel: (1 − x²) has the mean 2/3 and no slope.
   Eigen::Matrix<double, 3, 6> plane = Eigen::Matrix<double, 3, 6>::Zero();

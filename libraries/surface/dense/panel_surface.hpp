@@ -86,6 +86,10 @@ struct PanelSurface {
   /// How far the surface as it is lies off that form at the left, right, lower and upper edge, rms beyond what noise
   /// makes: bent edges, waves. A height at an edge is no surer than that [m].
   Eigen::Vector4d edge_misfit = Eigen::Vector4d::Zero();
+  /// Middles of cells where points lie together before the surface: something stands before the panel there, and may be
+  /// taken for its edge. From the panel's middle [m].
+  std::vector<Eigen::Vector2d> before;
+  double cell = 0.05;  ///< edge of those cells [m]
   std::vector<Gap> flatness;
   Eigen::Matrix3d plane_covariance() const { return plane_random + plane_systematic; }
   Eigen::Matrix<double, 6, 6> form_covariance() const { return form_random + form_factor * form_factor.transpose(); }

@@ -72,6 +72,10 @@ struct Joints : Node {
         context.warn("joint " + joints[j].a + " | " + joints[j].b + ": at " + std::to_string(joint.closed) + " of " +
                      std::to_string(joint.stations_looked_at) +
                      " places along it no edges show: filled flush there, or closed");
+      if (joint.covered > 0)
+        context.warn("joint " + joints[j].a + " | " + joints[j].b + ": at " + std::to_string(joint.covered) + " of " +
+                     std::to_string(joint.stations_looked_at) +
+                     " places along it something stands before an edge (a tag's plate, a board): not measured there");
       found += joint.not_measured.empty();
       result.joints.push_back(describe(joint, joints[j]));
       for (const JointStation& at : joint.stations) by_orientation.push_back(at.width_by_orientation);

@@ -109,6 +109,8 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
   result->coefficients_factor = row_by_row(factor);
   result->edge_misfit.assign(panel.edge_misfit.data(), panel.edge_misfit.data() + 4);
   result->hidden = panel.hidden;
+  for (const Eigen::Vector2d& middle : panel.before)
+    result->before.insert(result->before.end(), {middle.x(), middle.y()});
   for (const Gap& gap : panel.flatness) {
     auto entry = std::make_unique<SurfaceGapT>();
     entry->length = gap.length, entry->positions = gap.positions, entry->place = gap.place;
@@ -129,6 +131,9 @@ PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank) {
   panel.form_factor =
       matrix_of(figures.coefficients_factor, 6, rank, "the systematic errors of panel '" + panel.id + "'");
   panel.half_width = 0.5 * figures.face->width, panel.half_height = 0.5 * figures.face->height;
+  if (std::isfinite(figures.cell)) panel.cell = figures.cell;
+  for (size_t i = 0; i + 1 < figures.before.size(); i += 2)
+    panel.before.emplace_back(figures.before[i], figures.before[i + 1]);
   if (!figures.edge_misfit.empty())
     panel.edge_misfit = matrix_of(figures.edge_misfit, 4, 1, "the misfit at the edges of panel '" + panel.id + "'");
   return panel;

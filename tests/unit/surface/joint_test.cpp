@@ -44,8 +44,9 @@ struct Outcome {
 };
 
 /// `unmeasured`: number of a panel without figures, as if nothing showed on it; `seen_by`: numbers of the photographs
-/// that show the joint.
-Outcome measure(const Site& site, int unmeasured = -1, const std::vector<size_t>& seen_by = {0, 1, 2, 3, 4}) {
+/// that show the joint; `before`: where something stands before the left panel, from its middle.
+Outcome measure(const Site& site, int unmeasured = -1, const std::vector<size_t>& seen_by = {0, 1, 2, 3, 4},
+                const std::vector<Eigen::Vector2d>& before = {}) {
   Outcome outcome;
   const std::vector<PanelFace> faces = faces_of(site);
   std::vector<FacetTile> tiles;
@@ -64,6 +65,7 @@ Outcome measure(const Site& site, int unmeasured = -1, const std::vector<size_t>
     surfaces[unmeasured] = PanelSurface();
     surfaces[unmeasured].not_measured = "nothing on it to measure";
   }
+  surfaces[0].before = before, surfaces[0].cell = 0.02;
   std::vector<FacetView> views;
   for (size_t k : seen_by) views.push_back(site.facet_views()[k]);
   outcome.joints = joints_of(faces);
@@ -129,6 +131,24 @@ TEST(Joint, ACopyOfAPhotographIsNoOtherWitness) {
     EXPECT_EQ(doubled.stations[s].views, 2);
     EXPECT_EQ(doubled.stations[s].width_sigma, two.stations[s].width_sigma);
   }
+}
+
+/// A tag's plate beside the joint hides the panel's edge by its own, over more places than a bulge has.
+TEST(Joint, TheBorderOfWhatStandsBeforeAPanelIsNotItsEdge) {
+  FacadeScene scene = jointed(0.5, 0.05);
+  const auto without = scene.reflectance;
+  scene.reflectance = [without](double u, double v) {
+    return std::abs(v) < 0.03 && u < 0 && u > -0.5 * width_at(v) - 0.006 ? 0.05 : without(u, v);
+  };
+  const Site site = make_site(scene);
+  const auto widest = [](const MeasuredJoint& joint) { return joint.stations.at(joint.widest).width; };
+  EXPECT_GT(widest(measure(site).joint), 0.016) << "nothing says that it is another's";
+  const MeasuredJoint joint = measure(site, -1, {0, 1, 2, 3, 4}, {{0.06, 0}}).joint;
+  ASSERT_EQ(joint.not_measured, "");
+  EXPECT_GE(joint.covered, 3);
+  EXPECT_EQ(joint.closed, 0) << "whether it is nobody sees";
+  EXPECT_NEAR(widest(joint), width_at(0.11), 3e-4);
+  EXPECT_EQ(measure(site, -1, {0, 1, 2, 3, 4}, {{-0.04, 0}}).joint.covered, 0) << "further from the edge";
 }
 
 TEST(Joint, StretchesWithoutEdgesCountFrom60MillimetresOn) {

@@ -45,6 +45,8 @@ TEST(Panel, WhatStandsBeforeAPartOfItDoesNotMoveIt) {
   EXPECT_NEAR(panel.plane(0), 0.002, 1e-4);
   ASSERT_FALSE(panel.flatness.empty());
   EXPECT_GT(panel.flatness[0].with_outlying, 0.005);
+  ASSERT_FALSE(panel.before.empty()) << "joints beside it are not measured there";
+  for (const Eigen::Vector2d& middle : panel.before) EXPECT_LT(middle.x(), -0.4);
 }
 
 TEST(Panel, ADentIsStillOne) {
@@ -53,6 +55,7 @@ TEST(Panel, ADentIsStillOne) {
   ASSERT_EQ(panel.not_measured, "");
   EXPECT_NEAR(panel.plane(0), 0.002, 1e-4);
   EXPECT_GT(panel.flatness[1].with_outlying, 0.005);
+  EXPECT_TRUE(panel.before.empty());
 }
 
 /// A cloud that was exported together with itself.
