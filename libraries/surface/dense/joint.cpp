@@ -66,7 +66,7 @@ class Station {
           const OrientationCovariance& orientations, const JointOptions& options)
       : joint_(joint), lines_{a, b}, dark_(dark), views_(views), orientations_(orientations), options_(options) {}
 
-  /// Both edges; `found` says whether. `looking`: how many photographs look at the place, whatever they show.
+  /// Both edges; `found` says whether. `looking`: from how many places photographs look, whatever they show.
   std::array<EdgePlace, 2> edges(double along, int& looking) const {
     double heights[2], sigmas[2];
     int least[2];
@@ -79,19 +79,23 @@ class Station {
       least[e] = at.measured ? options_.min_views : std::max(options_.min_views, 3);
     }
     std::vector<EdgeSight> sights[2];
-    looking = 0;
-    for (const FacetView& view : views_) looking += look(view, along, heights, sights);
+    std::vector<Eigen::Vector2d> witnesses;
+    for (const FacetView& view : views_) look(view, along, heights, sights, witnesses);
+    looking = static_cast<int>(witnesses.size());
     return {intersect(std::move(sights[0]), sigmas[0], least[0]), intersect(std::move(sights[1]), sigmas[1], least[1])};
   }
 
  private:
-  /// Whether the photograph has the place in it; what it shows of the edges goes to `sights`.
-  bool look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights) const {
+  /// What the photograph shows of the edges goes to `sights`. `witnesses`: slopes of the rays of those that have the
+  /// place in them, whatever they show; a copy of one, or a burst, is no other witness.
+  void look(const FacetView& view, double along, const double heights[2], std::vector<EdgeSight>* sights,
+            std::vector<Eigen::Vector2d>& witnesses) const {
     const Eigen::Vector3d centre(0, along, 0.5 * (heights[0] + heights[1]));
     const auto map = map_at(*view.view, joint_.plane, centre, 12);
-    if (!map) return false;
-    for (const EdgeSight& other : sights[0])  // a copy of it, or a burst: no other witness
-      if ((other.slope - map->parallax()).norm() < kOnePlace) return false;
+    if (!map) return;
+    const auto same_as = [&](const Eigen::Vector2d& slope) { return (slope - map->parallax()).norm() < kOnePlace; };
+    for (const EdgeSight& other : sights[0])
+      if (same_as(other.slope)) return;
     const double step = map->ground_pixel() / kSamples, window = kWindow * kSamples;
     const double reach = 0.5 * joint_.width + options_.search + window * step;
     const int half = static_cast<int>(std::ceil(reach / step));
@@ -101,20 +105,21 @@ class Station {
     double split = 0;
     for (int pass = 0; pass < 2; ++pass) {
       const auto grey = profile(view, *map, centre, -half * step, step, 2 * half + 1, options_.station, heights, split);
-      if (grey.empty()) return false;
+      if (grey.empty()) return;
+      if (pass == 0 && std::none_of(witnesses.begin(), witnesses.end(), same_as)) witnesses.push_back(map->parallax());
       const double first = steepest(grey, half + lines_[0].nominal / step, options_.search / step, !dark_);
       const double second = steepest(grey, half + lines_[1].nominal / step, options_.search / step, dark_);
-      if (first < 0 || second <= first) return true;
+      if (first < 0 || second <= first) return;
       gap = fit_gap(grey, first, second, window, dark_);
-      if (!gap) return true;
+      if (!gap) return;
       if (gap->place[0] - half < split / step && gap->place[1] - half > split / step) break;
-      if (pass == 1) return true;
+      if (pass == 1) return;
       split = (0.5 * (gap->place[0] + gap->place[1]) - half) * step;
     }
     for (int e : {0, 1}) {
       const double u = (gap->place[e] - half) * step;
       const auto at = map_at(*view.view, joint_.plane, {u, along, heights[e]}, 0);
-      if (!at) return true;
+      if (!at) return;
       const Eigen::Matrix2d plane_from_pixel = at->by_place.leftCols<2>().inverse();
       EdgeSight sight;
       sight.slope = map->parallax(), sight.place = u;
@@ -130,7 +135,6 @@ class Station {
             -(plane_from_pixel * at->by_camera).row(0);
       sights[e].push_back(sight);
     }
-    return true;
   }
 
   /// Covariance of the sights' places: noise, the edge's height, and the orientations.

@@ -56,8 +56,9 @@ struct MeasuredJoint {
   std::string not_measured;  ///< why it has no station
   std::vector<JointStation> stations;
   int stations_looked_at = 0;
-  /// Places where no gap is to be seen between the panels: filled flush there, or closed. Of a scan where both panels
-  /// have points closely, two or more in a row; of photographs where enough of them look and show no edge, over 60 mm.
+  /// Places where no gap is to be seen between the panels: filled flush there, closed, or hidden. Of a scan where both
+  /// panels have points closely, two or more in a row; of photographs where enough of them look and show no edge, over
+  /// 60 mm.
   int closed = 0;
   /// Places of photographs where something stands before an edge, as the panels' points show: not measured.
   int covered = 0;

@@ -22,9 +22,14 @@ std::vector<Joint> joints_of(const std::vector<PanelFace>& faces, double widest 
 std::vector<std::pair<size_t, size_t>> corners_between(const std::vector<PanelFace>& faces, double widest = 0.06,
                                                        double offset = 0.05);
 
+/// Why a joint is not measured: its panels' outlines overlap, one stands further out, they do not face each other edge
+/// to edge, the facade is folded there, or its designed width is above what is measured.
+enum class WhyNoJoint { overlap, stands_out, not_facing, folded, wide };
+
 /// Two neighbours between which a joint is, or may be, that is not measured.
 struct PairWithoutJoint {
-  size_t a = 0, b = 0;                                      ///< numbers of the faces
+  size_t a = 0, b = 0;  ///< numbers of the faces
+  WhyNoJoint kind = WhyNoJoint::not_facing;
   std::string why;                                          ///< in words
   double width = std::numeric_limits<double>::quiet_NaN();  ///< in the design, of a joint that is too wide [m]
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();         ///< between the edges that face each other
@@ -36,10 +41,11 @@ struct PairWithoutJoint {
 /// overlap (tongue and groove, shiplap), where one stands further out. And parallel faces that are further apart than
 /// `widest`, up to `furthest` [m], with nothing between them: expansion joints.
 std::vector<PairWithoutJoint> pairs_without_joint(const std::vector<PanelFace>& faces, double widest = 0.06,
-                                                  double furthest = 0.3);
+                                                  double furthest = 0.15);
 
-/// What people should know of pairs without a joint, a sentence each: corners of the building, pairs_without_joint()
-/// and gaps that are as wide as windows, from 0.3 m to 0.5 m.
+/// What people should know of pairs without a joint, a sentence each: corners of the building, pairs_without_joint(),
+/// one of each kind with how many, and gaps that are wider than joints, from 0.15 m to 0.5 m (pilasters, slab edges,
+/// windows).
 std::vector<std::string> words_of_pairs(const std::vector<PanelFace>& faces, double widest);
 
 }  // namespace plumbline::surface

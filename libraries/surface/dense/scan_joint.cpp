@@ -42,6 +42,7 @@ struct Opening {
 /// 3.8, 6.4, 15, 38 and 150 in all for 0.05, 0.1, 0.2, 0.3 and 0.5), and for those of a grid.
 double blurred_by(double share) {
   constexpr double factor = 6;
+  if (share <= kLeastShare) return 0;  // the joint is empty
   const double says = 1 - share + share * std::log(share);
   return factor * (1 / (says * says) - 1);
 }
@@ -76,11 +77,10 @@ class ScanStations {
       cut[side] = cut_off(strip);
       density = std::min(density, static_cast<double>(strip.size() - 1) / (strip.back() - strip.front()));
     }
-    const auto gap = gap_and_share(profile.on, density);
-    const double width = gap ? gap->to - gap->from : 0, least = kTellApart * std::max(cut[0].largest, cut[1].largest);
-    // A joint as designed would have shown.
-    if (width < least) return least < 0.5 * joint_.width ? Saw::closed : Saw::no_gap;
-    if (profile.near > profile.elsewhere || gap->share >= kMostShare) return Saw::shallow;
+    const auto gap = gap_and_share(profile.on, density, options_.search);
+    const double least = kTellApart * std::max(cut[0].largest, cut[1].largest);
+    if (!shows(gap, least)) return why_none(profile.on, density, least);
+    if (profile.near > profile.elsewhere) return Saw::shallow;
     if (at_the_border(*gap, profile.on, cut, density)) return Saw::beyond;
     found.u[0] = gap->from + cut[0].mean, found.u[1] = gap->to - cut[1].mean;
     for (int side : {0, 1})
@@ -120,21 +120,38 @@ class ScanStations {
   /// The last place on a and the first one on b: of all pairs within the search the one between which most points are
   /// missing, each that is there counting against it. A change of density as by its likelihood, with a running best.
   /// `share`: of the panel's density that the joint's own points have.
-  std::optional<Opening> widest_gap(const std::vector<double>& on, double density, double share) const {
+  std::optional<Opening> widest_gap(const std::vector<double>& on, double density, double share, double search) const {
     const double price = -std::log(share);
     std::optional<Opening> best;
     double most = 0, from = 0, start = 0;
     bool any = false;
     for (size_t i = 0; i < on.size(); ++i) {
       const double value = (1 - share) * density * on[i] - price * static_cast<double>(i);
-      if (any && std::abs(on[i] - 0.5 * joint_.width) <= options_.search) {
+      if (any && std::abs(on[i] - 0.5 * joint_.width) <= search) {
         const double missing = value - start + price;
         if (missing > most) most = missing, best = Opening{from, on[i], share};
       }
-      if (std::abs(on[i] + 0.5 * joint_.width) <= options_.search && (!any || value <= start))
+      if (std::abs(on[i] + 0.5 * joint_.width) <= search && (!any || value <= start))
         start = value, from = on[i], any = true;
     }
     return best;
+  }
+
+  static bool shows(const std::optional<Opening>& gap, double least) {
+    return gap && gap->to - gap->from >= least && gap->share < kMostShare;
+  }
+
+  /// Of a place between whose panels no points are missing within the search: an edge may lie further in than that; a
+  /// hole that is wider than those between the panel's own points, in what is half as dense, is neither joint nor
+  /// panel; without one a joint as designed would have shown.
+  Saw why_none(const std::vector<double>& on, double density, double least) const {
+    const auto anywhere = gap_and_share(on, density, std::max(options_.search, joint_.width));
+    if (shows(anywhere, least) && std::max(std::abs(anywhere->from + 0.5 * joint_.width),
+                                           std::abs(anywhere->to - 0.5 * joint_.width)) > options_.search)
+      return Saw::beyond;
+    const auto hole = widest_gap(on, density, kLeastShare, options_.search);
+    if (hole && hole->to - hole->from >= least) return Saw::shallow;
+    return least < 0.5 * joint_.width ? Saw::closed : Saw::no_gap;
   }
 
   /// Whether an edge lies further in than it was looked for: the gap ends where the search does, and there the panel's
@@ -153,12 +170,12 @@ class ScanStations {
 
   /// With the share that the gap itself shows, in a few turns from the most on: with too small a share the gap would be
   /// the largest hole between two mixed pixels.
-  std::optional<Opening> gap_and_share(const std::vector<double>& on, double density) const {
+  std::optional<Opening> gap_and_share(const std::vector<double>& on, double density, double search) const {
     constexpr int turns = 6;
     double share = kMostShare;
     std::optional<Opening> gap;
     for (int turn = 0; turn < turns; ++turn) {
-      gap = widest_gap(on, density, share);
+      gap = widest_gap(on, density, share, search);
       if (!gap) return gap;
       // In its middle, as the last points of a panel, taken into it once, would speak for being there again.
       const double width = gap->to - gap->from, from = gap->from + 0.2 * width, to = gap->to - 0.2 * width;

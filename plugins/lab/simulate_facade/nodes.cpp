@@ -30,7 +30,7 @@ constexpr double kThickness = 0.05;  // of a panel [m]
 
 struct SimulateFacade : Node {
   static constexpr Info info{
-      "simulate.facade", "", 1,
+      "simulate.facade", "", 2,
       "Simulates a facade of panels with planted relief: photographs, orientations that err, the design"};
   Param<int64_t> columns{"columns", 3, between(1, 40), "panels beside each other"};
   Param<int64_t> rows{"rows", 2, between(1, 40), "panels above each other"};
@@ -38,6 +38,9 @@ struct SimulateFacade : Node {
   Param<double> panel_height{"panel_height", 0.7, "m", between(0.1, 10), "of the design"};
   Param<double> joint{"joint", 0.012, "m", between(0.002, 0.05), "width of the joints in the design"};
   Param<double> azimuth{"azimuth", 3.6, "rad", between(-7, 7), "direction out of the facade, clockwise from north (y)"};
+  Param<int64_t> facades{"facades", 1, between(1, 4),
+                         "of a block, each as large, with panels and photographs of its own, the next one to the right "
+                         "around the corner"};
   Param<double> offset_sigma{"offset_sigma", 0.0015, "m", between(0, 0.05), "of panels out of the design's face"};
   Param<double> tilt_sigma{"tilt_sigma", 0.001, "rad", between(0, 0.05), "of panels, each way"};
   Param<double> bow_sigma{"bow_sigma", 0.0015, "m", between(0, 0.05),
@@ -65,22 +68,28 @@ struct SimulateFacade : Node {
   Out<Surfaces> planted{"planted", frame("frame=survey"), "the same as panels and joints, without errors"};
 
   void run(Context& context) override {
-    if (*plain + *glass > *columns * *rows)
-      throw std::runtime_error("there are " + std::to_string(*columns * *rows) + " panels, and " +
+    const int64_t count = *columns * *rows * *facades;
+    if (*plain + *glass > count)
+      throw std::runtime_error("there are " + std::to_string(count) + " panels, and " +
                                std::to_string(*plain + *glass) + " of them are to be plain or glass");
-    const PanelledFacade facade = build(context.seed());
+    std::vector<PanelledFacade> block;
+    for (int64_t f = 0; f < *facades; ++f) block.push_back(build(f, context.seed()));
     const BrownCamera lens = make_camera();
-    const std::vector<RigidTransform> stations = place_cameras();
-    take_photographs(context, facade, lens, stations);
-    design.commit(describe_design(facade));
+    std::vector<RigidTransform> stations;
+    for (int64_t f = 0; f < *facades; ++f)
+      for (const RigidTransform& station : place_cameras(f)) stations.push_back(station);
+    take_photographs(context, block, lens, stations);
+    design.commit(describe_design(block));
     CameraT artifact;
     artifact.id = "simulated", artifact.width = lens.width, artifact.height = lens.height,
     artifact.source = "simulation";
     for (double value : lens.parameters()) artifact.parameters.push_back(value);
     camera.commit(artifact);
     poses.commit(with_errors(stations, context.seed()));
-    truth.commit(truth_of(facade));
-    planted.commit(simulate::planted_surfaces(facade, *columns, *joint));
+    truth.commit(truth_of(block));
+    SurfacesT all;
+    for (const PanelledFacade& facade : block) simulate::add_planted_surfaces(facade, *columns, *joint, all);
+    planted.commit(all);
   }
 
  private:
@@ -89,27 +98,34 @@ struct SimulateFacade : Node {
   }
   double up() const { return static_cast<double>(*rows) * *panel_height + static_cast<double>(*rows - 1) * *joint; }
 
-  RigidTransform world_from_facade() const {
-    const Eigen::Vector3d out(std::sin(*azimuth), std::cos(*azimuth), 0), z = Eigen::Vector3d::UnitZ();
+  /// Facades of a block are so far from its middle that the cameras of one stand behind the plane of the next: no
+  /// photograph shows two.
+  RigidTransform world_from_facade(int64_t facade) const {
+    const double turned = *azimuth - 0.5 * M_PI * static_cast<double>(facade);  // to the right as one looks at it
+    const auto out_at = [](double angle) { return Eigen::Vector3d(std::sin(angle), std::cos(angle), 0); };
+    const Eigen::Vector3d out = out_at(turned), z = Eigen::Vector3d::UnitZ();
+    const double from_middle = std::max(0.5 * across(), 0.6 * *distance) + 0.2;
     Eigen::Matrix3d axes;
     axes << z.cross(out), z, out;
     RigidTransform result;
     result.rotation = Eigen::Quaterniond(axes);
     result.translation = {105.25, 212.5, 31.75};
+    if (facade > 0) result.translation += from_middle * (out - out_at(*azimuth));
     return result;
   }
 
-  PanelledFacade build(std::uint64_t seed) const {
+  PanelledFacade build(int64_t number, std::uint64_t seed) const {
     PanelledFacade facade;
-    facade.world_from_facade = world_from_facade();
+    facade.world_from_facade = world_from_facade(number);
     facade.finest = std::max(0.002, 2 * *distance / focal());
-    const int64_t count = *columns * *rows;
+    const int64_t count = *columns * *rows, all = *facades * count;
     for (int64_t i = 0; i < count; ++i) {
-      Random random(seed, "panel", static_cast<std::uint64_t>(i));
+      const int64_t of_all = number * count + i;
+      Random random(seed, "panel", static_cast<std::uint64_t>(of_all));
       RaisedPanel panel;
       const double c = static_cast<double>(i % *columns), r = static_cast<double>(i / *columns);
       const std::string name = fmt::format("P{:02}-{:02}", static_cast<int>(r) + 1, static_cast<int>(c) + 1);
-      panel.id = name;
+      panel.id = *facades > 1 ? fmt::format("F{}-{}", number + 1, name) : name;
       panel.width = *panel_width, panel.height = *panel_height;
       panel.u = c * (*panel_width + *joint) + 0.5 * *panel_width - 0.5 * across() + random.normal(*place_sigma);
       panel.v = r * (*panel_height + *joint) + 0.5 * *panel_height - 0.5 * up() + random.normal(*place_sigma);
@@ -117,7 +133,7 @@ struct SimulateFacade : Node {
       panel.tilt_u = random.normal(*tilt_sigma), panel.tilt_v = random.normal(*tilt_sigma);
       panel.bow_u = random.normal(*bow_sigma), panel.bow_v = random.normal(*bow_sigma);
       panel.grain = random.bits();
-      panel.skin = i >= count - *plain ? Skin::plain : i >= count - *plain - *glass ? Skin::glass : Skin::plaster;
+      panel.skin = of_all >= all - *plain ? Skin::plain : of_all >= all - *plain - *glass ? Skin::glass : Skin::plaster;
       facade.panels.push_back(panel);
     }
     return facade;
@@ -138,9 +154,9 @@ struct SimulateFacade : Node {
     return lens;
   }
 
-  std::vector<RigidTransform> place_cameras() const {
+  std::vector<RigidTransform> place_cameras(int64_t facade) const {
     std::vector<RigidTransform> stations;
-    const RigidTransform frame = world_from_facade();
+    const RigidTransform frame = world_from_facade(facade);
     const int64_t layers = 3, each = (*photographs + layers - 1) / layers;
     for (int64_t k = 0; k < *photographs; ++k) {
       const double x = each > 1 ? 2.0 * static_cast<double>(k / layers) / static_cast<double>(each - 1) - 1 : 0;
@@ -162,7 +178,8 @@ struct SimulateFacade : Node {
 
   static std::string name_of(size_t k) { return fmt::format("IMG_{:04}.png", k + 1); }
 
-  void take_photographs(Context& context, const PanelledFacade& facade, const BrownCamera& lens,
+  /// `stations`: of each facade as many, one facade after the other.
+  void take_photographs(Context& context, const std::vector<PanelledFacade>& block, const BrownCamera& lens,
                         const std::vector<RigidTransform>& stations) const {
     const auto place = folder.make_folder();
     FolderT listing;
@@ -172,6 +189,7 @@ struct SimulateFacade : Node {
       context.progress(static_cast<double>(k) / static_cast<double>(stations.size()), "rendering");
       if (context.cancelled()) throw Stopped();
       const std::string path = place.path + "/" + name_of(k);
+      const PanelledFacade& facade = block[k * block.size() / stations.size()];
       simulate::write_png(
           path, lens.width, lens.height,
           simulate::photograph(facade, lens, stations[k], {*noise, 2, derive_seed(context.seed(), "image", k)}));
@@ -188,32 +206,39 @@ struct SimulateFacade : Node {
     folder.commit(listing);
   }
 
-  DesignT describe_design(const PanelledFacade& facade) const {
+  DesignT describe_design(const std::vector<PanelledFacade>& block) const {
     DesignT result;
     result.file_name = "simulated facade", result.schema = "IFC4", result.length_unit = 1;
-    result.facade_normal = facade.world_from_facade.rotation * Eigen::Vector3d::UnitZ();
+    result.facade_normal = block.front().world_from_facade.rotation * Eigen::Vector3d::UnitZ();
     result.site_origin = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-    for (size_t i = 0; i < facade.panels.size(); ++i) {
-      const auto c = static_cast<double>(static_cast<int64_t>(i) % *columns),
-                 r = static_cast<double>(static_cast<int64_t>(i) / *columns);
-      auto element = std::make_unique<DesignElementT>();
-      element->guid = "simulated-panel-" + std::to_string(i), element->name = facade.panels[i].id;
-      element->class_ = "IfcPlate", element->is_panel = true;
-      element->storey = "facade";
-      element->facade = std::make_unique<FacadeFrameT>();
-      element->facade->right = facade.world_from_facade.rotation * Eigen::Vector3d::UnitX();
-      element->facade->up = facade.world_from_facade.rotation * Eigen::Vector3d::UnitY();
-      element->facade->out = result.facade_normal;
-      element->facade->source = "own_axes", element->facade->confirmed = true, element->facade->facade = "facade";
-      const Eigen::Vector3d middle(c * (*panel_width + *joint) + 0.5 * *panel_width - 0.5 * across(),
-                                   r * (*panel_height + *joint) + 0.5 * *panel_height - 0.5 * up(), 0);
-      element->placement = {facade.world_from_facade.rotation, facade.world_from_facade * middle};
-      element->position = element->placement.translation;
-      element->box_low = {-0.5 * *panel_width, -0.5 * *panel_height, -kThickness};
-      element->box_high = {0.5 * *panel_width, 0.5 * *panel_height, 0};
-      result.elements.push_back(std::move(element));
-    }
+    for (size_t f = 0; f < block.size(); ++f)
+      for (size_t i = 0; i < block[f].panels.size(); ++i)
+        result.elements.push_back(designed(block[f], i,
+                                           block.size() > 1 ? fmt::format("facade {}", f + 1) : std::string("facade"),
+                                           "simulated-panel-" + std::to_string(result.elements.size())));
     return result;
+  }
+
+  std::unique_ptr<DesignElementT> designed(const PanelledFacade& facade, size_t i, const std::string& of,
+                                           const std::string& guid) const {
+    const auto c = static_cast<double>(static_cast<int64_t>(i) % *columns),
+               r = static_cast<double>(static_cast<int64_t>(i) / *columns);
+    auto element = std::make_unique<DesignElementT>();
+    element->guid = guid, element->name = facade.panels[i].id;
+    element->class_ = "IfcPlate", element->is_panel = true;
+    element->storey = "facade";
+    element->facade = std::make_unique<FacadeFrameT>();
+    element->facade->right = facade.world_from_facade.rotation * Eigen::Vector3d::UnitX();
+    element->facade->up = facade.world_from_facade.rotation * Eigen::Vector3d::UnitY();
+    element->facade->out = facade.world_from_facade.rotation * Eigen::Vector3d::UnitZ();
+    element->facade->source = "own_axes", element->facade->confirmed = true, element->facade->facade = of;
+    const Eigen::Vector3d middle(c * (*panel_width + *joint) + 0.5 * *panel_width - 0.5 * across(),
+                                 r * (*panel_height + *joint) + 0.5 * *panel_height - 0.5 * up(), 0);
+    element->placement = {facade.world_from_facade.rotation, facade.world_from_facade * middle};
+    element->position = element->placement.translation;
+    element->box_low = {-0.5 * *panel_width, -0.5 * *panel_height, -kThickness};
+    element->box_high = {0.5 * *panel_width, 0.5 * *panel_height, 0};
+    return element;
   }
 
   PosesT with_errors(const std::vector<RigidTransform>& stations, std::uint64_t seed) const {
@@ -249,14 +274,14 @@ struct SimulateFacade : Node {
     return result;
   }
 
-  FileT truth_of(const PanelledFacade& facade) const {
+  FileT truth_of(const std::vector<PanelledFacade>& block) const {
     std::string text =
         "panel,skin,offset_mm,tilt_right_mm_per_m,tilt_up_mm_per_m,bow_across_mm,bow_up_mm,u_m,v_m,width_m,height_m\n";
-    for (const RaisedPanel& panel : facade.panels) {
-      text += fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f},{:.7f}\n", panel.id,
-                          simulate::to_string(panel.skin), 1e3 * panel.offset, 1e3 * panel.tilt_u, 1e3 * panel.tilt_v,
-                          1e3 * panel.bow_u, 1e3 * panel.bow_v, panel.u, panel.v, panel.width, panel.height);
-    }
+    for (const PanelledFacade& facade : block)
+      for (const RaisedPanel& panel : facade.panels)
+        text += fmt::format("{},{},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.7f},{:.7f},{:.7f},{:.7f}\n", panel.id,
+                            simulate::to_string(panel.skin), 1e3 * panel.offset, 1e3 * panel.tilt_u, 1e3 * panel.tilt_v,
+                            1e3 * panel.bow_u, 1e3 * panel.bow_v, panel.u, panel.v, panel.width, panel.height);
     FileT file;
     file.name = "truth.csv", file.media_type = "text/csv", file.content.assign(text.begin(), text.end());
     return file;

@@ -55,21 +55,21 @@ std::unique_ptr<JointFiguresT> joint_between(const PanelledFacade& facade, const
 
 }  // namespace
 
-SurfacesT planted_surfaces(const PanelledFacade& facade, std::int64_t columns, double nominal_joint) {
-  SurfacesT planted;
-  const auto count = static_cast<std::int64_t>(facade.panels.size());
+void add_planted_surfaces(const PanelledFacade& facade, std::int64_t columns, double nominal_joint,
+                          SurfacesT& planted) {
+  const auto count = static_cast<std::int64_t>(facade.panels.size()),
+             before = static_cast<std::int64_t>(planted.panels.size());
   for (const RaisedPanel& panel : facade.panels) planted.panels.push_back(figures_of(facade, panel));
   const auto join = [&](std::int64_t first, std::int64_t second, bool upright) {
     planted.joints.push_back(
         joint_between(facade, facade.panels[first], facade.panels[second], upright, nominal_joint));
-    planted.joints.back()->first_panel = static_cast<int>(first);
-    planted.joints.back()->second_panel = static_cast<int>(second);
+    planted.joints.back()->first_panel = static_cast<int>(before + first);
+    planted.joints.back()->second_panel = static_cast<int>(before + second);
   };
   for (std::int64_t i = 0; i < count; ++i) {
     if ((i + 1) % columns != 0 && i + 1 < count) join(i, i + 1, true);
     if (i + columns < count) join(i, i + columns, false);
   }
-  return planted;
 }
 
 }  // namespace plumbline::simulate

@@ -103,6 +103,7 @@ void write_surfaces(Markup& html, const SurfaceJudgementT& judgement) {
     Scope list(html, "ul");
     for (const std::string& text : unanswered) html.element("li", text);
   }
+  for (const std::string& remark : judgement.remarks) html.element("p", {{"class", "note"}}, remark);
   if (!open.empty()) write_surface_table(html, open);
   if (!passed.empty())
     folded(html, count(static_cast<long>(passed.size()), "quantity keeps its limit", "quantities keep their limits"),

@@ -7,15 +7,17 @@
 namespace plumbline::surface {
 
 struct Joints : Node {
-  static constexpr Info info{"surface.joints", "", 4,
+  static constexpr Info info{"surface.joints", "", 5,
                              "Width and flush step along the joints between panels, from edges in all photographs"};
   List<Image> images{"images", "the photographs"};
   In<Poses> poses{"poses", frame("frame=?F"), "their orientations, with the joint covariance of all"};
   In<Camera> camera{"camera", "the cameras that took them"};
   In<Surfaces> panels{"panels", frame("frame=?F"), "the panels, measured in the same photographs"};
   Param<double> station{"station", 0.02, "m", between(0.002, 1), "length along a joint of which the mean is taken"};
-  Param<double> widest{"widest", 0.15, "m", between(0.001, 0.5),
-                       "wider joints of the design are not measured; up to 0.3 m they are named as not measured"};
+  Param<double> widest{
+      "widest", 0.15, "m", between(0.001, 0.5),
+      "wider joints of the design are not measured; up to 0.15 m they are named as not measured, up to "
+      "0.5 m a warning says that there is a gap"};
   Param<double> search{"search", 0.012, "m", between(0.001, 0.2),
                        "how far an edge may be from where the design has it"};
   Param<int64_t> min_views{"min_views", 2, between(1, 20), "photographs that have to show an edge"};
@@ -71,7 +73,7 @@ struct Joints : Node {
       else if (joint.closed > 0)
         context.warn("joint " + joints[j].a + " | " + joints[j].b + ": at " + std::to_string(joint.closed) + " of " +
                      std::to_string(joint.stations_looked_at) +
-                     " places along it no edges show: filled flush there, or closed");
+                     " places along it no edges show: filled flush there, closed, or hidden by what stands before it");
       if (joint.covered > 0)
         context.warn("joint " + joints[j].a + " | " + joints[j].b + ": at " + std::to_string(joint.covered) + " of " +
                      std::to_string(joint.stations_looked_at) +

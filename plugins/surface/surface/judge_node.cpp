@@ -84,6 +84,7 @@ void JudgeSurfaces::run(Context& context) {
   for (const MeasurementDoubtT& doubt : trust.doubts)
     context.warn("not to be trusted, and nothing is decided: " + ifc::in_words(doubt));
   for (const MeasurementDoubtT& misfit : trust.misfits) context.warn(ifc::in_words(misfit));
+  for (const std::string& remark : result.remarks) context.warn(remark);
   int open = 0;
   for (const auto& request : result.requests)
     if (!request->not_judged.empty())

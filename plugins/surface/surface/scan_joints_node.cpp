@@ -106,9 +106,12 @@ void ScanJoints::run(Context& context) {
     if (!words.empty()) context.warn("nothing will be judged: " + words);
     if (result.place_doubt.empty()) result.place_doubt = words;
   }
-  if (const std::string words = words_of_common_places(common_places(faces, measured, joints, found)); !words.empty()) {
-    context.warn(words);
-    result.warnings.push_back(words);
+  // Where nobody stated the place's errors, nothing contradicts them.
+  const std::string beside =
+      result.rank > 0 ? words_of_common_places(common_places(faces, measured, joints, found)) : std::string();
+  if (!beside.empty()) {
+    context.warn(beside);
+    result.warnings.push_back(beside), result.beside_its_place = beside;
   }
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {

@@ -9,13 +9,15 @@
 namespace plumbline::surface {
 
 struct ScanJoints : Node {
-  static constexpr Info info{"surface.scan_joints", "", 3,
+  static constexpr Info info{"surface.scan_joints", "", 4,
                              "Width and flush step along the joints between panels, from where a scan's points end"};
   In<SurfacePoints> points{"points", frame("frame=?F"), "the scan's points on the faces, and beside them"};
   In<Surfaces> panels{"panels", frame("frame=?F"), "the panels, measured in the same points"};
   Param<double> station{"station", 0.05, "m", between(0.002, 1), "length along a joint of which points count together"};
-  Param<double> widest{"widest", 0.15, "m", between(0.001, 0.5),
-                       "wider joints of the design are not measured; up to 0.3 m they are named as not measured"};
+  Param<double> widest{
+      "widest", 0.15, "m", between(0.001, 0.5),
+      "wider joints of the design are not measured; up to 0.15 m they are named as not measured, up to "
+      "0.5 m a warning says that there is a gap"};
   Param<double> search{"search", 0.012, "m", between(0.001, 0.2),
                        "how far an edge may be from where the design has it; 'beside' of dense.import has to reach it"};
   Param<double> beam{"beam", 0.006, "m", between(0, 0.2),

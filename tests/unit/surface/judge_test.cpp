@@ -251,6 +251,49 @@ TEST(JudgeSurfaces, TheNarrowestPlaceIsTheNarrowestOneWhereAllKeepTheLimit) {
   EXPECT_NEAR(result.verdicts[1]->value, 0.025, 1e-12);
 }
 
+/// An expansion joint of 80 mm is as built, and a rule of the width itself that means the others has nothing to say of
+/// it.
+TEST(JudgeSurfaces, AnAbsoluteWidthThatTheDesignDoesNotKeepIsNotAskedOfIt) {
+  SurfacesT what = surfaces();
+  what.joints.push_back(joint({0.012, 0.013}, 1e-4));
+  what.joints.push_back(joint({0.080, 0.081}, 1e-4));
+  what.joints[1]->nominal_width = 0.08, what.joints[1]->first = "B", what.joints[1]->second = "C";
+  const auto result = judged(what, {"*: narrowest=8mm, widest=20mm, joint=4mm"});
+  EXPECT_EQ(result.failed, 0);
+  EXPECT_EQ(result.passed, 5) << "of the expansion joint the narrowest place and the width against the design's";
+  ASSERT_EQ(result.remarks.size(), 1U);
+  EXPECT_EQ(result.remarks[0].rfind("widest = 20 mm is not asked of 1 joint which the design itself has outside of it, "
+                                    "B | C with 80 mm for one",
+                                    0),
+            0U)
+      << result.remarks[0];
+  EXPECT_EQ(result.requests[0]->not_judged, "");
+  what.joints.erase(what.joints.begin());
+  EXPECT_NE(judged(what, {"*: widest=20mm"}).requests[0]->not_judged.find("the design has all of its joints outside"),
+            std::string::npos)
+      << "a rule that is asked of none holds nothing";
+}
+
+/// By 18 of the standard deviations that are stated of the place: what rests on it is not decided, and nothing else.
+TEST(JudgeSurfaces, WhatLiesBesideItsPlaceAsAWholeLeavesOffsetsAndShiftsOpen) {
+  SurfacesT what = surfaces();
+  for (const auto& one : what.panels)
+    one->covariance = pack_symmetric(Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e-8));
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  for (const auto& place : what.joints[0]->places) place->shift = 0.0062, place->shift_sigma = 5e-4;
+  EXPECT_EQ(judged(what, {"*: offset=4mm, shift=4mm"}).failed, 1);
+  what.beside_its_place = "all 3 panels lie 9.0 ± 0.5 mm before their place";
+  const auto result = judged(what, {"*: offset=4mm, shift=4mm, joint=3mm, bow=9mm"});
+  EXPECT_EQ(result.failed, 0);
+  for (const auto& verdict : result.verdicts) {
+    if (verdict->panel == "C") continue;
+    const bool of_place = verdict->quantity == "offset" || verdict->quantity == "shift";
+    EXPECT_EQ(verdict->not_judged.find("lies beside its place alike") != std::string::npos, of_place)
+        << verdict->quantity << ": " << verdict->not_judged;
+  }
+  EXPECT_NE(result.requests[0]->not_judged, "") << "exit code 3";
+}
+
 TEST(JudgeSurfaces, TheWorstPlaceIsTheFurthestWhereAllFail) {
   SurfacesT what = surfaces();
   what.joints.push_back(joint({0.030, 0.034, 0.031}, 1e-4));

@@ -53,7 +53,7 @@ std::vector<MeasuredTile> scanned(const Scan& scan, std::mt19937_64& random) {
   const auto add = [&](double u, double v) {
     if (std::abs(u) > 0.2 || std::abs(v) > 0.2) return;
     double height = height_of(scan, u);
-    if (height == -scan.ground && uniform(random) < scan.mixed) {  // denser towards the face
+    if (scan.mixed > 0 && height == -scan.ground && uniform(random) < scan.mixed) {  // denser towards the face
       const double depth = uniform(random);
       height = (u > scan.shift ? kStep : 0.0) - depth * depth * scan.ground;
     }

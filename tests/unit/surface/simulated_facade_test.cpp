@@ -87,4 +87,30 @@ TEST(SimulatedFacade, PanelsHangAsFarOffAsWasAsked) {
   }
 }
 
+/// Around the corner of a block: panels and photographs of their own, joints on one facade only, and no photograph that
+/// could see the next.
+TEST(SimulatedFacade, ABlockHasSeveral) {
+  const NodeHarness node = site({{"facades", "3"}});
+  const SurfacesT planted = node.output<Surfaces>("planted");
+  const DesignT design = node.output<Design>("design");
+  const PosesT poses = node.output<Poses>("poses");
+  ASSERT_EQ(planted.panels.size(), 6U);
+  ASSERT_EQ(design.elements.size(), 6U);
+  ASSERT_EQ(poses.poses.size(), 6U);
+  ASSERT_EQ(planted.joints.size(), 3U);
+  EXPECT_EQ(planted.joints[2]->first_panel, 4);
+  EXPECT_EQ(design.elements[2]->name, "F2-P01-01");
+  for (size_t facade = 0; facade < 3; ++facade) {
+    const SurfaceFaceT& face = *planted.panels[2 * facade]->face;
+    EXPECT_NEAR(face.out.dot(planted.panels[0]->face->out), facade == 0 ? 1 : facade == 1 ? 0 : -1, 1e-12);
+    EXPECT_NEAR((face.origin - design.elements[2 * facade]->position).dot(face.out), 0, 1e-9);
+    const double right = face.out.dot(planted.panels[0]->face->right);
+    EXPECT_NEAR(right, facade == 1 ? 1 : 0, 1e-12) << "the next one is to the right";
+    for (size_t k = 0; k < 6; ++k) {
+      const Eigen::Vector3d centre = poses.poses[k]->cam_from_world.inverse().translation;
+      EXPECT_EQ((centre - face.origin).dot(face.out) > 0, k / 2 == facade) << "photograph " << k;
+    }
+  }
+}
+
 }  // namespace simulated_facade_test
