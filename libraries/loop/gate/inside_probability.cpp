@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
 #include <vector>
+
+#include "geometry/vectors.hpp"
 
 namespace plumbline::loop {
 
@@ -24,20 +27,22 @@ double polynomial(const double (&c)[N], double x) {
   return sum;
 }
 
+/// AS 241, within 0.425 of the middle.
+constexpr double kCentral[] = {3.3871328727963666080e0,  1.3314166789178437745e+2, 1.9715909503065514427e+3,
+                               1.3731693765509461125e+4, 4.5921953931549871457e+4, 6.7265770927008700853e+4,
+                               3.3430575583588128105e+4, 2.5090809287301226727e+3};
+constexpr double kCentralBelow[] = {1.0,
+                                    4.2313330701600911252e+1,
+                                    6.8718700749205790830e+2,
+                                    5.3941960214247511077e+3,
+                                    2.1213794301586595867e+4,
+                                    3.9307895800092710610e+4,
+                                    2.8729085735721942674e+4,
+                                    5.2264952788528545610e+3};
+
 }  // namespace
 
 double normal_quantile(double p) {
-  static constexpr double a[] = {3.3871328727963666080e0,  1.3314166789178437745e+2, 1.9715909503065514427e+3,
-                                 1.3731693765509461125e+4, 4.5921953931549871457e+4, 6.7265770927008700853e+4,
-                                 3.3430575583588128105e+4, 2.5090809287301226727e+3};
-  static constexpr double b[] = {1.0,
-                                 4.2313330701600911252e+1,
-                                 6.8718700749205790830e+2,
-                                 5.3941960214247511077e+3,
-                                 2.1213794301586595867e+4,
-                                 3.9307895800092710610e+4,
-                                 2.8729085735721942674e+4,
-                                 5.2264952788528545610e+3};
   static constexpr double c[] = {1.42343711074968357734e0,  4.63033784615654529590e0, 5.76949722146069140550e0,
                                  3.64784832476320460504e0,  1.27045825245236838258e0, 2.41780725177450611770e-1,
                                  2.27238449892691845833e-2, 7.74545014278341407640e-4};
@@ -64,7 +69,7 @@ double normal_quantile(double p) {
   const double q = p - 0.5;
   if (std::abs(q) <= 0.425) {
     const double r = 0.180625 - q * q;
-    return q * polynomial(a, r) / polynomial(b, r);
+    return q * polynomial(kCentral, r) / polynomial(kCentralBelow, r);
   }
   const double r = std::sqrt(-std::log(q < 0 ? p : 1 - p));
   const double x =
@@ -138,54 +143,119 @@ Separated separate(const Eigen::VectorXd& mean, Eigen::MatrixXd rest, const Eige
   return out;
 }
 
-/// Probability of one point of the lattice: the product of conditional probabilities.
-double product_at(const Separated& s, const double* point, double* y) {
-  double product = 1;
+/// Points of the lattice that are looked at together: a block, each point with its mirror image.
+constexpr int kLanes = 2 * kPoints, kWidth = 4, kVectors = kLanes / kWidth;
+typedef std::int64_t L4 __attribute__((vector_size(32)));
+
+/// e^x for -700 <= x <= 0, by the quotient of polynomials of Cephes (Moshier 1989) after x = n log 2 + r.
+PLUMBLINE_INLINE V4 exponential(const V4& x) {
+  constexpr double kShift = 6755399441055744.0;  // 1.5 * 2^52: the lowest bits of the sum are the nearest whole number
+  const V4 shifted = x * 1.4426950408889634073599 + kShift, n = shifted - kShift;
+  const V4 r = (x - n * 6.93145751953125e-1) - n * 1.42860682030941723212e-6, rr = r * r;
+  const V4 p = r * ((1.26177193074810590878e-4 * rr + 3.02994407707441961300e-2) * rr + 9.99999999999999999910e-1);
+  const V4 q =
+      ((3.00198505138664455042e-6 * rr + 2.52448340349684104192e-3) * rr + 2.27265548208155028766e-1) * rr + 2.0;
+  const L4 power = ((L4)shifted << 52) + 0x3ff0000000000000;
+  return (1.0 + 2.0 * p / (q - p)) * (V4)power;
+}
+
+/// Phi, after Hart (1968, algorithm 5666; West 2005): to 1e-15.
+PLUMBLINE_INLINE V4 normal_below_all(const V4& x) {
+  constexpr double kFar = 9;
+  V4 z = x < 0.0 ? -x : x;
+  z = z > kFar ? V4{} + kFar : z;
+  V4 above = 0.0352624965998911 * z + 0.700383064443688, below = 0.0883883476483184 * z + 1.75566716318264;
+  for (const double c : {6.37396220353165, 33.912866078383, 112.079291497871, 221.213596169931, 220.206867912376})
+    above = above * z + c;
+  for (const double c :
+       {16.064177579207, 86.7807322029461, 296.564248779674, 637.333633378831, 793.826512519948, 440.413735824752})
+    below = below * z + c;
+  V4 tail = exponential(-0.5 * z * z) * above / below;
+  tail = z < kFar ? tail : V4{};
+  return x < 0.0 ? tail : 1.0 - tail;
+}
+
+PLUMBLINE_INLINE V4 polynomial_of(const double (&c)[8], const V4& x) {
+  V4 sum = V4{} + c[7];
+  for (int i = 6; i >= 0; --i) sum = sum * x + c[i];
+  return sum;
+}
+
+PLUMBLINE_INLINE V4 normal_quantile_all(const V4& p) {
+  const V4 q = p - 0.5, r = 0.180625 - q * q;
+  V4 x = q * polynomial_of(kCentral, r) / polynomial_of(kCentralBelow, r);
+  for (int lane = 0; lane < kWidth; ++lane)
+    if (!(std::abs(q[lane]) <= 0.425)) x[lane] = normal_quantile(p[lane]);
+  return x;
+}
+
+/// A block of the lattice; variables before the present one, lane by lane.
+struct Block {
+  explicit Block(std::size_t rank) : point(rank * kLanes), y(rank * kLanes) {}
+  std::vector<double> point, y;
+  double product[kLanes];
+};
+
+/// Narrows [a, b] of all lanes to what row i leaves to variable k.
+PLUMBLINE_INLINE void narrow(const Separated& s, Eigen::Index i, std::size_t k, const double* y, V4 (&a)[kVectors],
+                             V4 (&b)[kVectors]) {
+  V4 known[kVectors] = {};
+  const double* row = s.factor.data() + i * s.factor.cols();
+  for (std::size_t j = 0; j < k; ++j)
+    for (int v = 0; v < kVectors; ++v) known[v] += row[j] * load<V4>(y + j * kLanes + v * kWidth);
+  const double low = row[k] < 0 ? s.high[i] : s.low[i], high = row[k] < 0 ? s.low[i] : s.high[i];
+  for (int v = 0; v < kVectors; ++v) {
+    const V4 from = (low - known[v]) / row[k], to = (high - known[v]) / row[k];
+    a[v] = from > a[v] ? from : a[v];
+    b[v] = to < b[v] ? to : b[v];
+  }
+}
+
+/// Probability of each point of a block: the product of conditional probabilities.
+PLUMBLINE_CLONES
+void multiply_intervals(const Separated& s, Block& block) {
+  V4 product[kVectors];
+  for (V4& one : product) one = V4{} + 1.0;
   const auto rank = static_cast<std::size_t>(s.factor.cols());
   for (std::size_t k = 0; k < rank; ++k) {
-    double a = -kUnbounded, b = kUnbounded;
-    for (const Eigen::Index i : s.rows[k]) {
-      double known = 0;
-      const double* row = s.factor.data() + i * s.factor.cols();
-      for (std::size_t j = 0; j < k; ++j) known += row[j] * y[j];
-      const double slope = row[k];
-      double from = (s.low[i] - known) / slope, to = (s.high[i] - known) / slope;
-      if (slope < 0) std::swap(from, to);
-      a = std::max(a, from), b = std::min(b, to);
+    V4 a[kVectors], b[kVectors];
+    for (V4& one : a) one = V4{} - kUnbounded;
+    for (V4& one : b) one = V4{} + kUnbounded;
+    for (const Eigen::Index i : s.rows[k]) narrow(s, i, k, block.y.data(), a, b);
+    for (int v = 0; v < kVectors; ++v) {
+      const L4 upper = a[v] > 0.0;  // mirrored there, so that no digits are lost
+      const V4 from = normal_below_all(upper ? -b[v] : a[v]), to = normal_below_all(upper ? -a[v] : b[v]);
+      const V4 all = product[v] * (to - from);
+      product[v] = (a[v] < b[v]) & (all > 0.0) ? all : V4{};
+      if (k + 1 == rank) continue;
+      const std::size_t at = k * kLanes + static_cast<std::size_t>(v) * kWidth;
+      const V4 x = normal_quantile_all(from + load<V4>(&block.point[at]) * (to - from));
+      store(&block.y[at], upper ? -x : x);
     }
-    if (!(a < b)) return 0;
-    const bool upper = a > 0;  // mirrored there, so that no digits are lost
-    const double from = normal_below(upper ? -b : a), to = normal_below(upper ? -a : b);
-    product *= to - from;
-    if (!(product > 0)) return 0;
-    if (k + 1 == rank) break;
-    const double x = normal_quantile(from + point[k] * (to - from));
-    y[k] = upper ? -x : x;
   }
-  return product;
+  for (int v = 0; v < kVectors; ++v) store(block.product + v * kWidth, product[v]);
 }
 
 double over_lattice(const Separated& s, double precision) {
   static constexpr int kPrimes[] = {2,  3,  5,  7,  11, 13, 17, 19, 23,  29,  31,  37,  41,  43,  47,  53, 59,
                                     61, 67, 71, 73, 79, 83, 89, 97, 101, 103, 107, 109, 113, 127, 131, 137};
   const auto rank = static_cast<std::size_t>(s.factor.cols());
-  std::vector<double> root(rank), point(rank), y(rank);
+  std::vector<double> root(rank);
   for (std::size_t k = 0; k < rank; ++k)
     root[k] =
         std::sqrt(static_cast<double>(kPrimes[k % std::size(kPrimes)]) + static_cast<double>(k / std::size(kPrimes)));
+  Block lanes(rank);
   double sum = 0, squares = 0;  // of the means of blocks, which agree sooner the more certain the answer is
   for (int block = 0, i = 1; block < kBlocks; ++block) {
-    double mean = 0;
-    for (int n = 0; n < kPoints; ++n, ++i) {
+    for (int n = 0; n < kPoints; ++n, ++i)
       for (std::size_t k = 0; k < rank; ++k) {
-        const double u = i * root[k] - std::floor(i * root[k]);
-        point[k] = std::abs(2 * u - 1);  // baker's transform
+        const double u = i * root[k] - std::floor(i * root[k]), baked = std::abs(2 * u - 1);  // baker's transform
+        lanes.point[k * kLanes + 2 * n] = baked, lanes.point[k * kLanes + 2 * n + 1] = 1 - baked;
       }
-      mean += product_at(s, point.data(), y.data());
-      for (double& value : point) value = 1 - value;
-      mean += product_at(s, point.data(), y.data());
-    }
-    mean /= 2 * kPoints;
+    multiply_intervals(s, lanes);
+    double mean = 0;
+    for (const double product : lanes.product) mean += product;
+    mean /= kLanes;
     sum += mean, squares += mean * mean;
     const int blocks = block + 1;
     const double variance = std::max(0.0, squares / blocks - sum / blocks * (sum / blocks));
