@@ -8,7 +8,7 @@ target_include_directories(plumbline_testing INTERFACE
   $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/tests/support> $<INSTALL_INTERFACE:include/plumbline/testing>)
 target_link_libraries(plumbline_testing INTERFACE plumbline_runtime plumbline_node plumbline_geometry)
 
-foreach(name contract artifacts node folder_files text control linear_algebra geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block cameras markers detect judgement pose surface
+foreach(name contract artifacts node folder_files text control linear_algebra geometry statistics least_squares adjustment images geodesy survey survey_files step ifc bundle block_bound block cameras markers detect_tags detect judgement pose surface
              registration register_core adjust_core loop loop_nodes artifact_conversions runtime testing)
   if(NOT TARGET Plumbline::${name})
     add_library(Plumbline::${name} ALIAS plumbline_${name})
@@ -27,7 +27,15 @@ install(EXPORT PlumblineTargets NAMESPACE Plumbline:: DESTINATION lib/cmake/Plum
 set(headers FILES_MATCHING PATTERN "*.h" PATTERN "*.hpp")
 install(DIRECTORY framework/include/plumbline DESTINATION include COMPONENT Development)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/framework/include/plumbline_artifacts/artifacts DESTINATION include COMPONENT Development ${headers})
-install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers})
+# What a library keeps to itself stays here (libraries/private_headers.txt).
+file(STRINGS libraries/private_headers.txt private_headers REGEX "[.]hpp$")
+set(kept_inside)
+foreach(header ${private_headers})
+  string(REPLACE "." "[.]" pattern ${header})
+  list(APPEND kept_inside REGEX "/libraries/${pattern}$" EXCLUDE)
+endforeach()
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS libraries/private_headers.txt)
+install(DIRECTORY libraries/ framework/runtime DESTINATION include/plumbline/libraries COMPONENT Development ${headers} ${kept_inside})
 install(DIRECTORY plugins/place/adjust plugins/place/register DESTINATION include/plumbline/libraries/place COMPONENT Development ${headers})
 install(FILES plugins/build/loop/facade_input.hpp plugins/build/loop/planner_node.hpp plugins/build/loop/robot_node.hpp plugins/build/loop/unplanned_panels.hpp
   DESTINATION include/plumbline/libraries/build/loop COMPONENT Development)

@@ -8,17 +8,11 @@
 #include "artifacts/plates.hpp"
 #include "artifacts/points.hpp"
 #include "artifacts/transform.hpp"
-#include "build/evaluate/crlb_node.hpp"
-#include "build/evaluate/crossval_nodes.hpp"
 #include "build/evaluate/deviation_node.hpp"
 #include "build/evaluate/epochs_node.hpp"
-#include "build/evaluate/errors_node.hpp"
-#include "build/evaluate/image_plan_node.hpp"
 #include "build/evaluate/metrics.hpp"
 #include "build/evaluate/point_input.hpp"
-#include "build/evaluate/poses_node.hpp"
 #include "build/evaluate/surface_deviation_node.hpp"
-#include "build/evaluate/surface_errors_node.hpp"
 #include "building/judgement/accuracy.hpp"
 #include "building/judgement/check_anchors.hpp"
 #include "plumbline/node.hpp"
@@ -165,8 +159,5 @@ struct EvaluateAccuracy : Node {
 }  // namespace plumbline::judgement
 
 PLUMBLINE_PLUGIN("evaluate", PLUMBLINE_BUILD_ID, "MIT", plumbline::judgement::EvaluateAccuracy,
-                 plumbline::judgement::EvaluateErrors, plumbline::judgement::EvaluatePoses,
-                 plumbline::judgement::EvaluateCrlb, plumbline::judgement::PlanImages,
-                 plumbline::judgement::EvaluateWithhold, plumbline::judgement::EvaluateLengths,
                  plumbline::judgement::EvaluateDeviation, plumbline::judgement::EvaluateEpochs,
-                 plumbline::judgement::EvaluateSurfaces, plumbline::judgement::SurfaceDeviation)
+                 plumbline::judgement::SurfaceDeviation)

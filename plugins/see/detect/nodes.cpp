@@ -4,15 +4,12 @@
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
 #include "artifacts/tag_observations.hpp"
-#include "aruco_node.hpp"
-#include "board_node.hpp"
 #include "collect_nodes.hpp"
 #include "detector_node.hpp"
 #include "detector_pool.hpp"
 #include "photo/detect/tag_detector.hpp"
 #include "plumbline/node.hpp"
 #include "pyramid_node.hpp"
-#include "target_node.hpp"
 
 namespace {
 
@@ -102,7 +99,5 @@ struct DetectAprilTag : Node {
 
 }  // namespace
 
-PLUMBLINE_PLUGIN("detect", PLUMBLINE_BUILD_ID, "MIT", DetectAprilTag, plumbline::detect::DetectAruco,
-                 plumbline::detect::DetectTagPyramid, plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily,
-                 plumbline::detect::WriteObservations, plumbline::detect::DetectBoard,
-                 plumbline::detect::PredictTargets, plumbline::detect::DetectTarget)
+PLUMBLINE_PLUGIN("detect", PLUMBLINE_BUILD_ID, "MIT", DetectAprilTag, plumbline::detect::DetectTagPyramid,
+                 plumbline::detect::CollectTags, plumbline::detect::ReadTagFamily, plumbline::detect::WriteObservations)

@@ -20,12 +20,10 @@
 #include "artifacts/survey_network.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "plumbline/node.hpp"
-#include "show/report/calibration_page_node.hpp"
 #include "show/report/dxf_node.hpp"
 #include "show/report/excel_node.hpp"
+#include "show/report/folder_pictures.hpp"
 #include "show/report/format.hpp"
-#include "show/report/image_block_page_node.hpp"
-#include "show/report/installation_page_node.hpp"
 #include "show/report/language.hpp"
 #include "show/report/network_page.hpp"
 #include "show/report/photographs_node.hpp"
@@ -34,8 +32,6 @@
 #include "show/report/sheets_node.hpp"
 #include "show/report/spoken_texts.hpp"
 #include "show/report/summary.hpp"
-#include "show/report/surface_page_node.hpp"
-#include "show/report/survey_page_node.hpp"
 #include "show/report/words_node.hpp"
 
 namespace plumbline::report {
@@ -231,9 +227,5 @@ struct ReportSummary : Node {
 }  // namespace plumbline::report
 
 PLUMBLINE_PLUGIN("report", PLUMBLINE_BUILD_ID, "MIT", plumbline::report::ReportHtml, plumbline::report::ReportSummary,
-                 plumbline::report::ReportSurvey, plumbline::report::ReportImageBlock,
-                 plumbline::report::ReportModelBlock, plumbline::report::ReportTagBlock,
-                 plumbline::report::ReportTargetBlock, plumbline::report::ReportCalibration,
-                 plumbline::report::ReportInstallation, plumbline::report::ReportSurfaces,
                  plumbline::report::ReportExcel, plumbline::report::ReportDxf, plumbline::report::ReportSheets,
                  plumbline::report::ReportPhotographs, plumbline::report::ReportWords)

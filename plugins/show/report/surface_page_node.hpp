@@ -6,12 +6,9 @@
 #include "artifacts/surface_judgement.hpp"
 #include "artifacts/surfaces.hpp"
 #include "plumbline/node.hpp"
-#include "show/report/facade_backdrop.hpp"
+#include "show/report/folder_pictures.hpp"
 
 namespace plumbline::report {
-
-/// The pictures in a folder of surface.orthophoto. Throws std::runtime_error if it is none of it.
-std::vector<FacadePicture> read_pictures(const Context& context, const FolderT& folder);
 
 struct ReportSurfaces : Node {
   static constexpr Info info{

@@ -128,7 +128,7 @@ OTHER_ENDS = {
 # (scripts/test does). PROGRAMS/: where programs are built. In a build without such a program its line is held to the words that the program
 # takes (words_of_programs.py), as every line here and every span that names such a program is.
 OTHERS = [
-    (r"scripts/(demo|test|setup|package)\b.*", WHERE + "builds this tree: .ci/run and scripts/test"),
+    (r"scripts/(build_times|demo|test|setup|package)\b.*", WHERE + "builds this tree: .ci/run and scripts/test"),
     (r"(cmake|ninja|ctest|build/tests/test_survey)\b.*", WHERE + "builds this tree: scripts/setup and scripts/test"),
     (r"scripts/mutate --(build|run)\b.*", WHERE + "hours in this tree: tests/integration/documents/test_mutate.py types it in a small one"),
     (r"scripts/mutate --table \S+", "scripts/mutate --table mutants.jsonl"),
