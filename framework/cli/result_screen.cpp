@@ -4,6 +4,7 @@
 #include <cctype>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 #include "terminal.hpp"
 
@@ -112,23 +113,44 @@ std::vector<Shown> shown(const std::vector<std::string>& lines, size_t columns) 
   return all;
 }
 
-/// The line to be left out of a list: the last one that passes, or else the last one.
-std::vector<Shown>::iterator least(std::vector<Shown>& all, size_t list) {
-  auto last = all.end(), passes = all.end();
-  for (auto it = all.begin(); it != all.end(); ++it) {
-    if (it->list != list) continue;
-    last = it;
-    if (it->text.find(" pass") != std::string::npos || it->text.find(" in Ordnung") != std::string::npos) passes = it;
-  }
-  return passes != all.end() ? passes : last;
+/// How much a line is missed: one that passes least, one that fails most.
+enum class Weight { passes, stands_between, fails };
+
+Weight weight_of(const std::string& text) {
+  static constexpr std::string_view passing[] = {" pass", " in Ordnung"}, failing[] = {"FAIL", "AUSSERHALB"};
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string::npos; };
+  if (std::ranges::any_of(failing, has)) return Weight::fails;
+  return std::ranges::any_of(passing, has) ? Weight::passes : Weight::stands_between;
 }
 
-/// The sentence that takes most rows, more than two, loses its last one.
-bool cut_longest_sentence(std::vector<Shown>& all) {
+/// The line to be left out next: the last of the least weight of the longest list, as long as more than one line of it
+/// is left. What fails is left out of no list before `even_failures`.
+std::vector<Shown>::iterator least(std::vector<Shown>& all, bool even_failures) {
+  std::map<size_t, size_t> lengths, lighter;
+  for (const Shown& line : all)
+    if (line.list != 0) ++lengths[line.list], lighter[line.list] += weight_of(line.text) != Weight::fails;
+  size_t list = 0;
+  for (const auto& [one, length] : lengths)
+    if (length > 1 && (even_failures || lighter[one] > 0) && (list == 0 || length > lengths[list])) list = one;
+  auto found = all.end();
+  for (auto it = all.begin(); list != 0 && it != all.end(); ++it)
+    if (it->list == list && (found == all.end() || weight_of(it->text) <= weight_of(found->text))) found = it;
+  return found;
+}
+
+/// The sentence that takes most rows, and more than `kept`, loses its last one. The first line is the result itself,
+/// and stays whole.
+bool cut_longest_sentence(std::vector<Shown>& all, size_t kept) {
   static const std::string cut = " …";
-  const auto longest = std::ranges::max_element(all, {}, &Shown::rows);
-  const size_t last = longest == all.end() ? std::string::npos : longest->text.rfind('\n');
-  if (last == std::string::npos || longest->rows < 3) return false;
+  if (all.empty()) return false;
+  const auto is_sentence = [](const Shown& line) { return line.text.find('\n') != std::string::npos; };
+  auto longest = all.end();
+  for (auto it = all.begin() + 1; it != all.end(); ++it)
+    if (is_sentence(*it) && weight_of(it->text) != Weight::fails && it->rows > kept &&
+        (longest == all.end() || it->rows > longest->rows))
+      longest = it;
+  if (longest == all.end()) return false;
+  const size_t last = longest->text.rfind('\n');
   longest->text.erase(last);
   if (longest->text.ends_with(",")) longest->text.pop_back();
   longest->text.erase(longest->text.find_last_of(" \n"));  // room for the sign that something is missing
@@ -156,17 +178,16 @@ std::vector<std::string> in_a_screen(const std::vector<std::string>& lines, size
     if (left_out.empty() && std::ranges::any_of(all, is_cut)) sum += (kMore.size() + file.size()) / columns + 1;
     return sum;
   };
-  while (total() >= rows) {  // one row is the next prompt's
-    std::map<size_t, size_t> lengths;
-    for (const Shown& line : all)
-      if (line.list != 0) ++lengths[line.list];
-    const auto longest = std::ranges::max_element(lengths, {}, [](const auto& one) { return one.second; });
-    if (longest == lengths.end() || longest->second < 2) {
-      if (cut_longest_sentence(all)) continue;
-      break;
-    }
-    ++left_out[longest->first];
-    all.erase(least(all, longest->first));
+  const auto leave_out = [&](bool even_failures) {
+    const auto line = least(all, even_failures);
+    if (line == all.end()) return false;
+    ++left_out[line->list];
+    all.erase(line);
+    return true;
+  };
+  // One row is the next prompt's. What explains goes before what fails.
+  while (total() >= rows &&
+         (leave_out(false) || cut_longest_sentence(all, 2) || cut_longest_sentence(all, 1) || leave_out(true))) {
   }
   std::vector<std::string> texts;
   for (size_t i = 0; i < all.size(); ++i) {

@@ -1,6 +1,7 @@
 // plumbline run
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -21,6 +22,7 @@
 #include "runtime/run/executor.hpp"
 #include "stopping.hpp"
 #include "terminal.hpp"
+#include "took_part.hpp"
 
 namespace plumbline::cli {
 
@@ -47,13 +49,15 @@ void print_summary(const runtime::Graph& graph, const runtime::RunResult& result
 }
 
 /// An output named verdict.txt or summary.txt is what a pipeline says to the person in front of it: it is shown too.
-/// `kept` rows of the screen are for what follows.
-void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out, size_t kept) {
+/// `kept` rows of the screen are for what follows; `read` is said where it does not say what took part.
+void print_verdict(const std::vector<runtime::Delivery>& deliveries, const fs::path& out, size_t kept,
+                   const std::string& read) {
   for (const auto& delivery : deliveries) {
     if ((delivery.file != "verdict.txt" && delivery.file != "summary.txt") || !delivery.problem.empty()) continue;
     std::ifstream stream(out / delivery.file);
     std::vector<std::string> lines;
     for (std::string line; std::getline(stream, line);) lines.push_back(runtime::printable(line));
+    if (!read.empty() && std::ranges::none_of(lines, says_what_took_part)) lines.push_back(read);
     for (const std::string& line :
          in_a_screen(lines, terminal_columns(), terminal_rows() > kept ? terminal_rows() - kept : terminal_rows(),
                      (out / delivery.file).string()))
@@ -82,9 +86,10 @@ std::string metrics_text(const runtime::NodeResult& node, const fs::path& record
   return text;
 }
 
-/// A pipeline without such an output ends with what its nodes say of themselves, in at most a screen.
+/// A pipeline without such an output ends with what its nodes say of themselves, in at most a screen, and with `read`,
+/// unless a node says what took part.
 void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
-                  const std::vector<runtime::Delivery>& deliveries, const fs::path& record) {
+                  const std::vector<runtime::Delivery>& deliveries, const fs::path& record, const std::string& read) {
   constexpr size_t most_lines = 16;
   for (const auto& delivery : deliveries)
     if (delivery.file == "verdict.txt" || delivery.file == "summary.txt") return;
@@ -93,11 +98,14 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
   for (const auto& node : graph.nodes)
     for (const auto& [port, source] : node.inputs) ends[source.node] = false;
   for (const auto& output : graph.outputs) ends[output.from.node] = true;
+  bool said = read.empty();
   std::vector<std::vector<std::string>> rows;
   const auto tell = [&](size_t i, const runtime::NodeResult& node) {
     if (!is_good(node) || graph.nodes[i].maps) return;
-    for (const std::string& message : node.messages)
+    for (const std::string& message : node.messages) {
       rows.push_back({"  " + runtime::label_of(graph.nodes[i].name, node.round), message});
+      said = said || says_what_took_part(message);
+    }
   };
   // What was done to the result in a round before the last stands nowhere else, such as whom a search left out.
   for (const auto& earlier : result.earlier) tell(earlier.node, earlier.result);
@@ -114,6 +122,18 @@ void print_result(const runtime::Graph& graph, const runtime::RunResult& result,
     rows.push_back({"", std::to_string(more) + " more in " + record.string()});
   }
   if (!rows.empty()) std::printf("Result\n%s", columns(rows).c_str());
+  if (!said) std::printf("%s\n", lines(read).c_str());
+}
+
+/// What was done, what came out of it, and what took part.
+void print_whole(const runtime::Graph& graph, const runtime::RunResult& result,
+                 const std::vector<runtime::Delivery>& deliveries, const Options& options, const fs::path& out,
+                 size_t kept) {
+  const bool german = std::ranges::find(options.overrides, "language=de") != options.overrides.end();
+  const std::string read = result.ok() ? what_was_read(graph, result, german) : "";
+  print_summary(graph, result, deliveries, out);
+  print_verdict(deliveries, out, kept, read);
+  print_result(graph, result, deliveries, out / "run.jsonl", read);
 }
 
 /// The nodes that have a result which must not be used: they say so with the metric `invalid`.
@@ -339,9 +359,7 @@ int run(const Options& options) {
   if (options.json)
     print_json_end(out);
   else if (!options.quiet)
-    print_summary(graph, result, deliveries, out),
-        print_verdict(deliveries, out, invalid.empty() && unfinished.empty() ? 0 : 2),
-        print_result(graph, result, deliveries, out / "run.jsonl");
+    print_whole(graph, result, deliveries, options, out, invalid.empty() && unfinished.empty() ? 0 : 2);
   std::fflush(stdout);
   print_failure(graph, result, deliveries);
   if (result.cancelled) {

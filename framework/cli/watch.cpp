@@ -19,6 +19,7 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "plumbline/file_end.hpp"
 #include "plumbline/folder_files.hpp"
 #include "runtime/base/printable.hpp"
 #include "runtime/plugins/executable_node.hpp"
@@ -137,8 +138,8 @@ bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& n
 }
 
 /// Whether a file lacks the mark of its end: of JPEG and PNG (cameras write trailers of some kilobytes behind it, and
-/// the compressed picture cannot hold it), of IFC, of what is zipped, and the last line end of text. Of other files
-/// nothing is known.
+/// the compressed picture cannot hold it), of IFC, of what is zipped, and the last line end of text; or whether what a
+/// TIFF, a raw photograph or a HEIC names of itself lies behind its end. Of other files nothing is known.
 bool is_copied_in_part(const fs::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -152,6 +153,8 @@ bool is_copied_in_part(const fs::path& path) {
   const auto has = [&](std::string_view mark) { return tail.find(mark) != std::string::npos; };
   if (is_one_of(".jpg", ".jpeg")) return !has("\xFF\xD9");
   if (ending == ".png") return !has("IEND");
+  if (is_one_of(".tif", ".tiff", ".dng", ".nef", ".arw", ".cr2")) return size < 8 || lacks_part_of_tiff(path);
+  if (is_one_of(".heic", ".heif", ".avif", ".cr3")) return size < 8 || lacks_part_of_boxes(path);
   if (ending == ".ifc") return !has("END-ISO-10303-21");
   if (is_one_of(".ifczip", ".xlsx", ".zip")) return !has("PK\5\6");
   if (is_one_of(".gsi", ".sdr", ".csv", ".txt", ".dat", ".raw", ".rw5", ".idx", ".job", ".xml", ".jxl", ".gkf"))

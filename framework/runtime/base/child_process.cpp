@@ -145,12 +145,27 @@ std::string end_of_log(int log, size_t most) {
   return text;
 }
 
+static constexpr off_t kLastWords = 600;  // [bytes]
+
 std::string last_words(int log) {
-  std::string text = end_of_log(log, 600);
+  std::string text = end_of_log(log, kLastWords);
   while (!text.empty() && (std::isspace(static_cast<unsigned char>(text.back())) || !text.back())) text.pop_back();
-  // Not from the middle of a letter of several bytes.
-  while (!text.empty() && (static_cast<unsigned char>(text.front()) & 0xC0) == 0x80) text.erase(0, 1);
-  return text.empty() ? "it printed nothing" : "the last it printed: " + text;
+  if (text.empty()) return "it printed nothing";
+  const size_t last = text.rfind('\n');
+  // Of a line that is longer, not from the middle of a letter of several bytes.
+  const auto is_inside_a_letter = [](const std::string& s) {
+    return !s.empty() && (static_cast<unsigned char>(s.front()) & 0xC0) == 0x80;
+  };
+  if (last == std::string::npos) {
+    while (is_inside_a_letter(text)) text.erase(0, 1);
+    return "the last it printed: " + text;
+  }
+  // Interpreters print where they were, and then what is wrong: that comes first here. What stands before it begins
+  // with a whole line.
+  std::string before = text.substr(0, last);
+  if (size_of(log) > kLastWords)
+    before.erase(0, before.find('\n') == std::string::npos ? before.size() : before.find('\n') + 1);
+  return "the last it printed: " + text.substr(last + 1) + (before.empty() ? "" : "\nbefore that:\n" + before);
 }
 
 namespace {

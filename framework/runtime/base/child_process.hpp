@@ -44,7 +44,7 @@ void shorten_log(int log);
 /// The end of what it printed, at most so many bytes of it.
 std::string end_of_log(int log, size_t most);
 
-/// "the last it printed: ...", up to 600 bytes, or "it printed nothing".
+/// "the last it printed: ...", its last line and below it what stood before, up to 600 bytes; or "it printed nothing".
 std::string last_words(int log);
 
 /// How it ended, for people: signal or exit code, peak of memory, the limit it had (bytes; 0: none), its last words.

@@ -43,6 +43,19 @@ std::vector<Found> blocks_in(const fs::path& folder) {
   return found;
 }
 
+/// Names of the files that a block was read from.
+std::vector<std::string> files_of(const Found& found) {
+  if (found.format != Format::aicon) return {found.path.filename().string()};
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(found.path)) {
+    const std::string end = entry.path().extension().string();
+    for (const char* part : {".phc", ".obc", ".eor", ".ior", ".scale"})
+      if (end == part) names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 std::string colmap_hint(const fs::path& folder) {
   for (const char* name : {"images.bin", "images.txt", "sparse/0/images.bin", "sparse/0/images.txt"})
     if (fs::is_regular_file(folder / name)) return "; a COLMAP model is adjusted by `plumbline run colmap_control`";
@@ -80,12 +93,14 @@ ReadBlock read_image_block(const fs::path& folder, const std::string& project, c
     read = found[0].format == Format::bal ? read_bal_file(path, bal_pixel_pitch)
                                           : read_photomodeler_export(path, image_size);
   }
+  read.files = files_of(found[0]);
   if (!control.empty()) {
     const fs::path inside = folder / control, beside = path.parent_path() / control;
     const fs::path file = fs::is_regular_file(inside)   ? inside
                           : fs::is_regular_file(beside) ? beside
                                                         : fs::path(control);
     add_control(file, check, read);
+    read.files.push_back(file.filename().string());
   } else if (!check.empty()) {
     throw std::runtime_error("check points need a list of coordinates: control=FILE");
   }

@@ -13,6 +13,7 @@ struct ReadBlock {
   int measurements_read = 0;
   std::vector<std::string> left_out;                   ///< what the block does not contain, with the reason
   std::vector<std::string> contradictions = {};        ///< of what is left out, that which somebody has to mend
+  std::vector<std::string> files = {};                 ///< that were read, by name; empty: the one that was named
   std::vector<std::string> notes = {}, warnings = {};  ///< how a list of control was read, what was assumed of it
 };
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "plumbline/file_end.hpp"
+
 namespace plumbline::image_decoders {
 namespace {
 
@@ -140,6 +142,14 @@ void walk_png(ByteFile& file, bool to_the_end, WalkedImage& image) {
   if (image.width <= 0 || image.height <= 0) throw std::runtime_error("the PNG holds no image");
 }
 
+/// TIFF 6.0: its directory may stand anywhere, and the pixels behind it.
+void walk_tiff(const std::filesystem::path& path, const ByteFile& file, bool to_the_end, WalkedImage& image) {
+  image.is_tiff = true;
+  if (to_the_end && lacks_part_of_tiff(path))
+    throw std::runtime_error("the TIFF is truncated: its directory names pixels behind its " +
+                             std::to_string(file.size()) + " bytes");
+}
+
 }  // namespace
 
 WalkedImage walk_image(const std::filesystem::path& path, bool to_the_end) {
@@ -151,7 +161,7 @@ WalkedImage walk_image(const std::filesystem::path& path, bool to_the_end) {
   else if (file.has(0, "\x89PNG\r\n\x1a\n"sv))
     walk_png(file, to_the_end, image);
   else if (file.has(0, "II*\0"sv) || file.has(0, "MM\0*"sv))
-    image.is_tiff = true;
+    walk_tiff(path, file, to_the_end, image);
   else
     throw std::runtime_error("this is no JPEG, PNG or TIFF; take it out of `images` or convert it");
   return image;

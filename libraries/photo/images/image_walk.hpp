@@ -1,5 +1,4 @@
-// The segments and chunks of a photograph's file without its pixels. Private to libraries/photo/images
-// and to `plumbline watch`; depends on nothing.
+// The segments and chunks of a photograph's file without its pixels. Private to libraries/photo/images.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +13,9 @@ struct WalkedImage {
   std::vector<std::uint8_t> exif;  ///< "Exif", two zeros and a TIFF structure; empty without
 };
 
-/// Size and EXIF block of a JPEG or PNG; only the kind of a TIFF. `to_the_end` goes on to the mark of the end, so that
-/// a truncated file is found. Throws std::runtime_error with the reason, without the path.
+/// Size and EXIF block of a JPEG or PNG; only the kind of a TIFF. `to_the_end` goes on to the mark of the end (of a
+/// TIFF to all that its directories name), so that a truncated file is found. Throws std::runtime_error with the
+/// reason, without the path.
 WalkedImage walk_image(const std::filesystem::path& path, bool to_the_end);
 
 }  // namespace plumbline::image_decoders

@@ -6,7 +6,7 @@
 
 #include "artifacts.hpp"
 #include "artifacts/fitted_datum.hpp"
-#include "base/text/csv_table.hpp"
+#include "building/ifc/mapping_table.hpp"
 
 namespace plumbline::ifc {
 namespace {
@@ -16,28 +16,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 }  // namespace
 
 std::vector<MappingRow> mapping_rows(const FileT& file) {
-  const std::string bytes(file.content.begin(), file.content.end());
-  std::vector<MappingRow> rows;
-  if (bytes.empty()) return rows;
-  const std::map<std::string, std::string> known = {
-      {"point", "point"},  {"name", "point"},       {"anchor", "point"},      {"element", "element"},
-      {"guid", "element"}, {"globalid", "element"}, {"global_id", "element"}, {"tag", "element"}};
-  const text::CsvTable table = text::read_csv(bytes, known);
-  const auto column = [&](const char* name) {
-    for (std::size_t i = 0; i < table.header.size(); ++i)
-      if (table.header[i].name == name) return i;
-    throw std::runtime_error(file.name + ":" + std::to_string(std::max(1, table.header_line)) + ": found no column '" +
-                             name + "', expected a header with 'point' and 'element' (" + table.dialect() + ")");
-  };
-  const std::size_t point = column("point"), element = column("element");
-  for (const text::CsvRow& row : table.rows) {
-    if (row.cells.size() <= std::max(point, element) || row.cells[point].text.empty() ||
-        row.cells[element].text.empty())
-      throw std::runtime_error(file.name + ":" + std::to_string(row.line) +
-                               ": found an incomplete row, expected a point and its element");
-    rows.push_back({row.cells[point].text, row.cells[element].text, row.line});
-  }
-  return rows;
+  return parse_mapping({file.content.begin(), file.content.end()}, file.name);
 }
 
 void MatchElements::run(Context& context) {

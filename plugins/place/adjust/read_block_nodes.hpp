@@ -22,6 +22,10 @@
 namespace plumbline::block {
 
 inline void tell_left_out(const ReadBlock& read, Context& context) {
+  context.info("read: " + number_of(read.block.images.size(), "photograph") + ", " +
+               number_of(read.block.points.size(), "point") + ", " +
+               number_of(read.block.measurements.size(), "measurement") + " of " +
+               (read.files.empty() ? "1 file" : number_of(read.files.size(), "file") + ": " + few_of(read.files)));
   const auto& mend = read.contradictions;
   for (const auto& what : read.left_out)
     if (std::find(mend.begin(), mend.end(), what) == mend.end())

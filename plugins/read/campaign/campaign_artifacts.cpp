@@ -87,8 +87,7 @@ PointsT to_artifact(const std::vector<ControlPoint>& entries) {
 KnownControl read_control(const CampaignDescription& description, const fs::path& root, Context& context) {
   if (description.control.empty()) return {};
   KnownControl known;
-  known.points = parse_control(table_text(root / description.control, has_columns_of_points, "a table of known points"),
-                               root / description.control, &known.warnings);
+  known.points = parse_control(control_text(root / description.control), root / description.control, &known.warnings);
   for (std::string& warning : known.warnings) {
     warning = description.control + ": " + warning;
     context.warn(warning);

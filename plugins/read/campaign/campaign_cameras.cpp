@@ -1,6 +1,7 @@
 #include "campaign_cameras.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "artifacts/camera_artifact.hpp"
 #include "base/text/whole_file.hpp"
@@ -9,15 +10,20 @@ namespace plumbline::campaign {
 
 CampaignCameras::CampaignCameras(const CampaignDescription& description, const std::filesystem::path& root)
     : files_(description.cameras) {
+  Problems problems;
+  std::map<std::string, std::string> file_of;  // by id
   for (std::size_t c = 0; c < files_.size(); ++c) {
     const std::filesystem::path path = root / files_[c].file;
-    calibrations_.push_back(parse_camera(text::read_whole(path), path));
-    for (std::size_t other = 0; other < c; ++other)
-      if (calibrations_[other].id == calibrations_[c].id)
+    problems.attempt([&] {
+      calibrations_.push_back(parse_camera(text::read_whole(path), path));
+      const std::string& id = calibrations_.back().id;
+      if (const auto [other, is_new] = file_of.emplace(id, files_[c].file); !is_new)
         throw CampaignError(path, 0,
-                            "its id '" + calibrations_[c].id + "' is that of " + files_[other].file +
+                            "its id '" + id + "' is that of " + other->second +
                                 " too; the report tells cameras by it, so give each body one of its own");
+    });
   }
+  problems.raise();
 }
 
 const CameraCalibration& CampaignCameras::of(const std::string& image) const {

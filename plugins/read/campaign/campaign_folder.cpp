@@ -142,7 +142,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
     problems.add(CampaignError(shown, 0,
                                "names a survey or control points, which this pipeline of photographs alone does not "
                                "use; with them: plumbline run site_campaign folder=FOLDER"));
-  take([&] { c.unused = resolver.set_aside(); });
+  take([&] { c.unused = resolver.set_aside(c.remarks); });
   if (mapping.has("name")) take([&] { c.name = mapping.as<std::string>("name", "a text"); });
   if (mapping.has("instrument"))
     take([&] { c.instrument = mapping.as<std::string>("instrument", "the name of a profile"); });

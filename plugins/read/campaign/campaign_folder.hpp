@@ -64,7 +64,9 @@ struct CampaignDescription {
   std::string instrument;                    ///< name of an instrument profile; may be empty
   std::string date;                          ///< when it was measured, ISO 8601; may be empty
   std::string date_remark;                   ///< how the date was understood, where somebody might read it otherwise
-  std::vector<std::string> unused;           ///< what is to be left out, though it lies there
+  /// What is to be left out, though it lies there: files, and sheets of workbooks as "Tables.xlsx#Sheet".
+  std::vector<std::string> unused;
+  std::vector<std::string> remarks;  ///< what is no mistake and may be one: patterns of `unused` that fit nothing
 };
 
 /// What is to be done with a campaign, and so what it must hold.

@@ -16,6 +16,12 @@ std::string in_small(std::string text) {
   return text;
 }
 
+/// "Tables.xlsx#Sheet" of a workbook that is there.
+bool is_sheet_of(const std::vector<std::string>& files, const std::string& text) {
+  const std::size_t mark = text.rfind(".xlsx#");
+  return mark != std::string::npos && std::find(files.begin(), files.end(), text.substr(0, mark + 5)) != files.end();
+}
+
 }  // namespace
 
 Resolver::Resolver(const Mapping& mapping, std::vector<std::string> files)
@@ -23,24 +29,33 @@ Resolver::Resolver(const Mapping& mapping, std::vector<std::string> files)
   std::sort(files_.begin(), files_.end());
 }
 
-std::vector<std::string> Resolver::set_aside() {
+std::vector<std::string> Resolver::set_aside(std::vector<std::string>& remarks) {
   if (!mapping_.has("unused")) return {};
   const YAML::Node node = mapping_.get("unused");
-  std::vector<std::string> found;
+  std::vector<std::string> found, sheets;
   const auto take = [&](const YAML::Node& item) {
     if (!item.IsScalar())
       mapping_.fail(item, "'unused' must be a file, a pattern such as old/**, or a list; what it names is left out");
     const std::size_t before = found.size();
     for (const std::string& file : files_)
       if (matches_pattern(item.Scalar(), file)) found.push_back(file);
-    if (found.size() == before && !is_pattern(item.Scalar())) not_there("unused", item);
+    if (found.size() > before) return;
+    if (is_sheet_of(files_, item.Scalar()))
+      sheets.push_back(item.Scalar());
+    else if (is_pattern(item.Scalar()))
+      remarks.push_back(mapping_.shown().string() + ":" + std::to_string(line_of(item)) + ": 'unused' names '" +
+                        item.Scalar() + "', which fits nothing here");
+    else
+      not_there("unused", item);
   };
   if (node.IsSequence())
     for (const YAML::Node& item : node) take(item);
   else
     take(node);
   unused_ = {found.begin(), found.end()};
-  return {unused_.begin(), unused_.end()};
+  std::vector<std::string> all(unused_.begin(), unused_.end());
+  all.insert(all.end(), sheets.begin(), sheets.end());
+  return all;
 }
 
 std::string Resolver::one(const std::string& key) const {

@@ -11,8 +11,10 @@ class Resolver {
  public:
   Resolver(const Mapping& mapping, std::vector<std::string> files);
 
-  /// What `unused` names; to be called first. A name that is not there is an error, a pattern without a match is none.
-  std::vector<std::string> set_aside();
+  /// What `unused` names, sheets of workbooks ("Tables.xlsx#Sheet") behind the files; to be called first. A name that
+  /// is not there is an error; a pattern without a match is none, because `unused: old/**` may stand in every
+  /// campaign.yaml of an office, and goes to `remarks`.
+  std::vector<std::string> set_aside(std::vector<std::string>& remarks);
   std::string one(const std::string& key) const;
   /// A file, a pattern, or a list of them.
   std::vector<std::string> many(const std::string& key) const { return files_of(key, mapping_.get(key)); }

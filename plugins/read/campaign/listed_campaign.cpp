@@ -49,19 +49,24 @@ std::vector<std::string> ListedCampaign::names() const {
   return all;
 }
 
-InputFilesT ListedCampaign::inputs(Context& context, std::size_t images, const SurveyObservationsT& readings) const {
+InputFilesT ListedCampaign::inputs(Context& context, std::size_t images, long readings) const {
   InputFilesT result;
   const auto uses = uses_of(description, names());
   std::map<std::string, const UnusedFile*> aside;
   for (const UnusedFile& file : unused)
-    if (file.set_aside && !file.looks_like.empty()) aside[file.path] = &file;
+    if (file.set_aside && !file.looks_like.empty() && file.sheet.empty()) aside[file.path] = &file;
   for (const auto& [path, listed] : entries) {
     if (const auto use = uses.find(path); use != uses.end())
       result.files.push_back(file_of(*listed, use->second, true));
     else if (const auto left = aside.find(path); left != aside.end())
       result.files.push_back(file_of(*listed, left->second->looks_like, false));
   }
-  result.images = static_cast<int>(images), result.readings = static_cast<int>(readings_of(readings));
+  for (const UnusedFile& sheet : unused) {
+    if (!sheet.set_aside || sheet.sheet.empty()) continue;
+    result.files.push_back(file_of(entry(sheet.path), sheet.looks_like, false));
+    result.files.back()->path = sheet.name();
+  }
+  result.images = static_cast<int>(images), result.readings = static_cast<int>(readings);
   context.info("read: " + what_took_part(result) + " of the folder");
   return result;
 }
@@ -76,7 +81,8 @@ InputFilesT ListedCampaign::unread() const {
   return result;
 }
 
-void ListedCampaign::warn_of_forgotten_control(Context& context) const {
+void ListedCampaign::warn_of_what_is_left(Context& context) const {
+  for (const std::string& remark : description.remarks) context.warn(remark);
   const std::vector<std::string> names = forgotten_control(unused);
   if (!names.empty()) context.warn(words_of_forgotten_control(names));
 }

@@ -24,12 +24,13 @@ struct ListedCampaign {
   const FolderEntryT& entry(const std::string& path) const { return *entries.at(path); }
   std::vector<std::string> names() const;
 
-  /// What was read or set aside, and how much of it; and what lies there besides. A reading is also a point in the axes
-  /// of a set-up, and a vector; coordinates that are only given are none. Says to `context` how much was read.
-  InputFilesT inputs(Context& context, std::size_t images, const SurveyObservationsT& readings) const;
+  /// What was read or set aside, and how much of it (readings_of()); and what lies there besides. Says to `context` how
+  /// much was read.
+  InputFilesT inputs(Context& context, std::size_t images, long readings) const;
   InputFilesT unread() const;
-  /// Says which tables of known points nothing names: a survey without them may look whole and lie elsewhere.
-  void warn_of_forgotten_control(Context& context) const;
+  /// Says which tables of known points nothing names (a survey without them may look whole and lie elsewhere), and
+  /// which patterns of `unused` fit nothing.
+  void warn_of_what_is_left(Context& context) const;
 
   FolderT given;
   std::filesystem::path root;

@@ -4,10 +4,13 @@
 #include "artifacts/file_artifact.hpp"
 #include "artifacts/image.hpp"
 #include "artifacts/image_tags.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
+#include "building/ifc/mapping_table.hpp"
 #include "building/judgement/tolerance_classes.hpp"
 #include "campaign_cameras.hpp"
+#include "held_together.hpp"
 #include "listed_campaign.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "photo_campaign_node.hpp"
@@ -31,21 +34,22 @@ std::vector<campaign::PlateEntry> read_plates(const fs::path& path, Context& con
   return entries;
 }
 
+/// Likewise of tolerance_file(): what is wrong with it is told with all else that is wrong with the folder.
 FileT mapping_file(campaign::ListedCampaign& site) {
   FileT table;
   table.name = "mapping.csv";
   if (site.description.mapping.empty()) return table;
   table.name = fs::path(site.description.mapping).filename().string();
   site.problems.attempt([&] {
-    const std::string rows = campaign::table_text(site.root / site.description.mapping, campaign::is_table_of_names,
-                                                  "a table of points and elements");
+    const fs::path path = site.root / site.description.mapping;
+    const std::string rows = campaign::table_text(path, campaign::is_table_of_names, "a table of points and elements");
+    ifc::parse_mapping(rows, path.string());
     table.media_type = "text/csv";
     table.content.assign(rows.begin(), rows.end());
   });
   return table;
 }
 
-/// What is wrong with it is told with all else that is wrong with the folder.
 FileT tolerance_file(campaign::ListedCampaign& site) {
   FileT table;
   table.name = "tolerances.csv";
@@ -77,6 +81,23 @@ void look_at_design(campaign::ListedCampaign& site) {
   site.problems.attempt([&] { campaign::require_whole_design(design, design); });
 }
 
+/// Beside other mistakes, as the design: where a folder has no others, campaign.account tells these. `families`: tags
+/// that a run looks for.
+void look_at_what_belongs_together(campaign::ListedCampaign& site, const PlatesT& plates,
+                                   const std::vector<campaign::ControlPoint>& control,
+                                   const SurveyObservationsT& readings, const std::vector<std::string>& families,
+                                   Context& context) {
+  if (site.problems.empty()) return;
+  std::vector<std::string> wrong, known;
+  for (const campaign::ControlPoint& point : control) known.push_back(point.name);
+  if (!readings.observations.empty())  // of files with mistakes there is nothing, not even what an artifact must have
+    campaign::hold_control(survey::from_artifact(readings), known, context, wrong);
+  if (site.description.observations.empty()) campaign::hold_families(plates, families, wrong);
+  if (const auto names = campaign::forgotten_control(site.unused); !names.empty())
+    wrong.push_back(campaign::words_of_forgotten_control(names));
+  for (const std::string& problem : wrong) site.problems.add(campaign::CampaignError(problem));
+}
+
 struct ReadCampaign : Node {
   static constexpr Info info{"read.campaign", "", 12, "Reads the folder of a site: campaign.yaml and what it names"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml; see docs/campaign_folder.md"};
@@ -95,6 +116,9 @@ struct ReadCampaign : Node {
                            "refuse a folder that has the other at once: what comes after it could only say that "
                            "there are no images"};
   Param<bool> alone{"alone", false, "of photographs alone: refuse a folder with survey files or control points"};
+  Param<std::vector<std::string>> families{"families", std::vector<std::string>{},
+                                           "of a check, tags that the run looks for: beside other mistakes those are "
+                                           "told of which campaign.account would tell next; none: they are not"};
   Out<File> design_file{"design_file", "the design IFC as it is, by reference"};
   Out<File> mapping{"mapping", "the mapping table from points to elements of the design; empty without one"};
   Out<File> tolerances{"tolerances", "the project's table of tolerance classes; empty without one"};
@@ -124,7 +148,12 @@ struct ReadCampaign : Node {
     attempt(!description.survey.empty() || *alone,
             [&] { readings = campaign::read_surveys(description, root, site.added, known, *strict, context); });
     for (const std::string& path : description.images)
-      attempt(cameras.has_value(), [&] { photographs.push_back(image_of(site.entry(path), root, cameras->of(path))); });
+      attempt(true, [&] {
+        if (cameras)
+          photographs.push_back(image_of(site.entry(path), root, cameras->of(path)));
+        else
+          campaign::header_of(root / path);  // whether it is whole does not wait for its camera
+      });
     attempt(cameras && !description.observations.empty(), [&] {
       const fs::path table = root / description.observations;
       const auto camera_of = [&](const std::string& image) -> const BrownCamera& { return cameras->of(image).camera; };
@@ -133,8 +162,10 @@ struct ReadCampaign : Node {
     });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
     look_at_design(site);
+    if (!families->empty())
+      look_at_what_belongs_together(site, campaign::to_artifact(entries), known.points, readings, *families, context);
+    site.warn_of_what_is_left(context);
     site.problems.raise();
-    site.warn_of_forgotten_control(context);
 
     camera.commit(cameras->artifact());
     plates.commit(campaign::to_artifact(entries));
@@ -145,7 +176,7 @@ struct ReadCampaign : Node {
     mapping.commit(table);
     tolerances.commit(classes);
     design_file.commit(design_reference(site));
-    inputs.commit(site.inputs(context, photographs.empty() ? observed : photographs.size(), readings));
+    inputs.commit(site.inputs(context, photographs.empty() ? observed : photographs.size(), readings_of(readings)));
     unread.commit(site.unread());
   }
 
@@ -238,18 +269,18 @@ struct ReadSurveyCampaign : Node {
     site.problems.attempt([&] { known = campaign::read_control(site.description, site.root, context); });
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
+    site.warn_of_what_is_left(context);
     site.problems.raise();
-    site.warn_of_forgotten_control(context);
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
-    inputs.commit(site.inputs(context, 0, readings));
+    inputs.commit(site.inputs(context, 0, readings_of(readings)));
     unread.commit(site.unread());
   }
 };
 
 /// Each file by itself: campaigns of one network at different times.
 struct ReadSurveyEpochs : Node {
-  static constexpr Info info{"read.survey_epochs", "", 4,
+  static constexpr Info info{"read.survey_epochs", "", 5,
                              "Reads the survey files that a campaign.yaml names, one epoch each, in its order"};
   In<Folder> folder{"folder", "a folder with a campaign.yaml whose `survey` names the files, oldest first"};
   Optional<SurveyReadings> added{"readings", frame("frame=building"),
@@ -257,6 +288,8 @@ struct ReadSurveyEpochs : Node {
   OutList<SurveyObservations> epochs{"epochs", frame("frame=building"), "one for each file"};
   Param<bool> strict{"strict", true,
                      "refuse survey files of which anything has to be skipped; otherwise it is a warning"};
+  Out<InputFiles> inputs{"inputs", "the files that were read, and survey files that `unused` sets aside"};
+  Out<InputFiles> unread{"unread", "what else lies in the folder"};
 
   void run(Context& context) override {
     campaign::ListedCampaign site(folder.unpack(), context.resolve(std::string(folder->uri()->string_view())),
@@ -265,8 +298,16 @@ struct ReadSurveyEpochs : Node {
     std::vector<survey::SurveyObservations> read;
     site.problems.attempt(
         [&] { read = campaign::read_survey_files(site.description, site.root, site.added, *strict, context); });
+    site.warn_of_what_is_left(context);
     site.problems.raise();  // a file that nobody named may be an epoch
-    for (const auto& epoch : read) epochs.commit(survey::to_artifact(epoch));
+    long readings = 0;
+    for (const auto& epoch : read) {
+      const SurveyObservationsT one = survey::to_artifact(epoch);
+      readings += readings_of(one);
+      epochs.commit(one);
+    }
+    inputs.commit(site.inputs(context, 0, readings));
+    unread.commit(site.unread());
   }
 };
 
@@ -304,15 +345,15 @@ struct ReadMeasuredCampaign : Node {
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
     look_at_design(site);
+    site.warn_of_what_is_left(context);
     site.problems.raise();
-    site.warn_of_forgotten_control(context);
     plates.commit(campaign::to_artifact(entries));
     control.commit(campaign::to_artifact(known.points));
     survey.commit(readings);
     design_file.commit(design_reference(site));
     mapping.commit(table);
     tolerances.commit(classes);
-    inputs.commit(site.inputs(context, 0, readings));
+    inputs.commit(site.inputs(context, 0, readings_of(readings)));
     unread.commit(site.unread());
   }
 };

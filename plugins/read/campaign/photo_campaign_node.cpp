@@ -1,6 +1,7 @@
 #include "photo_campaign_node.hpp"
 
 #include "artifacts/camera_artifact.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "base/text/whole_file.hpp"
 #include "campaign_artifacts.hpp"
 #include "geometry/packed_symmetric.hpp"
@@ -128,8 +129,8 @@ void ReadPhotoCampaign::run(Context& context) {
   site.problems.attempt([&] { known = read_control(description, root, context); });
   if (!description.survey.empty())
     site.problems.attempt([&] { readings = read_surveys(description, root, site.added, known, *strict, context); });
+  site.warn_of_what_is_left(context);
   site.problems.raise();
-  site.warn_of_forgotten_control(context);
 
   for (const std::string& warning : warnings) context.warn(warning);
   for (const std::string& path : description.images) images.commit(image_of(site.entry(path), root));
@@ -143,7 +144,7 @@ void ReadPhotoCampaign::run(Context& context) {
     survey.commit(readings);
     control.commit(to_artifact(known.points));
   }
-  inputs.commit(site.inputs(context, description.images.size(), readings));
+  inputs.commit(site.inputs(context, description.images.size(), readings_of(readings)));
   unread.commit(site.unread());
 }
 

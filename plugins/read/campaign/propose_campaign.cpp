@@ -180,7 +180,9 @@ class Sorter {
         else if (is_table_of_tags(sheet.csv))
           tags = true;
         else
-          points = points || has_columns_of_points(sheet.csv);
+          points = points || (is_called_control(file) || is_called_control(sheet.name)
+                                  ? has_columns_of_points(sheet.csv)
+                                  : has_columns_of_places(sheet.csv));  // "Nr, Breite, Höhe" is one of panels
       }
     } catch (const std::runtime_error& error) {
       return tell(error.what());
@@ -188,7 +190,7 @@ class Sorter {
     if (plates) take_plates(file, [&] { return table_text(root_ / file, is_table_of_plates, "a table of plates"); });
     if (tags) observations_.push_back(file);
     if (points || (!plates && !tags && is_called_control(file)))
-      sort_points(file, [&] { return table_text(root_ / file, has_columns_of_points, "a table of known points"); });
+      sort_points(file, [&] { return control_text(root_ / file); });
     else if (!plates && !tags)
       strange_workbooks_.push_back(file);
   }

@@ -35,7 +35,11 @@ bool holds_known_points(const fs::path& path, const std::string& name) {
   if (!is_workbook(path)) return looks_like_control(bytes, name);
   try {
     const std::vector<WorkbookSheet> sheets = sheets_of(bytes, name);
-    return std::any_of(sheets.begin(), sheets.end(), [](const auto& s) { return has_columns_of_points(s.csv); });
+    // "Nr, Breite, Höhe" is a sheet of panels: heights alone are known points where the name says so.
+    return std::any_of(sheets.begin(), sheets.end(), [&](const auto& sheet) {
+      const bool called = is_called_control(name) || is_called_control(sheet.name);
+      return called ? has_columns_of_points(sheet.csv) : has_columns_of_places(sheet.csv);
+    });
   } catch (const std::runtime_error&) {  // a workbook of something else may be protected
     return is_called_control(name);
   }
@@ -130,7 +134,8 @@ std::vector<UnusedFile> unused_files(const CampaignDescription& description, con
     const bool used = uses.count(path) > 0, is_set_aside = std::find(aside.begin(), aside.end(), path) != aside.end();
     if (used && is_workbook(path) && description.control.empty())
       for (const std::string& sheet : sheets_of_known_points(root / path))
-        unused.push_back({path, sheet, "control", is_set_aside});
+        unused.push_back({path, sheet, "control",
+                          is_set_aside || std::find(aside.begin(), aside.end(), path + "#" + sheet) != aside.end()});
     if (used) continue;
     unused.push_back({path, "", looks_like(root, path, description.control.empty()), is_set_aside});
   }
@@ -150,7 +155,7 @@ std::string words_of_forgotten_control(const std::vector<std::string>& names) {
          ", and nothing names " + (one ? "it" : "them") +
          ": unless the survey's files have known points, none holds the result. Name the one that carries the datum "
          "under 'control', or leave " +
-         (one ? "it" : "them") + " out by 'unused' (a sheet: hide it)";
+         (one ? "it" : "them") + " out by 'unused' (a sheet: Tables.xlsx#Sheet, or hide it)";
 }
 
 void refuse_forgotten(const std::vector<UnusedFile>& unused, const CampaignDescription& description,

@@ -15,6 +15,7 @@
 #include "base/text/whole_file.hpp"
 #include "building/step/zip_reader.hpp"
 #include "campaign_folder.hpp"
+#include "recognise_tables.hpp"
 
 namespace plumbline::campaign {
 namespace {
@@ -285,6 +286,14 @@ std::string table_text(const fs::path& file, const std::function<bool(const std:
                             "; leave the right one there, or "
                             "hide the others");
   return known.front().csv;
+}
+
+std::string control_text(const fs::path& file) {
+  bool places = !is_workbook(file);
+  if (!places)
+    for (const WorkbookSheet& sheet : sheets_of(text::read_whole(file), file))
+      places = places || has_columns_of_places(sheet.csv);
+  return table_text(file, places ? has_columns_of_places : has_columns_of_points, "a table of known points");
 }
 
 }  // namespace plumbline::campaign

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "artifacts/image.hpp"
+#include "artifacts/input_files_text.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "plumbline/folder_files.hpp"
 #include "plumbline/node.hpp"
@@ -72,8 +73,9 @@ struct ReadImages : Node {
                                "; expected files that end in .jpg, .jpeg, .png, .tif or .tiff" +
                                (unread.empty() ? "" : ". Photographs are " + unread) + words_of_outputs(found));
     if (!unread.empty()) context.warn("photographs of " + root.string() + " are " + unread);
+    std::erase_if(others, [](const std::string& file) { return is_system_file(file); });
     context.info(std::to_string(files.size()) + (files.size() == 1 ? " photograph of " : " photographs of ") +
-                 root.string());
+                 root.string() + (others.empty() ? "" : "; in the folder and not read: " + few_names(others)));
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
       ImageT image = describe(file, root, *on_bad_image == "error");

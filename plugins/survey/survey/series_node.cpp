@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "artifacts/input_files_text.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "network_artifact.hpp"
 #include "network_memory.hpp"
@@ -194,6 +195,13 @@ NetworkResult EpochSeriesNode::adjusted(Context& context, const SurveyObservatio
   return r;
 }
 
+std::string EpochSeriesNode::words_of_evidence() const {
+  std::optional<InputFilesT> read, left;
+  if (inputs) read = inputs.unpack();
+  if (unread) left = unread.unpack();
+  return words_of_inputs(read ? &*read : nullptr, left ? &*left : nullptr);
+}
+
 void EpochSeriesNode::run(Context& context) {
   if (epochs.size() < 2)
     throw std::runtime_error("a series needs two epochs at least, 'epochs' has " + std::to_string(epochs.size()));
@@ -241,7 +249,7 @@ void EpochSeriesNode::run(Context& context) {
   series.commit(series_file("series.json", "application/json", series_as_json(result, text)));
   table.commit(series_file("series.csv", "text/csv", series_as_csv(result, text)));
   page.commit(series_file("series.html", "text/html", series_as_html(result, text)));
-  verdict.commit(series_file("verdict.txt", "text/plain", series_verdict(result, text)));
+  verdict.commit(series_file("verdict.txt", "text/plain", series_verdict(result, text) + words_of_evidence()));
 }
 
 }  // namespace plumbline::survey

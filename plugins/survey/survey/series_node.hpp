@@ -2,6 +2,7 @@
 #pragma once
 
 #include "artifacts/file.hpp"
+#include "artifacts/input_files.hpp"
 #include "artifacts/survey_observations.hpp"
 #include "map_parameters.hpp"
 #include "survey/model/network_result.hpp"
@@ -9,10 +10,12 @@
 namespace plumbline::survey {
 
 struct EpochSeriesNode : MappedNode {
-  static constexpr Info info{"survey.epoch_series", "", 6,
+  static constexpr Info info{"survey.epoch_series", "", 7,
                              "Adjusts the epochs of a network one by one and finds what stays, what moves, how fast, "
                              "and what reaches a level"};
   List<plumbline::SurveyObservations> epochs{"epochs", frame("frame=?S"), "readings of one epoch each, oldest first"};
+  Optional<InputFiles> inputs{"inputs", "the files that were read: the last lines of the verdict count them"};
+  Optional<InputFiles> unread{"unread", "what else lay in their folder"};
   Param<std::vector<double>> days{"days", std::vector<double>{}, "d", between(-1e6, 1e6),
                                   "when each epoch was measured, from any day on; empty: the dates of the files, or "
                                   "1, 2, 3 where they name none"};
@@ -31,6 +34,8 @@ struct EpochSeriesNode : MappedNode {
   void run(Context& context) override;
 
  private:
+  /// What took part, and what did not; empty where `inputs` is not connected.
+  std::string words_of_evidence() const;
   /// One epoch by itself. Throws where it is no result, or says less than a series needs.
   NetworkResult adjusted(Context& context, const plumbline::survey::SurveyObservations& survey,
                          const std::string& name) const;

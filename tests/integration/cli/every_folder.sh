@@ -52,6 +52,9 @@ where() {  # the folder and the variables of a pipeline; nothing: it is not trie
   esac
 }
 missing=0 tried=0
+says_what_took_part() {  # THE_RUN, whose words are in `said`
+  grep -qE '(^|  )(Took part|Read|read): ' said || { echo "$1 does not say what took part:"; tail -12 said; missing=1; }
+}
 # A folder of the other kind is refused before anything is searched, with the pipeline that takes it.
 refused() {  # PIPELINE FOLDER THE_OTHER
   plumbline run "$1" folder="$2" --out refused < /dev/null > said 2>&1
@@ -72,6 +75,7 @@ for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import 
     (cd "$folder" && plumbline run "$pipeline" folder=. $words $out < /dev/null) > said 2>&1
     status=$?
     # An output of the name of one of the folder's own files (site_loop's control.csv) is refused before anything runs.
+    [[ -z $codes ]] && says_what_took_part "$pipeline folder=. $words"
     [[ $out == "--out ." ]] && grep -q "outputs would replace what this program did not write" said && continue
     codes+=" $status"
     executed=$(sed -n 's/.*: \([0-9]*\) executed, .*/\1/p' said | tail -1)
@@ -80,6 +84,27 @@ for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import 
     fi
   done
   [[ $(tr ' ' '\n' <<< "$codes" | sed '/^$/d' | sort -u | wc -l) -eq 1 && $codes != *" 1"* && $codes != *" 2"* ]] || { echo "$pipeline folder=. $words: exit codes$codes"; tail -5 said; missing=1; }
+done
+# Pipelines that take files: each says what it read, too. What wants files that are not at hand (a scan, a COLMAP model) is passed over by name.
+epochs=$work/epochs
+files_of() {
+  case $1 in
+    compare_epochs) echo "before=$epochs/day1.gsi after=$epochs/day2.gsi" ;;
+    plan_survey | read_survey | survey_network) echo "file=$epochs/day1.gsi" ;;
+    read_design) echo "file=$work/site/design.ifc" ;;
+    scan_planes | scan_surfaces | colmap_control | colmap_targets | sfm_control | outlier_search) ;;
+    *) echo unknown ;;
+  esac
+}
+for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import json, sys; print(*[p["name"] for p in json.load(sys.stdin)])'); do
+  described=$(plumbline describe "$pipeline" --json)
+  [[ $described == *'"folder"'* || $described != *'"default": null'* ]] && continue
+  words=$(files_of "$pipeline")
+  [[ -z $words ]] && continue
+  [[ $words == unknown ]] && { echo "$pipeline takes files and is not tried: add it to this test"; missing=1; continue; }
+  # shellcheck disable=SC2086
+  plumbline run "$pipeline" $words --out "files_$pipeline" < /dev/null > said 2>&1
+  says_what_took_part "$pipeline $words"
 done
 ((tried >= 15)) || { echo "only $tried pipelines were tried"; missing=1; }
 exit $missing

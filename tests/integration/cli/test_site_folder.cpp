@@ -268,6 +268,24 @@ TEST_F(SiteFolder, AllMistakesOfAFileAreToldAtOnce) {
     EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
 }
 
+/// With a camera that cannot be read no photograph was looked at, the mapping was read after all else was whole, and
+/// tags that no run looks for last of all: four rounds for one folder.
+TEST_F(SiteFolder, AllMistakesAreToldAtOnceAlsoWithoutItsCamera) {
+  write("camera.yaml", "plumbline_camera: 1\n");
+  write("images/F01-02.jpg", read_file(site() / "images/F01-02.jpg").substr(0, 20000));
+  write("names.csv", "Punkt;Bauteil\nF01;1\n");
+  std::string plates = read_file(site() / "plates.csv");
+  plates.replace(plates.find("tag36h11"), 8, "tag25h9");
+  write("plates.csv", plates);
+  append("campaign.yaml", "mapping: names.csv\nunused: [nix/*.jpg]\n");
+  const Answer answer = plumbline({"campaign", "check", "site"});
+  EXPECT_EQ(answer.code, 1);
+  for (const char* word : {"camera.yaml:1: the key 'id' is missing", "stops after 20000 bytes without its end mark",
+                           "names.csv:1: found no column 'point'", "the plate table has tags of tag25h9",
+                           "(family=tag25h9)", "'unused' names 'nix/*.jpg', which fits nothing here"})
+    EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
+}
+
 TEST_F(SiteFolder, AnExcelTableIsRead) {
   std::istringstream lines(read_file(site() / "plates.csv"));
   std::string table, line;

@@ -105,6 +105,34 @@ for columns in (80, 200):
     expect(not too_wide(failed, columns), f"a failure at {columns} columns: {too_wide(failed, columns)[:1]}")
 refused = subprocess.run([PROGRAM, "run", "site_observations", "folder=made/site", "--out", "failed"], capture_output=True, text=True, cwd=WORK, env=BASE)
 expect(any(len(line) > 200 for line in refused.stderr.splitlines()), f"a pipe gets broken lines: {refused.stderr}")
+# The headline of a result is never cut, and what fails stands before what explains.
+(WORK / "given.txt").write_text("""Installation: FAIL. Anchors against the design: 5 pass, 11 undecided, 2 fail; panels: 0 pass, 2 undecided, 2 fail; surfaces and joints: 0 pass, 0 undecided, 0 fail, 16 not judged.
+NOT JUDGED: surfaces, *: flatness(1m)=3mm: 4 of 4 are not judged: """ + "no point was measured on F01-P01; " * 12 + """the last.
+  F01-C02-R2           FAIL       vertical -7.58 +- 0.59 mm (limit 5.00)
+  F01-C01-R2           FAIL       horizontal 6.35 +- 0.69 mm (limit 5.00)
+""" + "".join(f"  F01-C03-R{n}           undecided  horizontal 5.70 +- 0.69 mm (limit 5.00)\n" for n in range(8)) + """  … and 3 more anchors; report.html lists them all
+  panel F01-P01        FAIL       slots of the anchors 7.9 mm (limit 5 mm)
+  panel F01-P02        FAIL       anchor F01-C02-R2 vertical -7.6 mm (limit 5 mm)
+  panel F02-P02        undecided  anchor F02-C02-R1 horizontal 5.5 mm (limit 5 mm)
+Anchors and panels pass from a probability of 95 % on that all judged of them is within tolerance.
+Tolerance 5.00 mm, for comparisons with a guard band of 1.65 u; u and what stands behind +- are standard uncertainties (1 sigma).
+anchors [mm]                number  pass undecided  fail   RMSE_z predicted  max|dz|
+check against survey             6     6         0     0     0.30      0.36     0.52
+control against survey *        12    12         0     0     0.26      0.31     0.46
+* no evidence of accuracy: these anchors took part in the adjustment
+check against survey        number      r_f     D(F)     u(D)  verdict    to the floor above
+floor 1                          3     0.14     0.14     0.20  pass       0.27 +- 0.31
+floor 2                          3    -0.12     0.02     0.33  pass
+Took part: 12 photographs, 840 readings, 18 files of the folder.
+""")
+(WORK / "given.yaml").write_text("plumbline: 1\nnodes: {given: {use: read.file, with: {file: given.txt}}}\noutputs: {summary.txt: given.file}\n")
+given = terminal.result_of(on_terminal(["run", "given.yaml", "--out", "given"], 80, 24))
+for words in ("0 fail, 16 not judged.", "F01-C02-R2", "F01-C01-R2", "panel F01-P01", "panel F01-P02", "Took part: 12"):
+    expect(words in " ".join(given), f"'{words}' is not in the result at 80 x 24: {given}")
+expect(not terminal.too_large(given, 80, 24), f"{terminal.too_large(given, 80, 24)}: {given}")
+# Where no node says what took part, the files that were named are told, and of a folder what lists were made of it.
+expect("Read: 1 file (total_station.gsi)." in plain(on_terminal(["run", "given.yaml", "given.with.file=made/site/survey/total_station.gsi", "--out", "named"], 80, 60)),
+       "a run does not say what it read")
 for fault in faults:
     print(fault)
 sys.exit(1 if faults else 0)

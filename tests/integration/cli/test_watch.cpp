@@ -101,6 +101,33 @@ TEST(Watch, WaitsForASurveyFileWhoseLastLineHasNoEnd) {
   EXPECT_TRUE(contains(answer.out, "day1.gsi has no end yet")) << answer.out;
 }
 
+/// A TIFF whose directory, 8 bytes behind the mark, names one strip of 16 bytes behind it.
+std::string a_tiff() {
+  std::string tiff("II*\0\x08\0\0\0\x02\0", 10);
+  tiff += std::string("\x11\x01\x04\0\x01\0\0\0\x26\0\0\0", 12);  // StripOffsets: 38
+  tiff += std::string("\x17\x01\x04\0\x01\0\0\0\x10\0\0\0", 12);  // StripByteCounts: 16
+  return tiff + std::string(4, '\0') + std::string(16, '\x7f');
+}
+
+/// Half a TIFF or a raw photograph was taken for a whole one, and so was half a HEIC.
+TEST(Watch, WaitsForWhatOfATiffOrAHeicLiesBehindItsEnd) {
+  const std::string heic = std::string("\0\0\0\x10", 4) + "ftypheic" + std::string(4, '\0') +
+                           std::string("\0\0\0\x18", 4) + "mdat" + std::string(16, '\x7f');
+  for (const auto& [name, whole] :
+       {std::pair<std::string, std::string>{"half.tif", a_tiff()}, {"half.DNG", a_tiff()}, {"half.heic", heic}}) {
+    const Program plumbline;
+    plumbline.write("p.yaml", site);
+    plumbline.write(name, whole.substr(0, whole.size() - 3));
+    const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "1", "--quiet-for", "0.2"});
+    std::this_thread::sleep_for(std::chrono::seconds(2));
+    EXPECT_FALSE(fs::exists(plumbline.work() / "out/p/run.jsonl")) << name << ": no run of half a photograph";
+    plumbline.write(name, whole);
+    const Answer answer = plumbline.finish(child);
+    EXPECT_EQ(answer.code, 0) << answer.err;
+    EXPECT_TRUE(contains(answer.out, name + " has no end yet")) << answer.out;
+  }
+}
+
 TEST(Watch, RunsAgainWhenANodeOfOnesOwnHasChanged) {
   Program plumbline;
   const std::string script = "#!/bin/sh\nprintf '{\"x\": [1, \"1\"]}' > \"$1/metrics.json\"\n";

@@ -189,6 +189,9 @@ TEST(CampaignYaml, PatternsMayEnterFoldersAndPassOverWhatIsUnused) {
   const CampaignDescription c = parse_campaign(yaml, "campaign.yaml", kFiles);
   EXPECT_EQ(c.images, (std::vector<std::string>{"img/a.jpg", "img/raw/x.jpg"}));
   EXPECT_EQ(c.unused, std::vector<std::string>{"img/b.jpg"});
+  ASSERT_EQ(c.remarks.size(), 1u);
+  EXPECT_NE(c.remarks[0].find(":8: 'unused' names 'no/**', which fits nothing here"), std::string::npos)
+      << c.remarks[0];
   EXPECT_NE(
       campaign_message(kCampaign + "unused: gone.jpg\n").find(":8: 'unused' names 'gone.jpg', and the folder has"),
       std::string::npos);

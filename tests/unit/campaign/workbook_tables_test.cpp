@@ -122,6 +122,17 @@ TEST(Workbook, IsProposedAndReadAsTheTableItHolds) {
   description.plates = "Tabellen.xlsx";
   const std::vector<UnusedFile> unused = unused_files(description, folder.path(), {"Tabellen.xlsx"});
   EXPECT_EQ(forgotten_control(unused), std::vector<std::string>{"Tabellen.xlsx, sheet 'Festpunkte'"});
+  description.unused = {"Tabellen.xlsx#Festpunkte"};
+  EXPECT_TRUE(forgotten_control(unused_files(description, folder.path(), {"Tabellen.xlsx"})).empty());
+  description.unused.clear();
+  // A sheet of panels has a number and a height, too, and is no table of known points.
+  const std::string panels = "<row r=\"1\">" + text_cell("A1", "Nr") + text_cell("B1", "Breite") +
+                             text_cell("C1", "Höhe") + "</row><row r=\"2\">" + text_cell("A2", "P1") +
+                             "<c r=\"B2\"><v>1.2</v></c><c r=\"C2\"><v>3.1</v></c></row>";
+  write({{"name=\"Platten\"", panels}});
+  EXPECT_TRUE(forgotten_control(unused_files({}, folder.path(), {"Tabellen.xlsx"})).empty());
+  write({{"name=\"Platten\"", panels}, {"name=\"Festpunkte\"", points}});
+  EXPECT_EQ(parse_control(control_text(file), file).size(), 1u);
   description.control = "Tabellen.xlsx";
   EXPECT_TRUE(unused_files(description, folder.path(), {"Tabellen.xlsx"}).empty());
   write({{"name=\"neu\"", points}, {"name=\"alt\"", points}});

@@ -72,7 +72,8 @@ TEST_F(PhotographHeaderTest, ErrorsSayWhatIsWrong) {
   EXPECT_NE(message_of(file("e.jpg", "")).find("the image is empty"), std::string::npos);
   EXPECT_NE(message_of(file("t.jpg", "some text that is no image")).find("this is no JPEG, PNG or TIFF"),
             std::string::npos);
-  EXPECT_NE(message_of(file("x.tif", std::string("II*\0\xff\xff\xff\xff", 8))).find("x.tif"), std::string::npos);
+  EXPECT_NE(message_of(file("x.tif", std::string("II*\0\xff\xff\xff\xff", 8))).find("the TIFF is truncated"),
+            std::string::npos);
 }
 
 /// Little-endian TIFF structure: make, model, orientation, and in a directory of its own date, focal length, 35 mm
@@ -110,6 +111,17 @@ std::string jpeg_with_exif() {
   const auto length = static_cast<unsigned>(block.size() + 2);
   return jpeg.substr(0, 2) + "\xff\xe1"s + static_cast<char>(length >> 8) + static_cast<char>(length & 255) + block +
          jpeg.substr(2);
+}
+
+/// Its directory stands in front, so half a TIFF was taken for a whole one until somebody read its pixels.
+TEST_F(PhotographHeaderTest, ATiffThatLacksItsPixelsIsTruncated) {
+  using namespace std::string_literals;
+  const std::string tiff = "II*\0\x08\0\0\0\x04\0"s + "\0\x01\x04\0\x01\0\0\0\x10\0\0\0"s +
+                           "\x01\x01\x04\0\x01\0\0\0\x08\0\0\0"s + "\x11\x01\x04\0\x01\0\0\0\x3e\0\0\0"s +
+                           "\x17\x01\x04\0\x01\0\0\0\x80\0\0\0"s + std::string(4 + 128, '\0');
+  EXPECT_EQ(message_of(file("whole.tif", tiff)), "nothing was thrown");
+  for (const std::size_t n : {tiff.size() - 1, tiff.size() - 128, std::size_t{30}})
+    EXPECT_NE(message_of(file("cut.tif", tiff.substr(0, n))).find("the TIFF is truncated"), std::string::npos) << n;
 }
 
 TEST_F(PhotographHeaderTest, ReadsExif) {
