@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -16,9 +15,9 @@
 
 #include "artifacts/file.hpp"
 #include "artifacts/folder.hpp"
-#include "runtime/base/digest.hpp"
 #include "runtime/base/json_text.hpp"
 #include "runtime/record/deliver.hpp"
+#include "runtime/record/file_content.hpp"
 #include "runtime/record/run_record.hpp"
 
 namespace plumbline::runtime {
@@ -116,47 +115,6 @@ std::vector<std::string> explained(const RecordedNode& a, const RecordedNode& b)
   return lines;
 }
 
-/// A line of text as its words and its numbers with a decimal point, which may differ within a tolerance.
-Json line_of(const std::string& line) {
-  const auto digit = [&](size_t at) { return at < line.size() && line[at] >= '0' && line[at] <= '9'; };
-  Json parts = Json::array();
-  size_t rest = 0;
-  for (size_t point = line.find('.'); point != std::string::npos; point = line.find('.', point + 1)) {
-    if (point <= rest || !digit(point - 1) || !digit(point + 1)) continue;
-    size_t begin = point, end = point + 1;
-    while (begin > rest && digit(begin - 1)) --begin;
-    if (begin > rest && (line[begin - 1] == '-' || line[begin - 1] == '+')) --begin;
-    while (digit(end)) ++end;
-    if (end < line.size() && (line[end] == 'e' || line[end] == 'E')) {
-      const size_t power = end + 1 + (end + 1 < line.size() && (line[end + 1] == '-' || line[end + 1] == '+'));
-      if (digit(power)) end = power;
-      while (digit(end)) ++end;
-    }
-    parts.push_back(line.substr(rest, begin - rest));
-    parts.push_back(std::strtod(line.substr(begin, end - begin).c_str(), nullptr));
-    rest = end;
-    point = end - 1;
-  }
-  if (parts.empty()) return line;
-  if (rest < line.size()) parts.push_back(line.substr(rest));
-  return parts;
-}
-
-/// What a file holds, as it is compared: JSON by its numbers, text by its lines, anything else by its bytes.
-Json inside_of(const std::string& name, std::string_view bytes) {
-  if (name.ends_with(".json"))
-    if (Json inside = Json::parse(bytes, nullptr, false); !inside.is_discarded()) return inside;
-  if (bytes.find('\0') != std::string_view::npos)
-    return std::to_string(bytes.size()) + " bytes, SHA-256 " + sha256_of(bytes.data(), bytes.size()).substr(0, 12);
-  Json lines = Json::array({nullptr});  // lines count from 1
-  for (size_t begin = 0; begin < bytes.size();) {
-    const size_t end = std::min(bytes.find('\n', begin), bytes.size());
-    lines.push_back(line_of(std::string(bytes.substr(begin, end - begin))));
-    begin = end + 1;
-  }
-  return {{"line", std::move(lines)}, {"ends", bytes.ends_with('\n') ? "in a line feed" : "without a line feed"}};
-}
-
 /// An artifact as JSON; of a File what it holds, of a Folder its files, not where they lie.
 Json content_of(Store& store, const plumbline_type& type, const std::string& hash) {
   Json json = Json::parse(blob_to_json(store, type, hash));
@@ -172,10 +130,10 @@ Json content_of(Store& store, const plumbline_type& type, const std::string& has
     std::error_code error;
     if (const auto size = std::filesystem::file_size(path, error); error || size > most) return json;  // sha256 tells
     std::ifstream stream(path, std::ios::binary);
-    json["content"] = inside_of(name, std::string(std::istreambuf_iterator<char>(stream), {}));
+    json["content"] = content_of_file(name, std::string(std::istreambuf_iterator<char>(stream), {}));
   } else {
     const auto* content = file->content();
-    json["content"] = inside_of(name, {reinterpret_cast<const char*>(content->data()), content->size()});
+    json["content"] = content_of_file(name, {reinterpret_cast<const char*>(content->data()), content->size()});
   }
   json.erase("sha256");  // of the bytes
   return json;
