@@ -26,5 +26,29 @@ TEST(Stopping, NodesOfShippedPipelinesStopWhereTheyAskOrAreDoneInAMoment) {
   for (const std::string& kind : moments) EXPECT_TRUE(seen.count(kind)) << kind << " is in none of the pipelines";
 }
 
+/// The longest waits that users had were here: half a minute after Ctrl-C in a block of tags. What takes more than a
+/// second of larger inputs must ask; the others of these pipelines may.
+TEST(Stopping, NodesOfPhotographsSurfacesAndPlansDo) {
+  const std::set<std::string> take_long{"adjust.marker_board", "report.image_block", "simulate.facade",
+                                        "dense.plane_sweep",   "surface.panels",     "surface.joints",
+                                        "surface.orthophoto",  "report.surfaces",    "plan.images"};
+  std::set<std::string> seen;
+  const auto examine = [&](const std::string& kind, const Situation& situation) {
+    if (!seen.insert(kind).second) return;
+    EXPECT_EQ(stopping_at_fault(situation, take_long.count(kind) ? MayTakeLong::yes : MayTakeLong::no), "") << kind;
+  };
+  NodeByNode::run("marker_board",
+                  {"folder=" + std::string(source_dir()) + "/examples/board", "detector=aruco", "family=DICT_6X6_1000",
+                   "tag_size=0.0375"},
+                  examine);
+  std::vector<std::string> facade;
+  for (const char* const one : {"columns=2", "rows=2", "photographs=6", "width=760", "height=620", "panel_width=0.5",
+                                "panel_height=0.4", "distance=3"})
+    facade.push_back(std::string("site.with.") + one);
+  NodeByNode::run("facade_surfaces", facade, examine);
+  NodeByNode::run("plan_images", {"floors=1"}, examine);
+  for (const std::string& kind : take_long) EXPECT_TRUE(seen.count(kind)) << kind << " is in none of the pipelines";
+}
+
 }  // namespace stopping_tests
 }  // namespace plumbline::test

@@ -1,6 +1,7 @@
 #include "photo/images/image_walk.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
@@ -94,6 +95,26 @@ std::size_t skip_scan(ByteFile& file, std::size_t at) {
   }
 }
 
+/// The quality of 1 to 100 whose first table, that of brightness, has the sum of this one; 0 for a damaged segment.
+/// Source: table K.1 of ISO/IEC 10918-1, whose sum is 3688, and the scale of the Independent JPEG Group
+/// (jpeg_quality_scaling), after which most programs count.
+int quality_of(ByteFile& file, std::size_t at, std::size_t end) {
+  constexpr double of_standard = 3688;
+  constexpr std::size_t values = 64;
+  while (at < end) {
+    const std::size_t bytes = file[at] >> 4 ? 2 : 1;
+    if (at + 1 + bytes * values > end) return 0;
+    if ((file[at] & 15) == 0) {
+      double sum = 0;
+      for (std::size_t k = 0; k < values; ++k) sum += file.big_endian(at + 1 + bytes * k, static_cast<int>(bytes));
+      const double scale = 100 * sum / of_standard;  // [%]
+      return std::clamp(static_cast<int>(std::lround(scale <= 100 ? 100 - 0.5 * scale : 5000 / scale)), 1, 100);
+    }
+    at += 1 + bytes * values;
+  }
+  return 0;
+}
+
 /// ISO/IEC 10918-1 annex B: segments up to the end-of-image marker, or to the first scan.
 void walk_jpeg(ByteFile& file, bool to_the_end, WalkedImage& image) {
   std::size_t at = 2;
@@ -113,6 +134,7 @@ void walk_jpeg(ByteFile& file, bool to_the_end, WalkedImage& image) {
     }
     if (marker == 0xe1 && image.exif.empty() && file.has(at + 4, {kExif, sizeof kExif}))
       image.exif = file.part(at + 4, length - 2);
+    if (marker == 0xdb && image.jpeg_quality == 0) image.jpeg_quality = quality_of(file, at + 4, at + 2 + length);
     at += 2 + length;
     if (marker != 0xda) continue;
     if (!to_the_end) break;

@@ -10,6 +10,7 @@ namespace plumbline::image_decoders {
 struct WalkedImage {
   int width = 0, height = 0;  ///< [px]; 0 for a TIFF, whose directory has it
   bool is_tiff = false;
+  int jpeg_quality = 0;            ///< as PhotographHeader::jpeg_quality
   std::vector<std::uint8_t> exif;  ///< "Exif", two zeros and a TIFF structure; empty without
 };
 

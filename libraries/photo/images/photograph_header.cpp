@@ -76,6 +76,7 @@ PhotographHeader read_photograph_header(const std::filesystem::path& path, ReadT
   const Exif& exif = header.exif;
   PhotographHeader result;
   result.width = header.width, result.height = header.height;
+  result.jpeg_quality = walked.jpeg_quality;
   result.model = model_of(exif);
   result.serial = exif.text(ExifTag::serial);
   result.taken_at = exif.text(ExifTag::taken_at);

@@ -16,7 +16,8 @@ struct PhotographHeader {
   double focal_length = std::numeric_limits<double>::quiet_NaN();  ///< [m]; nan if absent
   /// Of the file as it is [px]; nan if EXIF tells neither the sensor's pitch nor the focal length for 35 mm film.
   double principal_distance = std::numeric_limits<double>::quiet_NaN();
-  int orientation = 0;  ///< EXIF, 1 to 8; 0 if absent
+  int orientation = 0;   ///< EXIF, 1 to 8; 0 if absent
+  int jpeg_quality = 0;  ///< 1 to 100, by its quantisation table; 0 for another format, or where there is no table
 };
 
 /// Whether the name ends as those of the formats that are read do: JPEG, PNG, TIFF.

@@ -8,6 +8,7 @@
 
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "photo/markers/camera_splits.hpp"
+#include "photo/markers/two_groups.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::markers {
@@ -246,13 +247,8 @@ std::optional<Strengths::Kind> scatter_like(What what) {
   }
 }
 
-}  // namespace
-
-std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
-                                        const std::vector<RigidTransform>& cam_from_object) {
-  if (!can_be_compared(evidence, cam_from_object)) return std::nullopt;
-  const EffectModel model(evidence, camera, cam_from_object);
-  const Search search(model, camera, cam_from_object);
+std::optional<CameraChange> likeliest_change(const EffectModel& model, const Search& search,
+                                             const BrownCamera& camera) {
   Strengths fitted_to;
   std::vector<Candidate> all = search.candidates(fitted_to);
   std::erase_if(all, [&](const Candidate& one) { return !is_plausible(one, camera); });
@@ -308,6 +304,44 @@ std::optional<CameraChange> find_change(const CameraEvidence& evidence, const Br
   if (change.what == What::principal_point)
     change.or_mirrored = is_flipped(best.contrast.weights.mean(), change, camera);
   return change;
+}
+
+/// Two principal distances in no order. Among all ways to divide the photographs the right one is one of very many, so
+/// that likelihood hardly tells it from a principal distance that scatters; that what the photographs say of it, each
+/// by itself, lies about two values does.
+std::optional<CameraChange> two_principal_distances(const EffectModel& model, Strengths strengths,
+                                                    const BrownCamera& camera) {
+  constexpr double none = 1e-6;
+  strengths.log(Strengths::focus) = std::log(none);
+  const Eigen::MatrixXd direction = model.direction({camera.fx, camera.fy});
+  if (direction.isZero(0)) return std::nullopt;
+  Eigen::MatrixXd steps;
+  Eigen::VectorXd information;
+  EffectFit(model, strengths).own_steps(direction, steps, information);
+  if (!(information.minCoeff() > 0)) return std::nullopt;
+  const auto groups = two_groups(steps.col(0), information.cwiseSqrt().cwiseInverse());
+  if (!groups) return std::nullopt;
+  CameraChange change;
+  change.split = Split::some, change.what = What::focus, change.second = groups->second;
+  change.by = Eigen::VectorXd::Constant(1, groups->by), change.sigma = Eigen::VectorXd::Constant(1, groups->sigma);
+  change.log_odds = groups->log_odds, change.causes = {{What::focus, 1}};
+  change.split_is_clear = change.what_is_clear = true;
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(steps.rows());
+  for (const int k : groups->second) weights(k) = 1;
+  change.or_place = by_place(model, weights) > mostly;
+  if (change.or_place && !(change.log_odds > told_of_place_from)) return std::nullopt;
+  return change;
+}
+
+}  // namespace
+
+std::optional<CameraChange> find_change(const CameraEvidence& evidence, const BrownCamera& camera,
+                                        const std::vector<RigidTransform>& cam_from_object) {
+  if (!can_be_compared(evidence, cam_from_object)) return std::nullopt;
+  const EffectModel model(evidence, camera, cam_from_object);
+  const Search search(model, camera, cam_from_object);
+  if (auto change = likeliest_change(model, search, camera)) return change;
+  return two_principal_distances(model, search.none().strengths, camera);
 }
 
 bool divides(const CameraChange& change) { return change.split != Split::drift; }

@@ -44,7 +44,8 @@ struct CameraChange {
 
 /// Compares the likelihood of the photographs' scores (photograph_effects.hpp) with and without a change: at every cut
 /// in the order of their names, bit by bit, in every second to fourth one, in stretches between which it goes there and
-/// back, in the photographs that fall into two groups by themselves, in those that are held upside down; in the
+/// back, in the photographs that fall into two groups by themselves (of the principal distance also as two_groups.hpp
+/// tells them), in those that are held upside down; in the
 /// principal distance, the aspect, the principal point, the distortion, or all of them. Each may be of any plausible
 /// size, which is integrated over, so that a change that could be any must explain more (marginal likelihood; MacKay
 /// 2003, 28). What scatters from photograph to photograph and what goes with the places they were taken from is

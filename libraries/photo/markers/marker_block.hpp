@@ -114,6 +114,9 @@ struct AdjustedMarkerImage {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   /// Centre [m], then rotation vector in the camera frame [rad].
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// Of the centre by the noise of the corners alone, root of the sum of the three variances [m]: what its geometry
+  /// leaves open. `covariance` also holds what its camera differs by from the common one.
+  double geometry_sigma = 0;
   int tags = 0;
   double rms = 0;  ///< of a corner coordinate [px]
   /// Of a photograph with one tag: the second pose that fits, with its residual over that of the first.

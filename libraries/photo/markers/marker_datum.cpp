@@ -50,6 +50,7 @@ void scale_by_distance(const MarkerBlock& block, const MarkerDistance& distance,
     image.centre = middle + factor * (image.centre - middle);
     image.cam_from_world.translation = -(image.cam_from_world.rotation * image.centre);
     image.covariance.topRows<3>() *= factor, image.covariance.leftCols<3>() *= factor;
+    image.geometry_sigma *= factor;
   }
 }
 

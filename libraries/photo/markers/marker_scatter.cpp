@@ -97,7 +97,10 @@ class Propagation {
   /// By the corners' variance factor: in the covariance that is written for a camera it is, too.
   void scale_poses(double factor) {
     corners_ = factor;
-    for (AdjustedMarkerImage& image : result_.images) image.covariance *= factor;
+    for (AdjustedMarkerImage& image : result_.images) {
+      image.covariance *= factor;
+      image.geometry_sigma = std::sqrt(image.covariance.topLeftCorner<3, 3>().trace());
+    }
   }
 
  private:

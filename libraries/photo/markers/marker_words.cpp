@@ -326,7 +326,8 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
   constexpr double weak_part = 0.05;  // of the distance to the nearest tag
   for (auto& image : result.images) {
     if (!image.oriented) continue;
-    const double sigma = std::sqrt(image.covariance.topLeftCorner<3, 3>().trace());
+    // Of its own geometry: what all photographs scatter by makes none of them weaker than the others.
+    const double sigma = image.geometry_sigma;
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& seen : result.views) {
       const MarkerView& view = block.views[seen.view];
@@ -340,7 +341,7 @@ void warn_about_weak(const MarkerBlock& block, MarkerResult& result) {
                     text::format_fixed(image.ambiguity, 2) + " times as large) with the camera " +
                     text::format_fixed((*image.other_centre - image.centre).norm(), 2) + " m away");
     if (sigma > weak_part * nearest)
-      why.push_back("its centre is uncertain by " + text::format_fixed(sigma, 3) + " m (1 sigma) at " +
+      why.push_back("its corners leave its centre uncertain by " + text::format_fixed(sigma, 3) + " m (1 sigma) at " +
                     text::format_fixed(nearest, 2) + " m from the nearest tag in it: " + std::to_string(image.tags) +
                     (image.tags == 1 ? " tag" : " tags"));
     for (const auto& text : why) image.reason += (image.reason.empty() ? "weak: " : "; ") + text;

@@ -21,7 +21,31 @@ std::string words_of_outputs(const FolderFiles& found) {
   return ". " + std::to_string(photographs) + " images there are outputs of a run: name the folder they lie in";
 }
 
-ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) {
+/// Photographs that lost their fine detail to the compression. Measured: corners of tags move by 0.06 px at a quality
+/// of 95, by 0.3 px at 70.
+class Compressed {
+ public:
+  void look_at(const std::string& path, int quality) {
+    constexpr int low = 60;
+    if (quality == 0 || quality >= low) return;
+    if (count_ == 0) first_ = path;
+    ++count_, worst_ = std::min(worst_, quality);
+  }
+  std::string in_words() const {
+    if (count_ == 0) return "";
+    return first_ + (count_ > 1 ? " and " + std::to_string(count_ - 1) + " more" : "") +
+           ": compressed to a JPEG quality of " + std::to_string(worst_) + (count_ > 1 ? " at worst" : "") +
+           " (of 100): edges and corners lie tenths of a pixel off in it. "
+           "Export with 90 or more, or use the files as the camera wrote them";
+  }
+
+ private:
+  std::size_t count_ = 0;
+  int worst_ = 100;
+  std::string first_;
+};
+
+ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad, Compressed& compressed) {
   ImageT image;
   image.path = file.lexically_relative(folder).generic_string();
   image.size = fs::file_size(file);
@@ -31,6 +55,7 @@ ImageT describe(const fs::path& file, const fs::path& folder, bool stop_at_bad) 
     image.model = header.model, image.serial = header.serial, image.taken_at = header.taken_at;
     image.focal_length = header.focal_length, image.principal_distance = header.principal_distance;
     image.orientation = header.orientation;
+    compressed.look_at(image.path, header.jpeg_quality);
   } catch (const std::runtime_error& error) {
     // Whoever reads the pixels tells what is wrong with them.
     if (!stop_at_bad) return image;
@@ -77,13 +102,15 @@ struct ReadImages : Node {
     context.info(std::to_string(files.size()) + (files.size() == 1 ? " photograph of " : " photographs of ") +
                  root.string() + (others.empty() ? "" : "; in the folder and not read: " + few_names(others)));
     std::sort(files.begin(), files.end());
+    Compressed compressed;
     for (const fs::path& file : files) {
-      ImageT image = describe(file, root, *on_bad_image == "error");
+      ImageT image = describe(file, root, *on_bad_image == "error", compressed);
       image.sha256 = context.digest(file.string());
       image.uri = "sha256:" + image.sha256 + "/" + file.filename().string();
       image.camera = *camera;
       images.commit(image);
     }
+    if (const std::string words = compressed.in_words(); !words.empty()) context.warn(words);
   }
 
  private:

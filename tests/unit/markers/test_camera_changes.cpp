@@ -7,6 +7,7 @@
 
 #include "base/text/name_order.hpp"
 #include "photo/markers/calibration_parts.hpp"
+#include "photo/markers/two_groups.hpp"
 #include "scene.hpp"
 
 namespace plumbline::markers {
@@ -300,6 +301,36 @@ TEST(CameraChange, ThereAndBackIsNamedWithItsStretches) {
               HasSubstr("from IMG_3.JPG to IMG_8.JPG and from IMG_20.JPG on the principal distance is"));
   EXPECT_THAT(words_of({5, 6, 7, 8, 18, 19, 20, 21, 22}, -0.03),
               HasSubstr("from IMG_5.JPG to IMG_8.JPG and from IMG_18.JPG to IMG_22.JPG the principal distance is"));
+}
+
+/// Photographs of two settings in no order were a principal distance that differs from photograph to photograph.
+TEST(TwoGroups, AreToldFromValuesThatScatter) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> unit(0, 1);
+  const Eigen::VectorXd sigmas = Eigen::VectorXd::Constant(42, 0.45);  // stated twice too large
+  Eigen::VectorXd values(42);
+  const std::vector<int> second = {0, 3, 4, 8, 10, 16, 17, 18, 20, 22, 24, 28, 29, 30, 31};
+  for (int i = 0; i < 42; ++i)
+    values(i) = 0.2 * unit(random) + (std::find(second.begin(), second.end(), i) != second.end() ? 3 : 0);
+  const auto found = two_groups(values, sigmas);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->second, second);
+  EXPECT_NEAR(found->by, 3, 4 * found->sigma);
+  EXPECT_NEAR(found->sigma, 0.2 * std::sqrt(1.0 / 15 + 1.0 / 27), 0.03);
+  const auto mirrored = two_groups(-values, sigmas);
+  ASSERT_TRUE(mirrored);
+  EXPECT_NEAR(mirrored->by, -3, 4 * mirrored->sigma);
+  int named = 0;
+  std::uniform_real_distribution<double> even(-1.7, 1.7);
+  for (int trial = 0; trial < 60; ++trial) {
+    const int n = trial % 3 == 0 ? 8 : trial % 3 == 1 ? 16 : 42;
+    Eigen::VectorXd scattered(n);
+    for (int i = 0; i < n; ++i) scattered(i) = (trial % 2 ? unit(random) : even(random)) + 0.1 * unit(random);
+    named += two_groups(scattered, Eigen::VectorXd::Constant(n, 0.2)).has_value();
+  }
+  EXPECT_EQ(named, 0) << "of an autofocus";
+  EXPECT_FALSE(two_groups(Eigen::VectorXd::Zero(42), sigmas));
+  EXPECT_FALSE(two_groups(values.head(7), sigmas.head(7)));
 }
 
 /// Of a board whose points carry no numbers a mirrored picture is one of a board, too.

@@ -42,12 +42,20 @@ Squares squares_of(const Scene& s, const MarkerResult& result) {
   return squares;
 }
 
-Squares mean_squares(const Own& own) {
+/// The tags of the scene are squares of their size, drawn at their edges: what is not known of that is no part of what
+/// the squares are held to.
+MarkerOptions exact_tags() {
+  MarkerOptions options;
+  options.size_sigma = 1e-6, options.twist_sigma = options.inset_sigma = 0;
+  return options;
+}
+
+Squares mean_squares(const Own& own, const MarkerOptions& options) {
   constexpr unsigned trials = 4;
   Squares mean;
   for (unsigned seed = 1; seed <= trials; ++seed) {
     const Scene s = with(own, seed);
-    const Squares one = squares_of(s, adjust_marker_block(s.block, {}));
+    const Squares one = squares_of(s, adjust_marker_block(s.block, options));
     mean.places += one.places / trials, mean.centres += one.centres / trials;
   }
   return mean;
@@ -55,16 +63,26 @@ Squares mean_squares(const Own& own) {
 
 Eigen::Vector2d zoomed(double factor, const Eigen::Vector2d& pixel) { return middle + factor * (pixel - middle); }
 
-TEST(ScatterOfPlaces, IsNoneOfSoundPhotographs) {
-  const Squares sound = mean_squares([](int, const Eigen::Vector2d& p) { return p; });
-  RecordProperty("sound", std::to_string(sound.places) + " " + std::to_string(sound.centres));
-  EXPECT_GT(sound.places, 0.1) << "which also hold how well the sizes of tags are known";
-  EXPECT_LT(sound.places, 1.5);
-  EXPECT_GT(sound.centres, 0.02);
-  EXPECT_LT(sound.centres, 1.5);
+/// One is what it says. Places of photographs have 0.54: that no direction of the camera's covariance counts less than
+/// its corners say makes their standard deviations 1.4 times too large.
+TEST(ScatterOfPlaces, IsWhatItIsStatedAs) {
+  const std::vector<std::pair<std::string, Own>> kinds = {
+      {"sound", [](int, const Eigen::Vector2d& p) { return p; }},
+      {"rows", [](int k, const Eigen::Vector2d& p) -> Eigen::Vector2d {
+         return p + 4 * (p.y() / 1200 - 0.5) * Eigen::Vector2d(std::sin(5.0 * k), std::cos(3.0 * k));
+       }}};
+  for (const auto& [name, own] : kinds) {
+    const Squares squares = mean_squares(own, exact_tags());
+    RecordProperty(name, std::to_string(squares.places) + " " + std::to_string(squares.centres));
+    EXPECT_GT(squares.places, 0.45) << name;
+    EXPECT_LT(squares.places, 1.6) << name;
+    EXPECT_GT(squares.centres, 0.5) << name;
+    EXPECT_LT(squares.centres, 1.6) << name;
+  }
 }
 
-/// Stations were 5 to 19 of their standard deviations off: those of the corners alone.
+/// Stations were 5 to 19 of their standard deviations off: those of the corners alone. Centres also hold how well the
+/// tags' sizes are known, which are exact here.
 TEST(ScatterOfPlaces, HoldsWhatACameraThatChangesDoesToThem) {
   const std::vector<std::pair<std::string, Own>> changes = {
       {"every second 2 % longer", [](int k, const Eigen::Vector2d& p) { return zoomed(k % 2 ? 1.02 : 1, p); }},
@@ -72,19 +90,16 @@ TEST(ScatterOfPlaces, HoldsWhatACameraThatChangesDoesToThem) {
       {"2 % longer for a while",
        [](int k, const Eigen::Vector2d& p) { return zoomed(k < 8 || k >= 16 ? 1 : 1.02, p); }},
       {"drift by 4 %", [](int k, const Eigen::Vector2d& p) { return zoomed(0.98 + 0.04 * k / 23, p); }},
-      {"rows",
-       [](int k, const Eigen::Vector2d& p) -> Eigen::Vector2d {
-         return p + 4 * (p.y() / 1200 - 0.5) * Eigen::Vector2d(std::sin(5.0 * k), std::cos(3.0 * k));
-       }},
       {"principal point", [](int k, const Eigen::Vector2d& p) -> Eigen::Vector2d {
          return p + 8 * Eigen::Vector2d(std::sin(5.0 * k), std::cos(3.0 * k));
        }}};
   for (const auto& [name, own] : changes) {
-    const Squares squares = mean_squares(own);
+    const Squares squares = mean_squares(own, {});
     RecordProperty(name, std::to_string(squares.places) + " " + std::to_string(squares.centres));
-    EXPECT_LT(squares.places, 4) << name;
-    EXPECT_GT(squares.places, 0.2) << name;
-    EXPECT_LT(squares.centres, 3) << name;
+    EXPECT_LT(squares.places, 3.5) << name;
+    EXPECT_GT(squares.places, 0.5) << name;
+    EXPECT_GT(squares.centres, 0.3) << name;
+    EXPECT_LT(squares.centres, 2) << name;
   }
 }
 

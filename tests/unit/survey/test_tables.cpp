@@ -71,6 +71,25 @@ class Tables : public testing::Test {
   SurveyNetworkT network_;
 };
 
+/// 165 MB were taken of 1188 points without a word.
+TEST_F(Tables, AJointCovarianceIsAnnounced) {
+  auto few = tables();
+  few.run();
+  EXPECT_EQ(few.announced(), 0u);
+  PointsT many = points_;
+  while (many.points.size() < 850) {
+    many.points.push_back(std::make_unique<PointT>(*points_.points[many.points.size() % points_.points.size()]));
+    many.points.back()->id += "_" + std::to_string(many.points.size());
+  }
+  const auto n = static_cast<Eigen::Index>(3 * many.points.size());
+  many.covariance = pack_symmetric(Eigen::MatrixXd(1e-6 * Eigen::MatrixXd::Identity(n, n)));
+  plumbline::test::NodeHarness node("survey.tables");
+  node.input<Points>("points", many);
+  node.input<SurveyNetwork>("network", network_);
+  node.outcome();  // whatever it makes of points that the network has not
+  EXPECT_EQ(node.announced(), 4 * sizeof(double) * static_cast<std::uint64_t>(n * (n + 1) / 2));
+}
+
 TEST_F(Tables, CoordinatesAndSigmas) {
   auto node = tables();
   node.run();
