@@ -104,10 +104,11 @@ struct PointBlockOptions {
 struct ControlResult {
   int point = 0;  ///< index into PointBlock::points
   bool check = false, fixed = false;
-  Eigen::Vector3d given = Eigen::Vector3d::Zero();        ///< [m]
+  bool aside = false;                               ///< contradicts, and took no part: adjust_without_wrong_control()
+  Eigen::Vector3d given = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d given_sigma = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();     ///< adjusted minus given [m]
-  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< normalised residual; of a check point with both covariances
+  Eigen::Vector3d w = Eigen::Vector3d::Zero();  ///< normalised residual; of what took no part with both covariances
   Eigen::Vector3d redundancy_number = Eigen::Vector3d::Zero();
   int rays = 0;
 };

@@ -2,13 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/statistics.hpp"
-#include "photo/block/control_suspects.hpp"
+#include "photo/block/point_block_robust.hpp"
 #include "photo/block/read_block.hpp"
 
 namespace plumbline::block {
@@ -17,31 +16,11 @@ namespace {
 
 /// Whose error would explain what the control contradicts; empty where the points' joint covariance is not known, or
 /// nobody's would.
-std::string suspects_in_words(const PointBlockResult& result, double image_variance) {
-  if (result.point_covariance.size() == 0) return "";
-  std::vector<Eigen::Index> in_control, in_points;
-  std::vector<double> residuals;
+std::string suspects_in_words(const PointBlockResult& result) {
+  const TestedControl test = test_control(result);
+  const ControlSuspects& found = test.found;
   std::vector<std::string> names;
-  for (size_t k = 0; k < result.control.size(); ++k) {
-    const ControlResult& c = result.control[k];
-    if (c.check || c.fixed) continue;
-    names.push_back(result.block.points[c.point].name);
-    for (int axis = 0; axis < 3; ++axis) {
-      in_control.push_back(3 * static_cast<Eigen::Index>(k) + axis);
-      in_points.push_back(3 * static_cast<Eigen::Index>(c.point) + axis);
-      residuals.push_back(c.residual(axis));
-    }
-  }
-  const auto n = static_cast<Eigen::Index>(in_control.size());
-  const Eigen::LLT<Eigen::MatrixXd> survey(result.block.control.covariance(in_control, in_control));
-  if (survey.info() != Eigen::Success) return "";
-  double squares = 0;
-  for (const auto& group : result.groups) squares += group.sum_of_squares;
-  const double unit = squares / result.degrees_of_freedom;  // what covariances are scaled by
-  const Eigen::MatrixXd weight = survey.solve(Eigen::MatrixXd::Identity(n, n));
-  const Eigen::MatrixXd seen = weight - weight * (result.point_covariance(in_points, in_points) / unit) * weight;
-  const ControlSuspects found =
-      suspects_of(seen, weight, weight * Eigen::Map<const Eigen::VectorXd>(residuals.data(), n), image_variance);
+  for (const size_t k : test.tested) names.push_back(result.block.points[result.control[k].point].name);
   const auto in_mm = [&](const SuspectedControl& point) {
     const Eigen::Vector3d off = 1e3 * point.off;
     return fmt::format("{} by {:.1f}, {:.1f}, {:.1f} mm", names[point.point], off.x(), off.y(), off.z());
@@ -75,13 +54,13 @@ std::string control_against_images(const PointBlockResult& result) {
   std::string worst;
   int count = 0;
   for (const ControlResult& c : result.control) {
-    if (c.check || c.fixed) continue;
+    if (c.check || c.fixed || c.aside) continue;
     squares += c.residual.squaredNorm(), ++count;
     if (const double w = c.w.cwiseAbs().maxCoeff(); w > largest) largest = w, worst = result.block.points[c.point].name;
   }
   // The largest w may be an innocent point's, which a wrong one bends. A single wrong point among many that hardly
   // control each other does not show in the factor of all.
-  std::string suspects = suspects_in_words(result, images->factor);
+  std::string suspects = suspects_in_words(result);
   if (!(ratio > limit) && suspects.empty()) return "";
   if (suspects.empty()) suspects = fmt::format(", most at {} (w {:.1f})", worst, largest);
   return fmt::format(

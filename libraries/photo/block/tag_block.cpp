@@ -12,6 +12,7 @@
 #include "photo/block/tag_block_orientations.hpp"
 #include "photo/block/tag_block_rejected.hpp"
 #include "photo/block/tag_block_solve.hpp"
+#include "plumbline/failure.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -99,11 +100,13 @@ class TagAdjustment {
  private:
   enum class Search { ended, begins_anew };
 
-  void begin() {
+  /// `carried_over`: the poses are in the frame of the control already, and what wrong control has made of them says
+  /// nothing of its unit.
+  void begin(bool carried_over = false) {
     result_.left_out.clear();
     result_.warnings.clear();
     start_ = start_tag_block(block_, use_, result_.left_out);
-    if (!options_.free_network) move_to_control(block_, start_, result_.warnings);
+    if (!options_.free_network && !carried_over) move_to_control(block_, start_, result_.warnings);
     model_ = build_tag_model(block_, options_, start_);
     do_not_believe(disproved_, model_);
     require_datum(options_, model_, result_);
@@ -128,7 +131,7 @@ class TagAdjustment {
 
   void begin_again() {
     block_ = with_poses(block_, start_, model_);
-    begin();
+    begin(true);
     result_.warnings = warnings_;
   }
 
@@ -250,6 +253,25 @@ class TagAdjustment {
   Solved solved_;
 };
 
+/// An error far above all that the approximate values are wrong by bends the block until its sound tags are blunders,
+/// or nothing converges: the search begins without that point, and it stays out if the block contradicts it in the end.
+/// Nothing where no point stands out so, or the rest does not hold the block.
+std::optional<TagBlockResult> adjust_without(const std::optional<FarControl>& far, const TagBlock& given,
+                                             const TagBlockOptions& options) {
+  if (!far || !far->alone) return std::nullopt;
+  JudgedControl judged;
+  judged.rejected = {{far->plate, far->off}};
+  judged.tested = far->of;
+  try {
+    TagBlockResult result = TagAdjustment(given, options, judged).run(WrongControl::left_out);
+    const auto out = std::find_if(result.rejected_control.begin(), result.rejected_control.end(),
+                                  [&](const RejectedControl& one) { return one.plate == far->plate; });
+    if (out != result.rejected_control.end() && out->test > out->limit && result.weak_datum.empty()) return result;
+  } catch (const std::runtime_error&) {  // what the whole of the control comes to is told
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 void require_usable(const TagBlock& block) {
@@ -268,10 +290,19 @@ TagBlockResult adjust_tag_block(const TagBlock& given, const TagBlockOptions& op
   const bool by_lambda = options.weighting == TagBlockOptions::Weighting::lambda;
   if (by_lambda && !(options.lambda > 0 && options.corner_sigma > 0))
     throw std::runtime_error("lambda weighting needs lambda > 0 [px^2/m^2] and corner_sigma > 0 [px]");
-  return TagAdjustment(given, options, {})
-      .run(by_lambda || !options.test_control ? WrongControl::as_judged
-           : options.robust_control           ? WrongControl::left_out
-                                              : WrongControl::named);
+  const WrongControl wrong = by_lambda || !options.test_control ? WrongControl::as_judged
+                             : options.robust_control           ? WrongControl::left_out
+                                                                : WrongControl::named;
+  std::optional<FarControl> far;
+  if (!options.free_network && !given.control.plates.empty()) far = furthest_control(given);
+  if (wrong == WrongControl::left_out)
+    if (auto result = adjust_without(far, given, options)) return std::move(*result);
+  try {
+    return TagAdjustment(given, options, {}).run(wrong);
+  } catch (const NotConverged& error) {
+    if (!far || !far->alone) throw;
+    throw NotConverged(error.what() + ("; " + in_words(*far, given)));
+  }
 }
 
 }  // namespace plumbline::block

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "base/text/words.hpp"
@@ -93,6 +94,28 @@ std::string in_words(const SimilarityMotion& motion, const Eigen::Vector3d& at) 
                            " times those between the plates in the images: " + cause);
 }
 
+/// Control against the similarity of all the others, one point after the other.
+struct LeftAlone {
+  double others = 0;  ///< largest residual of the others [m]
+  Eigen::Vector3d off = Eigen::Vector3d::Zero();
+};
+
+std::vector<LeftAlone> left_alone(const std::vector<PlatePair>& pairs) {
+  std::vector<LeftAlone> result;
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    std::vector<Eigen::Vector3d> from, to;
+    for (size_t i = 0; i < pairs.size(); ++i)
+      if (i != k) from.push_back(pairs[i].placed), to.push_back(pairs[i].surveyed);
+    if (!is_figure(from) || !is_figure(to)) return {};
+    const SimilarityMotion motion = fit_similarity(from, to, true);
+    LeftAlone one;
+    for (size_t i = 0; i < from.size(); ++i) one.others = std::max(one.others, (motion * from[i] - to[i]).norm());
+    one.off = pairs[k].surveyed - motion * pairs[k].placed;
+    result.push_back(one);
+  }
+  return result;
+}
+
 /// Control points that lie where other plates hang.
 void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreement& agreement) {
   std::vector<std::string> exchanged;
@@ -113,6 +136,34 @@ void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreem
 }
 
 }  // namespace
+
+std::optional<FarControl> furthest_control(const TagBlock& block) {
+  constexpr size_t least = 6, most = 1000;  // fewer hardly check each other
+  constexpr double apart = 10, stands_out = 5;
+  std::vector<std::string> unused;
+  const TagStart start = start_tag_block(block, std::vector<bool>(block.observations.size(), true), unused);
+  const std::vector<PlatePair> pairs = pairs_of(block, start);
+  if (pairs.size() < least || pairs.size() > most) return std::nullopt;
+  const std::vector<LeftAlone> without = left_alone(pairs);
+  if (without.empty()) return std::nullopt;
+  size_t worst = 0;
+  for (size_t k = 0; k < without.size(); ++k)
+    if (without[k].others < without[worst].others) worst = k;
+  double next = std::numeric_limits<double>::infinity();
+  for (size_t k = 0; k < without.size(); ++k)
+    if (k != worst) next = std::min(next, without[k].others);
+  const double rest = without[worst].others;
+  return FarControl{start.plates[pairs[worst].plate], pairs.size(), without[worst].off,
+                    without[worst].off.norm() > apart * rest && next > stands_out * rest};
+}
+
+std::string in_words(const FarControl& far, const TagBlock& block) {
+  const Eigen::Vector3d off = 1e3 * far.off;
+  return fmt::format(
+      "of the control that of {} lies furthest from where the photographs and all the others have it, by {:.1f}, "
+      "{:.1f}, {:.1f} mm: is it right?",
+      block.plates[far.plate].anchor, off.x(), off.y(), off.z());
+}
 
 void move_to_control(const TagBlock& block, TagStart& start, std::vector<std::string>& warnings) {
   const std::vector<PlatePair> pairs = pairs_of(block, start);

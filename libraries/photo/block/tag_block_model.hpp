@@ -26,6 +26,21 @@ TagStart start_tag_block(const TagBlock& block, const std::vector<bool>& use, st
 /// distances are not those of the block (another unit), or if single control points lie where others should.
 void move_to_control(const TagBlock& block, TagStart& start, std::vector<std::string>& warnings);
 
+/// A control point against where the approximate values and all the other control have it.
+struct FarControl {
+  int plate = 0;
+  size_t of = 0;        ///< control points that are placed
+  Eigen::Vector3d off;  ///< survey minus that [m]
+  /// It is ten times further off than any of the others is without it, and without any other one they are five times
+  /// further off: then it is wrong, whatever the approximate values are worth.
+  bool alone = false;
+};
+
+/// The control point without which the others agree best with the approximate values, by a similarity. Nothing below
+/// six points or on a line. Throws as start_tag_block().
+std::optional<FarControl> furthest_control(const TagBlock& block);
+std::string in_words(const FarControl& far, const TagBlock& block);
+
 enum TagGroup {
   group_images,
   group_control,

@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 
 #include "base/text/words.hpp"
+#include "geometry/statistics.hpp"
 
 namespace plumbline::block {
 namespace {
@@ -123,6 +125,13 @@ void fill_rejected(const TagBlock& given, TagBlockResult& result) {
     rejected.sigma =
         (given.control.covariance.diagonal().segment<3>(3 * k) + result.anchor_covariance.diagonal().segment<3>(3 * j))
             .cwiseSqrt();
+    if (rejected.limit == 0) {        // it was out from the beginning
+      constexpr double level = 1e-3;  // over all points
+      const Eigen::Matrix3d both =
+          given.control.covariance.block<3, 3>(3 * k, 3 * k) + result.anchor_covariance.block<3, 3>(3 * j, 3 * j);
+      rejected.test = rejected.off.dot(both.ldlt().solve(rejected.off));
+      rejected.limit = chi_squared_quantile(1 - level / static_cast<double>(given.control.plates.size()), 3);
+    }
     result.left_out.push_back("the control of " + given.plates[rejected.plate].anchor +
                               ", which contradicts the photographs and the other control by " + in_mm(rejected.off));
   }

@@ -12,6 +12,7 @@
 #include "artifacts/points.hpp"
 #include "artifacts/poses.hpp"
 #include "check_points.hpp"
+#include "photo/block/point_block_robust.hpp"
 #include "photo/block/point_block_words.hpp"
 #include "plumbline/failure.hpp"
 #include "plumbline/node.hpp"
@@ -134,7 +135,6 @@ struct Adjuster : TagAdjusterNode {
     std::string names;
     for (const auto& [name, is_set] : {std::pair{"weighting", *weighting != "covariance"},
                                        {"lambda", *lambda != default_lambda},
-                                       {"robust_control", !*robust_control},
                                        {"joint_orientations", *joint_orientations},
                                        {"corner_sigma", *corner_sigma != 0.1},
                                        {"self_calibration", *self_calibration != "prior"},
@@ -156,6 +156,10 @@ struct Adjuster : TagAdjusterNode {
   static void judge_known(Context& context, const PointBlockOptions& options, const PointBlockResult& result) {
     const bool checks = tell_check_points(context, result);
     const bool control = !options.estimate_image_variance || control_against_images(result).empty();
+    if (!checks && !control)
+      context.warn(
+          "the control contradicts the images, so what check points are off may be its error and not theirs: mend the "
+          "control first");
     const bool holds = checks && control && scale_bars_against_images(result).empty();
     if (!result.control.empty() || !result.block.scale_bars.empty()) context.metric("invalid", holds ? 0 : 1, "1");
   }
@@ -186,12 +190,16 @@ struct Adjuster : TagAdjusterNode {
     const std::size_t count = measured.points.size();
     const bool joint = count <= max_joint_points && !o.by_gradients;
     o.announce = announcer(context, measured.measurements.size(), 1000, joint ? count : 0);
-    const PointBlockResult result = adjust_point_block(measured, o);
+    const PointBlockResult result = (*robust_control ? adjust_without_wrong_control : adjust_point_block)(measured, o);
     context.metric("sigma0", result.sigma0 / o.image_sigma, "1");
     context.metric("degrees_of_freedom", result.degrees_of_freedom, "1");
     BlockT artifact = describe_targets(measured, result, o);
     artifact.adjuster = info.kind;
     artifact.left_out = given.left_out;
+    for (const auto& what : set_aside_in_words(result)) {
+      context.warn("left out: " + what);
+      artifact.left_out.push_back(what);
+    }
     for (const auto& what : artifact.warnings) context.warn(what);
     if (!o.by_gradients) judge_known(context, o, result);
     points.commit(target_points(result));

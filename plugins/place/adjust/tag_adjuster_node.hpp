@@ -36,8 +36,8 @@ struct TagAdjusterNode : Node {
   Param<bool> estimate_image_variance{"estimate_image_variance", true,
                                       "scale the corners' covariances so that the images' variance component is 1"};
   Param<bool> robust_control{"robust_control", true,
-                             "leave out control points of marker plates that contradict the photographs and the other "
-                             "control, by name, at most a third; false: they stay, and are named"};
+                             "leave out control points that contradict the photographs and the other control, by "
+                             "name, at most a third; false: they stay, and are named"};
   Param<std::string> weak_datum{"weak_datum", "error", one_of("error", "warn"),
                                 "what to do if control holds the block's datum only weakly"};
   Param<double> weak_ratio{

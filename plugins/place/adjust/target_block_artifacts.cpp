@@ -128,7 +128,7 @@ void describe_control(const PointBlockResult& result, TargetBlockT& targets) {
   for (const ControlResult& control : result.control) {
     auto entry = std::make_unique<AdjustedControlT>();
     entry->id = result.block.points[control.point].name;
-    entry->use = control.check ? "check" : control.fixed ? "fixed" : "weighted";
+    entry->use = control.check ? "check" : control.aside ? "set aside" : control.fixed ? "fixed" : "weighted";
     entry->given = control.given;
     entry->given_sigma = control.given_sigma;
     entry->residual = control.residual;
@@ -136,9 +136,10 @@ void describe_control(const PointBlockResult& result, TargetBlockT& targets) {
     entry->w = control.w;
     entry->redundancy_number = control.redundancy_number;
     entry->rays = control.rays;
+    targets.control.push_back(std::move(entry));
+    if (control.aside) continue;
     squares[control.check] += control.residual.squaredNorm();
     ++count[control.check];
-    targets.control.push_back(std::move(entry));
   }
   if (count[0] > 0) targets.control_rms = std::sqrt(squares[0] / count[0]);
   targets.check_covariance = pack_symmetric(result.check_covariance);

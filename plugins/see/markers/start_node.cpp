@@ -188,6 +188,8 @@ void tell_misplaced(const SurveyFrame& frame, const std::vector<SurveyedTag>& su
   std::string exchanged;
   for (const ExchangedPlace& pair : exchanged_places(frame.found, expected)) {
     if (frame.agrees[pair.thing] || (pair.mutual && frame.agrees[pair.place])) continue;
+    // A place that has its own tag nearer is not the other's: a single point is wrong by less than plates hang apart.
+    if (frame.distance[pair.place] < (frame.found[pair.thing] - expected[pair.place]).norm()) continue;
     const std::string apart = metres((expected[pair.thing] - expected[pair.place]).norm()),
                       &thing = surveyed[pair.thing].name, &place = surveyed[pair.place].name;
     exchanged +=

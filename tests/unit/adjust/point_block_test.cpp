@@ -6,6 +6,7 @@
 #include "photo/block/control_words.hpp"
 #include "photo/block/image_block_folder.hpp"
 #include "photo/block/photomodeler_files.hpp"
+#include "photo/block/point_block_robust.hpp"
 #include "photo/block/point_block_words.hpp"
 #include "synthetic_block.hpp"
 #include "test_support.hpp"
@@ -267,6 +268,48 @@ TEST(PointBlock, ASingleWrongControlPointIsNamedThoughAllTogetherMayBeChance) {
   for (uint64_t seed = 10; seed < 60; ++seed)
     named += !block::control_against_images(block::adjust_point_block(noisy_block(seed, 3e-4, 1e-3), how)).empty();
   EXPECT_LE(named, 1) << "of 50 sound blocks";
+}
+
+/// It was named and kept, and bent the block until innocent check points were called wrong.
+TEST(PointBlock, AWrongControlPointIsSetAsideAndCheckPointsAreJudgedWithoutIt) {
+  auto how = options();
+  how.estimate_image_variance = true;
+  PointBlock block = noisy_block(2, 3e-4, 1e-3);
+  block.control.points.push_back(6);
+  block.control.is_check.push_back(true);
+  block.control.position.conservativeResize(21);
+  block.control.position.tail<3>() = block.points[6].position;
+  block.control.covariance = 4e-8 * Eigen::MatrixXd::Identity(21, 21);
+  PointBlock sound = block;
+  sound.control.is_check[3] = true;
+  const double off = 2e-3;
+  block.control.position(3 * 3 + 2) += off;  // of point 13
+  const auto result = block::adjust_without_wrong_control(block, how);
+  const auto expected = block::adjust_point_block(sound, how);
+  ASSERT_EQ(result.control.size(), 7u);
+  for (size_t k = 0; k < 7; ++k) {
+    EXPECT_EQ(result.control[k].aside, k == 3) << k;
+    EXPECT_EQ(result.control[k].check, k == 6) << k;
+    EXPECT_EQ(result.control[k].point, block.control.points[k]);
+  }
+  EXPECT_NEAR(result.control[3].residual.z(), -off, 1e-3);
+  EXPECT_LT((result.control[6].residual - expected.control[6].residual).norm(), 1e-5);
+  EXPECT_EQ(block::control_against_images(result), "");
+  EXPECT_EQ(result.degrees_of_freedom, expected.degrees_of_freedom);
+  EXPECT_EQ(result.block.control.points, block.control.points);
+  EXPECT_THAT(block::set_aside_in_words(result),
+              testing::ElementsAre(HasSubstr("the control of 13, which contradicts the images")));
+}
+
+TEST(PointBlock, SoundControlStaysToTheBit) {
+  auto how = options();
+  how.estimate_image_variance = true;
+  for (uint64_t seed = 10; seed < 20; ++seed) {
+    const PointBlock block = noisy_block(seed, 3e-4, 1e-3);
+    const auto result = block::adjust_without_wrong_control(block, how);
+    EXPECT_TRUE(block::set_aside_in_words(result).empty()) << seed;
+    EXPECT_EQ(result.block.points[7].position, block::adjust_point_block(block, how).block.points[7].position);
+  }
 }
 
 /// Level ground with its coordinates exchanged is seen as well from below: no residual tells, and no number is right.

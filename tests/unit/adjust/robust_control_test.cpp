@@ -319,4 +319,32 @@ TEST(RobustControl, WhatContradictsAndStaysFailsTheBlockThoughAllOfTheControlPas
   EXPECT_GT(seen, 0);
 }
 
+/// Where the approximate values are good, a point that they contradict is out before it bends anything: the block it
+/// bent did not converge, or took sound tags for blunders, or was "in another unit".
+TEST(RobustControl, APointFarAboveWhatTheApproximateValuesAreWorthIsOutFromTheBeginning) {
+  auto synthetic = test::make_block({.floors = 2, .stations = 3, .seed = 21});
+  for (size_t i = 0; i < synthetic.block.images.size(); ++i)
+    synthetic.block.images[i].cam_from_world = synthetic.cam_from_world[i];
+  const auto sound = block::furthest_control(synthetic.block);
+  ASSERT_TRUE(sound);
+  EXPECT_FALSE(sound->alone);
+  for (const double off : {-0.2, 0.2, 2.0}) {
+    auto wrong = synthetic.block;
+    wrong.control.position(3 * 5 + 2) += off;
+    const auto far = block::furthest_control(wrong);
+    ASSERT_TRUE(far);
+    EXPECT_TRUE(far->alone) << off;
+    EXPECT_EQ(far->plate, wrong.control.plates[5]);
+    EXPECT_NEAR(far->off.z(), off, 0.02);
+    const auto result = block::adjust_tag_block(wrong, robust_options());
+    ASSERT_EQ(result.rejected_control.size(), 1u) << off;
+    EXPECT_EQ(result.rejected_control[0].plate, wrong.control.plates[5]);
+    EXPECT_GT(result.rejected_control[0].test, result.rejected_control[0].limit);
+    EXPECT_TRUE(result.rejected.empty()) << "tags are sound";
+    EXPECT_EQ(doubts_of(result), "");
+    wrong.control.position(3 * 9) += off;  // two: none is alone
+    EXPECT_FALSE(block::furthest_control(wrong)->alone);
+  }
+}
+
 }  // namespace robust_control_test

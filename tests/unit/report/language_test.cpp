@@ -125,6 +125,7 @@ TEST(German, WhatTenKelvinDoAndReportsThatWereNotTaken) {
 TEST(Catalogue, UsesOfControlPoints) {
   EXPECT_EQ(german().find("control, weighted"), "Passpunkt, gewichtet");
   EXPECT_EQ(german().find("control, fixed"), "Passpunkt, festgehalten");
+  EXPECT_EQ(german().find("control, set aside"), "Passpunkt, nicht verwendet");
 }
 
 /// "{id}: {~note}" took "p 0.067; corner bottom left of F01-P01, right" for a name, and all of it stayed English.
