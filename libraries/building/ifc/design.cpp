@@ -214,6 +214,7 @@ class Reader {
       if (!element.is_panel || !element.has_box) continue;
       SidesOfShape of_shape = sides.of(model_.entity(element.instance));
       element.sag = std::move(of_shape.sag), element.filled = std::move(of_shape.filled);
+      element.rectangles = std::move(of_shape.rectangles);
     }
   }
 

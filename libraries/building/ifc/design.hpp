@@ -53,7 +53,8 @@ struct Element {
   Eigen::Vector3d box_low = Eigen::Vector3d::Zero(),
                   box_high = Eigen::Vector3d::Zero();  ///< of its shape, in its own axes [m]
   std::vector<double> sag;  ///< of a panel: of each side, as sag_of_sides says (outer_sides.hpp) [m]; empty: not known
-  std::vector<double> filled;  ///< of a panel: of each side, as filled_sides says; empty: not known
+  std::vector<double> filled;      ///< of a panel: of each side, as filled_sides says; empty: not known
+  std::vector<double> rectangles;  ///< of a panel: of each side, as rectangles_of_sides says [m]; empty: the box's
   /// Of an anchor whose shape has several items (IFC lets one fastener stand for many): the centre of each, project
   /// frame [m].
   std::vector<Eigen::Vector3d> item_positions;

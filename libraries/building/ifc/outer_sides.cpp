@@ -12,6 +12,10 @@ constexpr int kPlaces = 24;          // along each direction of a side
 constexpr double kBorder = 0.03;     // [m] of a side, that is left out
 constexpr double kMostBorder = 0.1;  // share of a side that the border takes at most
 constexpr double kAtEnds = 0.02;     // share of the places that may be something else, at either end
+constexpr double kSquare = 0.98;     // cosine from which on a face is square to an axis
+constexpr double kOnePlane = 0.001;  // [m] along the axis, within which faces are one side
+constexpr double kNarrower = 1e-4;   // [m], by which a side is narrower than the box
+constexpr double kMostOfSide = 0.5;  // share of the box's side that the faces of a side take at least
 
 /// Newell's normal, twice as long as the polygon's area is large.
 Eigen::Vector3d normal_of(const PointCloud& polygon) {
@@ -93,9 +97,44 @@ class Sides {
   std::vector<double> heights_[2];
 };
 
-}  // namespace
+/// A face square to an axis: where it stands along it, its area, and what it takes of the side.
+struct SquareFace {
+  double height, area;
+  Eigen::AlignedBox2d taken;
+};
 
-namespace {
+std::vector<SquareFace> square_faces(const std::vector<ItemExtent>& items, int axis) {
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  std::vector<SquareFace> faces;
+  for (const ItemExtent& item : items)
+    for (const PointCloud& polygon : item.faces) {
+      if (polygon.size() < 3) continue;
+      const Eigen::Vector3d normal = normal_of(polygon);
+      if (!(std::abs(normal[axis]) > kSquare * normal.norm())) continue;
+      SquareFace face{0, 0.5 * std::abs(normal[axis]), {}};
+      for (const Eigen::Vector3d& point : polygon) {
+        face.height += point[axis] / static_cast<double>(polygon.size());
+        face.taken.extend(Eigen::Vector2d(point[i], point[j]));
+      }
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+/// Of the faces in one plane the outermost that take most of the side: lugs and screws stand before it. `towards`: 1 or
+/// -1 along the axis. Empty: no plane does.
+Eigen::AlignedBox2d outer_rectangle(std::vector<SquareFace> faces, double towards, double one_plane, double side_area) {
+  std::sort(faces.begin(), faces.end(),
+            [&](const SquareFace& a, const SquareFace& b) { return towards * a.height > towards * b.height; });
+  for (std::size_t first = 0; first < faces.size(); ++first) {
+    double area = 0;
+    Eigen::AlignedBox2d taken;
+    for (std::size_t f = first; f < faces.size() && std::abs(faces[f].height - faces[first].height) <= one_plane; ++f)
+      area += faces[f].area, taken.extend(faces[f].taken);
+    if (area >= kMostOfSide * side_area) return taken;
+  }
+  return {};
+}
 
 std::vector<Sides> sides_of(const std::vector<ItemExtent>& items, double metres) {
   Eigen::AlignedBox3d box;
@@ -129,17 +168,43 @@ std::vector<double> filled_sides(const std::vector<ItemExtent>& items, double me
   return filled;
 }
 
+std::vector<double> rectangles_of_sides(const std::vector<ItemExtent>& items, double metres) {
+  Eigen::AlignedBox3d box;
+  for (const ItemExtent& item : items) {
+    if (item.faces.empty()) return {};
+    for (const PointCloud& face : item.faces)
+      for (const Eigen::Vector3d& point : face) box.extend(point);
+  }
+  if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return {};
+  std::vector<double> rectangles;
+  bool narrower = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side_area = box.sizes()[(axis + 1) % 3] * box.sizes()[(axis + 2) % 3];
+    for (const double towards : {-1.0, 1.0}) {
+      const Eigen::AlignedBox2d taken =
+          outer_rectangle(square_faces(items, axis), towards, kOnePlane / metres, side_area);
+      const double unknown = std::numeric_limits<double>::quiet_NaN();
+      const Eigen::Vector2d whole(box.sizes()[(axis + 1) % 3], box.sizes()[(axis + 2) % 3]);
+      narrower = narrower || (!taken.isEmpty() && (whole - taken.sizes()).maxCoeff() > kNarrower / metres);
+      for (const Eigen::Vector2d& corner : {taken.min(), taken.max()})
+        for (int k : {0, 1}) rectangles.push_back(taken.isEmpty() ? unknown : corner[k]);
+    }
+  }
+  return narrower ? rectangles : std::vector<double>();
+}
+
 SidesOfShape OuterSides::of(const Entity& element) {
   SidesOfShape sides;
   try {
     const auto shape = element.optional_reference("Representation");
     if (!shape) return {};
     const std::vector<ItemExtent> items = extents_.of_shape(*shape, element.id());
-    sides = {sag_of_sides(items, metres_), filled_sides(items, metres_)};
+    sides = {sag_of_sides(items, metres_), filled_sides(items, metres_), rectangles_of_sides(items, metres_)};
   } catch (const step::Error&) {  // told where its box is read
     return {};
   }
   for (double& side : sides.sag) side *= metres_;
+  for (double& edge : sides.rectangles) edge *= metres_;
   return sides;
 }
 

@@ -18,9 +18,16 @@ std::vector<double> sag_of_sides(const std::vector<ItemExtent>& items, double me
 /// are not told.
 std::vector<double> filled_sides(const std::vector<ItemExtent>& items, double metres);
 
-/// What both say of an element's sides.
+/// In the same order: the rectangle of each side, of the outermost faces square to its axis that lie in one plane and
+/// take at least half of the box's side: of a sheet before a wider core the sheet's, of a cassette with chamfers the
+/// face between them. Four values each: least coordinates along the two other axes, in the order x, y, z, x after the
+/// side's own, then the largest; in the unit of the points, nan where no faces take that much. Empty: none is
+/// narrower than the box.
+std::vector<double> rectangles_of_sides(const std::vector<ItemExtent>& items, double metres);
+
+/// What these say of an element's sides.
 struct SidesOfShape {
-  std::vector<double> sag, filled;
+  std::vector<double> sag, filled, rectangles;
 };
 
 /// The same of elements of a file, in metres; empty also where a shape cannot be read.

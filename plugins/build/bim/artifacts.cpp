@@ -32,7 +32,7 @@ DesignElementT to_artifact(const Element& element) {
   to.box_low = element.has_box ? element.box_low : Eigen::Vector3d::Constant(unknown);
   to.box_high = element.has_box ? element.box_high : Eigen::Vector3d::Constant(unknown);
   to.item_positions = element.item_positions;
-  to.sag = element.sag, to.filled = element.filled;
+  to.sag = element.sag, to.filled = element.filled, to.rectangles = element.rectangles;
   to.anchor_guids = element.anchor_guids;
   to.instance = element.instance;
   to.host_guid = element.host_guid;
@@ -68,7 +68,7 @@ Element from_artifact(const DesignElementT& element) {
   to.has_box = element.box_low.allFinite() && element.box_high.allFinite();
   if (to.has_box) to.box_low = element.box_low, to.box_high = element.box_high;
   to.item_positions = element.item_positions;
-  to.sag = element.sag, to.filled = element.filled;
+  to.sag = element.sag, to.filled = element.filled, to.rectangles = element.rectangles;
   to.anchor_guids = element.anchor_guids;
   to.instance = element.instance;
   to.host_guid = element.host_guid;

@@ -40,7 +40,7 @@ std::string undated(bool by_survey, const std::string& so, const std::string& pa
 }
 
 struct ReadIfc : Node {
-  static constexpr Info info{"bim.read_ifc", "", 5,
+  static constexpr Info info{"bim.read_ifc", "", 6,
                              "Reads storeys, elements, anchors and panels from an IFC file (IFC2X3, IFC4, IFC4X3)"};
   In<plumbline::File> file{"file", "the IFC file: STEP text, ifcZIP or ifcXML"};
   Optional<Plates> plates{"plates", "anchor table: elements of these names (or tags) are anchors too"};

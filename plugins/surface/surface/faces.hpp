@@ -39,13 +39,13 @@ Lookers looked_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& out,
                   const std::vector<Eigen::Vector3d>& seen_from);
 
 /// Outer faces of the design's panels, each by itself: of the box of its shape the side that faces out of the facade
-/// (DesignElement.facade), where that is confirmed; else the side of the two larger extents that `seen_from`
-/// (projection centres, scanner stations) look at. A panel that is looked at from both sides, as it is in a block
-/// around a building, or from none, is turned as its unconfirmed frame says if nothing contradicts it, or as the
-/// design's one facade; else it is left out, because nobody knows which side is outside. So is one whose outer side the
-/// design itself makes no plane (a curved or folded panel), with by how much, or no rectangle, and of wholes of other
-/// panels nothing is said. Panels that share a name are called "NAME [tag]", where tags tell them apart, else
-/// "NAME [GlobalId]".
+/// (DesignElement.facade), as wide as the design's own outer side (DesignElement.rectangles), where that is confirmed;
+/// else the side of the two larger extents that `seen_from` (projection centres, scanner stations) look at. A panel
+/// that is looked at from both sides, as it is in a block around a building, or from none, is turned as its unconfirmed
+/// frame says if nothing contradicts it, or as the design's one facade; else it is left out, because nobody knows which
+/// side is outside. So is one whose outer side the design itself makes no plane (a curved or folded panel), with by how
+/// much, or no rectangle, and of wholes of other panels nothing is said. Panels that share a name are called "NAME
+/// [tag]", where tags tell them apart, else "NAME [GlobalId]".
 Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_from);
 
 /// Leaves out faces that some of `seen_from` look at and all from behind: what they see is another side of the panel.

@@ -71,7 +71,8 @@ Design with_all_that_there_is() {
     e.project_from_element = {Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {4, 5, 6}};
     e.has_box = rule != ReferencePointRule::parts_centre;
     if (e.has_box) e.box_low = {-1, -2, -3}, e.box_high = {7, 8, 9};
-    e.filled = {1, 0.5}, e.sag = {0.001, 0.002, 0.003, 0.004}, e.item_positions = {{1, 2, 3}, {4, 5, 6}};
+    e.filled = {1, 0.5}, e.rectangles = {0.25, 0.75}, e.sag = {0.001, 0.002, 0.003, 0.004},
+    e.item_positions = {{1, 2, 3}, {4, 5, 6}};
     e.anchor_guids = {"h", "i"}, e.host_guid = "host", e.instance = 4711;
     if (e.is_anchor || e.is_panel) e.facade = frame(e.is_anchor ? 10 : 20, FacadeSource::wall, "South");
     e.facade.confirmed = e.is_panel;
@@ -88,9 +89,9 @@ Design with_all_that_there_is() {
 
 void expect_equal(const Element& a, const Element& b) {
   EXPECT_EQ(std::tie(a.guid, a.name, a.tag, a.object_type, a.type_name, a.ifc_class, a.storey, a.storey_guid,
-                     a.parent_guid, a.host_guid, a.anchor_guids, a.sag, a.filled, a.instance, a.rule),
+                     a.parent_guid, a.host_guid, a.anchor_guids, a.sag, a.filled, a.rectangles, a.instance, a.rule),
             std::tie(b.guid, b.name, b.tag, b.object_type, b.type_name, b.ifc_class, b.storey, b.storey_guid,
-                     b.parent_guid, b.host_guid, b.anchor_guids, b.sag, b.filled, b.instance, b.rule));
+                     b.parent_guid, b.host_guid, b.anchor_guids, b.sag, b.filled, b.rectangles, b.instance, b.rule));
   EXPECT_EQ(std::tie(a.is_anchor, a.is_panel, a.has_box), std::tie(b.is_anchor, b.is_panel, b.has_box));
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(a.item_positions, b.item_positions);

@@ -272,6 +272,27 @@ TEST(Panels, WhatIsNoRectangleIsKnown) {
   EXPECT_NEAR(filled({"0.,0.", "1200.,0.", "0.,1000."}), 0.5, 0.05);
 }
 
+/// Joints are between outer sides, and the box is that of the whole body.
+TEST(Panels, AnOuterSideThatIsNarrowerThanTheBodyIsKnown) {
+  const auto rectangle = [](const std::vector<std::string>& corners) {
+    const std::vector<double> all = bent_plate(polyline(corners)).rectangles;
+    // Of the sides towards smaller and larger y: least and largest x.
+    return all.size() == 24 ? std::vector<double>{all[9], all[11], all[13], all[15]} : std::vector<double>{};
+  };
+  const auto expect = [](const std::vector<double>& found, const std::vector<double>& wanted) {
+    ASSERT_EQ(found.size(), wanted.size());
+    for (std::size_t k = 0; k < wanted.size(); ++k) EXPECT_NEAR(found[k], wanted[k], 1e-9) << k;
+  };
+  expect(rectangle({"-1000.,20.", "-1000.,0.", "1000.,0.", "1000.,20."}), {});
+  expect(rectangle({"-1000.,20.", "-1000.,-5.", "-985.,-20.", "985.,-20.", "1000.,-5.", "1000.,20."}),
+         {-0.985, 0.985, -1, 1});
+  expect(rectangle({"-1000.,20.", "-1000.,3.", "-994.,3.", "-994.,0.", "994.,0.", "994.,3.", "1000.,3.", "1000.,20."}),
+         {-0.994, 0.994, -1, 1});
+  // A rib stands out before it.
+  expect(rectangle({"-1000.,20.", "-1000.,0.", "-30.,0.", "-30.,-40.", "30.,-40.", "30.,0.", "1000.,0.", "1000.,20."}),
+         {-1, 1, -1, 1});
+}
+
 TEST(Panels, TheSagOfFacesThatAreListed) {
   // A sheet of two facets, folded by 30 mm in its middle, and one that is flat.
   const auto facets = [](const std::string& middle) {

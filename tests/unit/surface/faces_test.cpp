@@ -145,6 +145,22 @@ TEST(Faces, WhatConsistsOfPanelsIsNoneItself) {
   EXPECT_TRUE(faces.left_out.empty());
 }
 
+/// A sheet before a core that is 6 mm wider at the left and right and 4 mm above: joints are between the sheets.
+TEST(Faces, APanelIsAsWideAsItsOuterSide) {
+  DesignT design = two_facades(true);
+  DesignElementT& south = *design.elements[0];
+  south.rectangles.assign(24, kNan);
+  const double outer[4] = {-1.5, -0.744, 1.496, 0.744};  // of y: z, x
+  std::copy(outer, outer + 4, south.rectangles.begin() + 8);
+  const Faces faces = faces_of(design, {});
+  ASSERT_EQ(faces.faces.size(), 2U);
+  EXPECT_NEAR(faces.faces[0].width, 1.488, 1e-12);
+  EXPECT_NEAR(faces.faces[0].height, 2.996, 1e-12);
+  EXPECT_TRUE(faces.faces[0].plane.origin.isApprox(Eigen::Vector3d(5, -0.02, 2.998), 1e-9))
+      << faces.faces[0].plane.origin.transpose();
+  EXPECT_NEAR(faces.faces[1].width, 1.5, 1e-12) << "of the other nothing is known";
+}
+
 /// Families call all their panels alike, and somebody has to find the one that failed.
 TEST(Faces, PanelsOfOneNameAreToldApart) {
   DesignT design = two_facades(true);
