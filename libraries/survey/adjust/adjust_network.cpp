@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "survey/adjust/adjuster.hpp"
+#include "survey/adjust/confirmed_causes.hpp"
 #include "survey/adjust/exclusions.hpp"
 #include "survey/adjust/kept_network.hpp"
 #include "survey/doctor/find_causes.hpp"
@@ -28,7 +29,7 @@ NetworkResult Adjuster::run(std::unique_ptr<KeptNetwork>* kept) {
     estimate_variance_components(pass);
     if (options_.remove_blunders) mend(pass);
   }
-  tell_rival_readings(pass);
+  tell_rival_readings(pass, tell_contradicting_sights(pass));
   // Of the readings as they are taken in the end: what was mended is no contradiction any more, what was not still is.
   const MeasuredControl measured = options_.measure_control ? measured_control(pass) : MeasuredControl{};
   NetworkResult result = report(pass);
@@ -247,7 +248,13 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 /// Where set-ups contradict each other, that is the cause, and what the solver says of it a consequence.
 [[noreturn]] void fail_with_cause(const NetworkModel& model, const NetworkError& error) {
-  if (model.contradiction.empty()) throw error;
+  if (model.contradiction.empty()) {
+    // What might hold what is open, or has torn it.
+    std::string text = error.what();
+    for (const std::string& set_up : model.knocked) text += ". " + set_up;
+    if (!model.known_beside_control.empty()) text += ". " + model.known_beside_control;
+    throw NetworkError(text, error.findings, error.undetermined, error.kind());
+  }
   std::vector<Finding> findings = {{Finding::Severity::warning, model.contradiction, {}}};
   findings.insert(findings.end(), error.findings.begin(), error.findings.end());
   throw NetworkError(model.contradiction + "; mend that first. As it is, " + error.what(), findings);
@@ -255,8 +262,8 @@ bool any_is_given(const SurveyObservations& survey, const std::vector<std::strin
 
 }  // namespace
 
-static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const AdjustOptions& options,
-                                     const ControlPoints& all_control, std::unique_ptr<KeptNetwork>* kept) {
+NetworkResult adjust_as_it_is(const SurveyObservations& survey, const AdjustOptions& options,
+                              const ControlPoints& all_control, std::unique_ptr<KeptNetwork>* kept) {
   std::vector<Finding> said;
   const ControlPoints control = without_excluded(all_control, options.exclude);
   SurveyObservations rest = without_excluded(survey, options.exclude, all_control, said);
@@ -297,78 +304,12 @@ static NetworkResult adjust_as_it_is(const SurveyObservations& survey, const Adj
   }
 }
 
-namespace {
-
-/// The causes that the network itself confirms: adjusted without them, it is sound or nearly so. Worded with what came
-/// of it; `now` is the sigma0 as it is, NaN: it could not be adjusted. Of causes why points were left out, those with
-/// which fewer are.
-std::vector<Finding> confirmed_causes(const SurveyObservations& survey, const AdjustOptions& options,
-                                      const ControlPoints& control, double now,
-                                      size_t fewer_left_out_than = std::numeric_limits<size_t>::max()) {
-  constexpr double kFits = 3, kBetter = 5;  // of sigma0
-  std::vector<Finding> findings;
-  for (const Cause& cause : find_causes(survey, options, control)) {
-    try {
-      const NetworkResult r = adjust_as_it_is(cause.mended, options, cause.control, nullptr);
-      const bool several = r.sigma0 > kFits && r.sigma0 * kBetter < now;  // it is one of several mistakes
-      if ((r.validity == Validity::invalid && !several) || r.left_out.size() >= fewer_left_out_than) continue;
-      findings.push_back({Finding::Severity::warning,
-                          "probably: " + cause.text + ". Adjusted with that undone, sigma0 is " +
-                              fixed_digits(r.sigma0, 2) +
-                              (std::isnan(now) ? "; as it is the network cannot be adjusted"
-                                               : " in place of " + fixed_digits(now, 2)) +
-                              ". Mend it in the file: nothing was changed here",
-                          cause.points});
-    } catch (const std::runtime_error&) {
-      continue;  // it is not that, or not that alone
-    }
-  }
-  return findings;
-}
-
-/// Set-ups of which nothing is left where their stations were left out.
-std::vector<std::string> lost_set_ups(const SurveyObservations& survey, const NetworkResult& result) {
-  std::set<std::string> out(result.left_out.begin(), result.left_out.end());
-  std::vector<std::string> lost;
-  for (const SetUp& s : survey.set_ups)
-    if (out.contains(s.station)) lost.push_back(s.id);
-  return lost;
-}
-
-/// What is left of a network whose other points were left out may be sound: not if one mistake explains why they were,
-/// and not if set-ups went with them, whose readings nothing has tested.
-void explain_left_out(const SurveyObservations& survey, const AdjustOptions& options, const ControlPoints& control,
-                      NetworkResult& result) {
-  if (result.left_out.empty()) return;
-  const std::vector<Finding> causes = confirmed_causes(survey, options, control, result.sigma0, result.left_out.size());
-  const std::string points =
-      std::to_string(result.left_out.size()) + (result.left_out.size() == 1 ? " point" : " points");
-  if (!causes.empty()) {
-    result.findings.insert(result.findings.begin(), causes.begin(), causes.end());
-    result.validity = Validity::doubtful;
-    result.verdict = "doubtful: " + points + " left out because of one mistake (" +
-                     causes.front().text.substr(0, causes.front().text.find(". Adjusted with")) +
-                     "); of the rest: " + result.verdict;
-    return;
-  }
-  const std::vector<std::string> lost = lost_set_ups(survey, result);
-  if (lost.empty()) {
-    result.verdict += "; " + points + " left out as not determined";
-    return;
-  }
-  result.validity = Validity::doubtful;
-  result.verdict = "doubtful: " + std::string(lost.size() == 1 ? "set-up " : "set-ups ") + join(lost, 6) +
-                   (lost.size() == 1 ? " hangs" : " hang") + " in the air, and no reading of " +
-                   (lost.size() == 1 ? "it" : "them") + " took part or was tested; of the rest: " + result.verdict;
-}
-
-}  // namespace
-
 static NetworkResult adjust_network(const SurveyObservations& survey, const AdjustOptions& options,
                                     const ControlPoints& control, std::unique_ptr<KeptNetwork>* kept) {
   check_indices(survey);
   try {
     NetworkResult result = adjust_as_it_is(survey, options, control, kept);
+    explain_scale(survey, options, control, result);
     if (result.validity != Validity::invalid) {
       explain_left_out(survey, options, control, result);
       return result;

@@ -201,8 +201,23 @@ class Adjuster {
     double moved = 0;  ///< by so much [m]
   };
   std::vector<RivalReading> rivals_of(const Pass& pass, int row) const;
-  /// Says which readings were taken out although others explain the misfit as well and would put points elsewhere.
-  void tell_rival_readings(const Pass& pass);
+  /// Says which readings were taken out although others explain the misfit as well and would put points elsewhere; of
+  /// points `told` more has been said.
+  void tell_rival_readings(const Pass& pass, const std::set<std::string>& told);
+
+  struct SightsOfPoint {
+    std::map<int, std::vector<int>> of_set_up;  ///< rows of the model
+    std::set<int> touched;                      ///< set-ups of which a reading was taken out
+    int removed = 0;                            ///< readings
+    bool angles = false;                        ///< not distances alone
+  };
+  /// Points of which half of the set-ups that sighted them, or more, lost readings: one of them two or all of them one,
+  /// and not distances alone.
+  std::map<std::string, SightsOfPoint> sights_with_removed() const;
+  /// Where a sight has its target, minus where the network has it [m]; none: not of three readings.
+  std::optional<Eigen::Vector3d> seen_beside(const Pass& pass, const std::vector<int>& sight) const;
+  /// Says of these points that they were at two places; their names.
+  std::set<std::string> tell_contradicting_sights(const Pass& pass);
 
   /// Huber weights by iteration; observations they push out start as removed and must earn their way back.
   void remove_by_robust_weights();

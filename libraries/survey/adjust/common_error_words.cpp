@@ -34,15 +34,24 @@ std::vector<Eigen::Vector3d> known_places(const NetworkModel& m) {
   return m.datum == DatumMode::inner ? std::vector<Eigen::Vector3d>{} : places;
 }
 
-/// Distances that somebody has brought to the map already are too short by the map's scale a second time.
-std::string reduced_before(const NetworkModel& m, double size, double sigma) {
-  constexpr double kClose = 1.5e-5;  // heights of the geoid, a wide site
+/// Of the distances, by the map.
+double mean_map_scale(const NetworkModel& m) {
   double sum = 0, count = 0;
   for (size_t i = 0; i < m.corrections.size(); ++i)
     if (group_of(m.observations[i].observation.kind) == kDistances && !m.dropped[i])
       sum += m.corrections[i].scale, ++count;
-  if (count == 0 || std::abs(size - (sum / count - 1)) > std::max(kClose, 3 * sigma)) return "";
-  return "they look as if they had been reduced to the map already (its scale here is " + fixed_digits(sum / count, 6) +
+  return count > 0 ? sum / count : 1;
+}
+
+/// Distances that somebody has brought to the map already are too short by the map's scale a second time. Else the
+/// scale that the readings have may be that of another map.
+std::string beside_the_map(const NetworkModel& m, double size, double sigma) {
+  constexpr double kClose = 1.5e-5;  // heights of the geoid, a wide site
+  const double scale = mean_map_scale(m);
+  if (std::abs(size - (scale - 1)) > std::max(kClose, 3 * sigma))
+    return "check the ppm setting, the unit, and the map: its scale here is " + fixed_digits(scale, 6) +
+           ", by the readings it would be " + fixed_digits(scale / (1 + size), 6);
+  return "they look as if they had been reduced to the map already (its scale here is " + fixed_digits(scale, 6) +
          "): switch that off in the instrument or its export, or leave out map";
 }
 
@@ -62,7 +71,7 @@ std::string Adjuster::describe(const CommonError& e) const {
       text = all + "distances" + owner + " look too " + (e.size > 0 ? "long" : "short") + " by " +
              fixed_digits(std::abs(e.size) * 1e6, 0) + " ppm: ";
       if (e.set_up < 0)
-        text += m_.map ? reduced_before(m_, e.size, e.sigma)
+        text += m_.map ? beside_the_map(m_, e.size, e.sigma)
                        : map_that_explains(1 / (1 + e.size), e.sigma, known_places(m_));
       if (text.ends_with(": ")) text += "check the ppm setting and the unit";
       break;

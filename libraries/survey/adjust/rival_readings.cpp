@@ -113,12 +113,12 @@ std::vector<Adjuster::RivalReading> Adjuster::rivals_of(const Pass& pass, int ro
   return rivals;
 }
 
-void Adjuster::tell_rival_readings(const Pass& pass) {
+void Adjuster::tell_rival_readings(const Pass& pass, const std::set<std::string>& told) {
   constexpr std::size_t kNamed = 3;
   std::size_t choices = 0;
   const std::set<int> misnamed(m_.misnamed.begin(), m_.misnamed.end());  // of them more is known than that they misfit
   for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row) {
-    if (!state_.removed[row] || misnamed.contains(row)) continue;
+    if (!state_.removed[row] || misnamed.contains(row) || told.contains(m_.rows[row].to)) continue;
     const std::vector<RivalReading> rivals = rivals_of(pass, row);
     if (rivals.empty()) continue;
     std::string readings = words_of(m_.rows[row]);
@@ -134,9 +134,9 @@ void Adjuster::tell_rival_readings(const Pass& pass) {
         m_.ids[rivals.front().point] + " lies " + fixed_digits(1000 * rivals.front().moved, 1) +
         " mm elsewhere; measure " + join(points) + " once more";
     m_.findings.push_back({Finding::Severity::warning, text, points, Finding::Subject::either});
-    if (choices++ == 0) either_ = text;
+    if (choices++ == 0 && told.empty()) either_ = text;
   }
-  if (choices > 1) either_ += " (and " + std::to_string(choices - 1) + " more of that kind)";
+  if (choices > 1 && told.empty()) either_ += " (and " + std::to_string(choices - 1) + " more of that kind)";
 }
 
 }  // namespace plumbline::survey

@@ -73,9 +73,8 @@ class ControlCauses {
       sight.point = id;
       sight.ray = place->position;
     }
-    double extent = 0;
-    for (const LocalSight& s : seen_) extent = std::max(extent, (s.ray - seen_.front().ray).head<2>().norm());
-    tolerance_ = 0.05 + 1e-3 * extent;  // a map's scale is in it
+    for (const LocalSight& s : seen_) extent_ = std::max(extent_, (s.ray - seen_.front().ray).head<2>().norm());
+    tolerance_ = tolerance(1);
   }
 
   std::vector<ControlCause> run() {
@@ -91,9 +90,15 @@ class ControlCauses {
   }
 
  private:
+  /// What is read as metres and is in another unit spans `scale` of what it seems to. A map's scale is in it [m].
+  double tolerance(double scale) const { return 0.05 + 1e-3 * extent_ * scale; }
+
   std::optional<FigureFit> fit_with(const Undo& undo, double scale = 1) const {
     std::vector<FigurePair> pairs;
-    for (const LocalSight& s : seen_) pairs.push_back({&s, undo(known_.at(s.point)), tolerance_});
+    for (const LocalSight& s : seen_) {
+      pairs.push_back({&s, undo(known_.at(s.point)), tolerance(scale)});
+      if (scale != 1) pairs.back().target.z() = kNotGiven;  // the earth's curve of 80 km is in what is 80 m away
+    }
     return fit_robustly(pairs, scale);
   }
 
@@ -211,7 +216,8 @@ class ControlCauses {
   const ControlPoints& control_;
   const std::map<std::string, Vector3d> known_;
   std::vector<LocalSight> seen_;  ///< known points where the chain sees them
-  double tolerance_ = 0;
+  double extent_ = 0;             ///< of the known points, as seen [m]
+  double tolerance_ = 0;          ///< of that extent [m]
   std::vector<ControlCause> found_;
 };
 

@@ -23,6 +23,7 @@ SurveyObservations GamaReader::read() {
     throw SurveyReadError(xml_.position(root), "an XML file with root <" + std::string(root_name) + ">",
                           "<gama-local> with a <network>, or <gnu-gama-data> with a <g3-model>");
   if (xml_.damage()) builder_.survey.skipped.push_back(*xml_.damage());
+  skip_unknown_attributes();
   read_network(network);
   const auto parameters = text::child(network, "parameters");
   read_parameters(parameters);
@@ -39,6 +40,41 @@ SurveyObservations GamaReader::read() {
 void GamaReader::skip(pugi::xml_node node, const std::string& found, const std::string& expected) {
   const SourcePosition at = xml_.position(node);
   builder_.skip(at.line, at.column, found, expected);
+}
+
+// Attributes of gama-local.xsd (gama 2.33), and those that older files have.
+void GamaReader::skip_unknown_attributes() {
+  using Names = std::set<std::string_view>;
+  static const std::map<std::string_view, Names> known = {
+      {"network", {"axes-xy", "angles", "epoch"}},
+      {"parameters",
+       {"sigma-apr", "conf-pr", "tol-abs", "sigma-act", "algorithm", "language", "encoding", "angular", "angles",
+        "latitude", "ellipsoid", "cov-band", "iterations", "update-constrained-coordinates"}},
+      {"points-observations",
+       {"distance-stdev", "direction-stdev", "angle-stdev", "zenith-angle-stdev", "azimuth-stdev"}},
+      {"point", {"id", "x", "y", "z", "fix", "adj", "extern"}},
+      {"obs", {"from", "from_dh", "orientation"}},
+      {"direction", {"from", "to", "val", "stdev", "from_dh", "to_dh", "extern"}},
+      {"distance", {"from", "to", "val", "stdev", "from_dh", "to_dh", "extern"}},
+      {"s-distance", {"from", "to", "val", "stdev", "from_dh", "to_dh", "extern"}},
+      {"z-angle", {"from", "to", "val", "stdev", "from_dh", "to_dh", "extern"}},
+      {"azimuth", {"from", "to", "val", "stdev", "from_dh", "to_dh", "extern"}},
+      {"angle", {"from", "bs", "fs", "val", "stdev", "from_dh", "bs_dh", "fs_dh", "extern"}},
+      {"dh", {"from", "to", "val", "stdev", "dist", "extern"}},
+      {"vec", {"from", "to", "dx", "dy", "dz", "from_dh", "to_dh", "extern"}},
+      {"cov-mat", {"dim", "band"}},
+      {"coordinates", {"extern"}},
+      {"height-differences", {}},
+      {"vectors", {}}};
+  for (pugi::xml_node node :
+       text::descendants(xml_.root(), {"network", "parameters", "points-observations", "point", "obs", "direction",
+                                       "distance", "s-distance", "z-angle", "azimuth", "angle", "dh", "vec", "cov-mat",
+                                       "coordinates", "height-differences", "vectors"}))
+    for (const pugi::xml_attribute a : node.attributes())
+      if (const std::string_view name = a.name();
+          !known.at(text::local_name(node)).contains(name) && !name.starts_with("xml"))
+        skip(node, std::string(name) + "=\"" + a.value() + "\"",
+             "an attribute of <" + std::string(text::local_name(node)) + "> that gama-local defines");
 }
 
 void GamaReader::read_network(pugi::xml_node network) {

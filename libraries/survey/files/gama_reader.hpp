@@ -42,6 +42,8 @@ class GamaReader {
 
  private:
   void skip(pugi::xml_node node, const std::string& found, const std::string& expected);
+  /// What gama-local does not define would change nothing where it is read, and the file is meant otherwise.
+  void skip_unknown_attributes();
   void read_network(pugi::xml_node network);
   void read_parameters(pugi::xml_node node);
 

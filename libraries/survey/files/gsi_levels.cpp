@@ -47,10 +47,10 @@ bool GsiReader::read_level_block(const GsiBlock& block) {
       // Before a staff is read the height is the bench mark's, keyed in; behind a reading it was computed.
       // Of a level 5 is keyed in too, with the correction of curvature switched on.
       const bool as_keyed = height->keyed_in() || height->whole[4] == '5';
-      if (!level_heights_.contains(*id) && as_keyed) level_heights_[*id] = *value;
+      if (as_keyed) level_.start_from(*id, *value);
       const bool keyed = as_keyed && !block.find(571) && !block.find(573);
       const Eigen::Vector3d at(kNotGiven, kNotGiven, *value);
-      if (!keyed) compare_level_height(*id, *value);
+      if (!keyed) level_.compare_height(*id, *value, line_);
       if (!keyed) builder_.compute_coordinates(*id);
       builder_.give_coordinates(*id, at, builder_.at(line_, height->column));
       if (keyed) builder_.know_coordinates(*id, at, builder_.at(line_, height->column));
@@ -77,22 +77,6 @@ void GsiReader::add_stored_difference(const std::string& id, double height, cons
   builder_.warn(
       "levelling lines without staff readings: height differences are those of the heights that the level wrote (words "
       "83 and 574); where it has distributed a misclosure they close by construction and test nothing");
-}
-
-// The level computed its height from the readings before it: where the two differ a reading was repeated, lost or
-// edited.
-void GsiReader::compare_level_height(const std::string& id, double height) {
-  constexpr double kAgree = 0.0015;  // [m]: rounding of both, and a correction of curvature
-  const auto& read = builder_.survey.observations;
-  const double from =
-      level_heights_.contains(read.empty() ? "" : read.back().from) ? level_heights_[read.back().from] : kNotGiven;
-  level_heights_[id] = height;
-  if (read.empty() || read.back().kind != ObservationKind::height_difference || read.back().to != id) return;
-  const double misfit = height - from - read.back().value;
-  if (!(std::abs(misfit) > kAgree)) return;  // NaN: the height it came from is not in the file
-  builder_.warn("line " + std::to_string(line_) + ": the level's own height of '" + id + "' is " +
-                text::format_fixed(1e3 * misfit, 1) + " mm off what its readings give from '" + read.back().from +
-                "': look for a reading that was repeated, lost or edited");
 }
 
 void GsiReader::read_staff(const GsiBlock& block, const GsiWord& word) {

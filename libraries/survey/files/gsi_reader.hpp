@@ -30,7 +30,6 @@ class GsiReader {
   bool read_level_block(const GsiBlock& block);
   void read_staff(const GsiBlock& block, const GsiWord& word);
   void add_stored_difference(const std::string& id, double height, const GsiBlock& block);
-  void compare_level_height(const std::string& id, double height);
   void read_code_block(const GsiBlock& block);
   void read_heights(const GsiBlock& block);
   void read_info(const GsiBlock& block);
@@ -67,7 +66,6 @@ class GsiReader {
     double height = 0, distance = 0;
     bool has_readings = false;  // the line has staff readings
   } line_height_;
-  std::map<std::string, double> level_heights_;  // [m], as the level wrote them, the last
   int line_ = 0;
   double instrument_height_ = kNotGiven, target_height_ = kNotGiven;
   bool height_is_of_set_up_ = false;  // given at the start of the current set-up or since

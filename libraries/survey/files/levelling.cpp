@@ -61,6 +61,22 @@ void LevelRun::tell_balance() {
                 "Level with equal sights, or check the line of sight and correct for it");
 }
 
+void LevelRun::start_from(const std::string& point, double height) { heights_.insert_or_assign(point, height); }
+
+void LevelRun::compare_height(const std::string& point, double height, int line) {
+  constexpr double kAgree = 0.0015;  // [m]: rounding of both, and a correction of curvature
+  const auto& read = builder_.survey.observations;
+  const auto before = read.empty() ? heights_.end() : heights_.find(read.back().from);
+  const double from = before == heights_.end() ? kNotGiven : before->second;
+  heights_[point] = height;
+  if (read.empty() || read.back().kind != ObservationKind::height_difference || read.back().to != point) return;
+  const double misfit = height - from - read.back().value;
+  if (!(std::abs(misfit) > kAgree)) return;  // NaN: the height it came from is not in the file
+  builder_.warn("line " + std::to_string(line) + ": the level's own height of '" + point + "' is " +
+                text::format_fixed(1e3 * misfit, 1) + " mm off what its readings give from '" + read.back().from +
+                "': look for a reading that was repeated, lost or edited");
+}
+
 bool LevelRun::complete() const {
   const auto needed = static_cast<std::size_t>(std::max(1, readings_));
   return back_.size() >= needed && ahead_.size() >= needed;

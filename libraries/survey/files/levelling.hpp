@@ -3,6 +3,7 @@
 // height. Orders of readings: BF, BFFB, BBFF, BFBF and the alternating FB, FBBF.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -34,6 +35,11 @@ class LevelRun {
   void drop_last();
   void drop_position();
   bool any() const { return any_; }
+  /// A height that was keyed in for the level [m]: those behind it follow from it.
+  void start_from(const std::string& point, double height);
+  /// A height that the level computed from the readings before it [m], in this line of the file: where the two differ a
+  /// reading was repeated, lost or edited, which is said.
+  void compare_height(const std::string& point, double height, int line);
 
  private:
   bool complete() const;
@@ -49,7 +55,8 @@ class LevelRun {
     double sum = 0, least = 0, most = 0;
     std::string at_least, at_most;  // points
   } balance_;
-  StaffReading last_back_;  // intermediate sights after a finished position still hang on it
+  StaffReading last_back_;                 // intermediate sights after a finished position still hang on it
+  std::map<std::string, double> heights_;  // [m], as the level has them, the last
 };
 
 }  // namespace plumbline::survey

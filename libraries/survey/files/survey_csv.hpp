@@ -17,7 +17,9 @@ struct SurveyCsvOptions {
   /// Of angle columns without a unit in their header: gon, deg, dms (D.MMSSs), rad. Empty: what the readings tell (both
   /// faces, reciprocal zenith angles), with a warning; where they do not, the table is refused.
   std::string angle_unit = "";
-  std::string length_unit = "m";  ///< of length columns without a unit in their header: m, cm, mm, ft, usft
+  /// Of length columns without a unit in their header: m, cm, mm, ft, usft. Empty: m, with a warning where a table of
+  /// sightings names none for any length.
+  std::string length_unit = "";
 };
 
 /// Reads a table of points (id, E, N, H, code; with sigma_e, sigma_n, sigma_h or cov_ee, cov_en, ... also as

@@ -206,9 +206,10 @@ void SurveyColumns::place(const std::string& name, std::size_t index, const std:
   if (angle && (unit.empty() || unit == "grad") && options_.angle_unit.empty()) {
     columns_[name] = {index, ""};
     untold_.push_back(name);
+    says_grad_ = says_grad_ || unit == "grad";
     return;
   }
-  const std::string& used = unit.empty() ? (angle ? options_.angle_unit : options_.length_unit) : unit;
+  const std::string used = unit.empty() ? (angle ? options_.angle_unit : length_unit()) : unit;
   if (std::isnan(in_si(1.0, used)) || is_angle_unit(used) != angle)
     throw SurveyReadError(builder_.at(unit.empty() ? 0 : table_.header_line, unit.empty() ? 0 : 1),
                           "the unit " + text::quoted(used) + " of column " + name,

@@ -25,11 +25,14 @@ class SurveyColumns {
 
   /// Angle columns whose unit neither header nor options say; their values cannot be read before `set_angle_unit`.
   const std::vector<std::string>& untold() const { return untold_; }
-  const std::string& length_unit() const { return options_.length_unit; }
-  /// Columns of lengths that have no unit in a table that names none for any.
+  /// Of columns of lengths without a unit.
+  std::string length_unit() const { return options_.length_unit.empty() ? "m" : options_.length_unit; }
+  /// Columns of lengths that have no unit in a table that names none for any, where the options do not say one either.
   std::vector<std::string> untold_lengths() const {
-    return lengths_told_.empty() ? lengths_untold_ : std::vector<std::string>();
+    return lengths_told_.empty() && options_.length_unit.empty() ? lengths_untold_ : std::vector<std::string>();
   }
+  /// A header says "Grad": a degree in German and a gon in French.
+  bool says_grad() const { return says_grad_; }
   void set_angle_unit(const std::string& unit);
 
   bool has(const std::string& column) const { return columns_.contains(column); }
@@ -84,6 +87,7 @@ class SurveyColumns {
   bool failed_ = false;
   bool of_points_ = false;  ///< a table of points, whose columns of accuracies are those of control
   std::vector<std::string> untold_, lengths_told_, lengths_untold_;
+  bool says_grad_ = false;
 };
 
 }  // namespace plumbline::survey

@@ -124,11 +124,16 @@ void TableReader::tell_unit_of_angles() {
   std::string names;
   for (const std::string& name : columns_.untold()) names += (names.empty() ? "" : ", ") + name;
   const auto told = tell_angle_unit(sightings);
+  const bool grad = columns_.says_grad();
   if (!told)
-    throw SurveyReadError(builder_.at(table_.header_line, 1), "angles without a unit (" + names + ")",
+    throw SurveyReadError(builder_.at(table_.header_line, 1),
+                          grad ? "angles in 'Grad', a degree in German and a gon in French (" + names + ")"
+                               : "angles without a unit (" + names + ")",
                           "a unit in the header, such as 'hz [gon]', or the option angle_unit: gon, deg, dms; no two "
                           "faces and no reciprocal zenith angles tell it");
-  builder_.warn("the table names no unit for " + names + ": " + told->unit + " is taken, because " + told->reason);
+  builder_.warn((grad ? "'Grad' of " + names + " is a degree in German and a gon in French: "
+                      : "the table names no unit for " + names + ": ") +
+                told->unit + " is taken, because " + told->reason);
   columns_.set_angle_unit(told->unit);
 }
 

@@ -228,7 +228,7 @@ std::string foreign_suffix(const std::string& file) {
 // Rows with a name and numbers look like points, whatever they are. Under a name that is of no table it is said that
 // they were taken for some, and what is no point in them is no fault of a column.
 SurveyObservations read_table(std::string_view bytes, const std::string& file, const std::string& angle_unit) {
-  const SurveyCsvOptions options{"", angle_unit, "m"};
+  const SurveyCsvOptions options{"", angle_unit, ""};
   const std::string suffix = foreign_suffix(file);
   if (suffix.empty() || !text::read_csv(bytes, survey_column_names()).header.empty())
     return read_survey_csv(bytes, file, options);

@@ -208,10 +208,13 @@ void ZeissReader::read_level(const Record& record) {
   if (sums || !record.find("Z") || record.point.empty()) return;
   level_.finish_position();
   const Eigen::Vector3d at(kNotGiven, kNotGiven, length(record, "Z"));
-  if (line_is_read_)
+  if (line_is_read_) {
+    level_.compare_height(record.point, at.z(), line_);
     builder_.compute_coordinates(record.point);
-  else  // the height that a line begins with was keyed in
+  } else {  // the height that a line begins with was keyed in
+    level_.start_from(record.point, at.z());
     builder_.know_coordinates(record.point, at, builder_.at(line_, 1));
+  }
   builder_.give_coordinates(record.point, at, builder_.at(line_, 1));
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 
 #include "survey/model/circle_steps.hpp"
@@ -181,6 +182,7 @@ class Reducer {
   void reduce(const ReadingGroup& group, const GroupVerdict& verdict);
   void tell_removed(const ReadingGroup& group, const Reading& reading, double difference, size_t others);
   void tell_separate(const ReadingGroup& group);
+  void tell_knocked(const std::vector<ReadingGroup>& groups, const std::vector<GroupVerdict>& verdicts);
   void tell_instrument();
   std::string name(const Reading& reading) const {
     const Observation& o = survey_.observations[reading.observation];
@@ -306,6 +308,29 @@ void Reducer::tell_instrument() {
   }
 }
 
+/// One reading in a set-up may be wrong; where a third of what was read twice does not repeat, the set-up moved.
+void Reducer::tell_knocked(const std::vector<ReadingGroup>& groups, const std::vector<GroupVerdict>& verdicts) {
+  constexpr size_t kFewest = 3, kOneIn = 3;
+  struct Targets {
+    std::set<std::string> twice, apart;
+  };
+  std::map<int, Targets> of_set_up;
+  for (size_t g = 0; g < groups.size(); ++g) {
+    if (groups[g].set_up < 0 || groups[g].alone || groups[g].readings.size() < 2) continue;
+    const std::string& to = survey_.observations[groups[g].readings.front().observation].to;
+    of_set_up[groups[g].set_up].twice.insert(to);
+    if (verdicts[g].separate) of_set_up[groups[g].set_up].apart.insert(to);
+  }
+  for (const auto& [set_up, targets] : of_set_up)
+    if (targets.apart.size() >= kFewest && kOneIn * targets.apart.size() >= targets.twice.size())
+      result_.knocked.push_back("set-up " + survey_.set_ups[set_up].id + ": of " +
+                                std::to_string(targets.twice.size()) + " targets that were read twice " +
+                                std::to_string(targets.apart.size()) +
+                                " do not repeat: it was knocked between its rounds, or readings of two places of the "
+                                "instrument have one name");
+  result_.warnings.insert(result_.warnings.begin(), result_.knocked.begin(), result_.knocked.end());
+}
+
 MeanResult Reducer::run() {
   const std::vector<CircleStep> steps = circle_steps(survey_);
   for (const CircleStep& step : steps) result_.warnings.push_back(in_words(step, survey_));
@@ -313,6 +338,7 @@ MeanResult Reducer::run() {
   result_.instrument = estimate_instrument_errors(groups, static_cast<int>(survey_.set_ups.size()));
   const std::vector<GroupVerdict> verdicts = test_readings(groups, result_.instrument);
   for (size_t g = 0; g < groups.size(); ++g) reduce(groups[g], verdicts[g]);
+  tell_knocked(groups, verdicts);
   tell_instrument();
   return std::move(result_);
 }

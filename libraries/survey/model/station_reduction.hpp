@@ -30,7 +30,9 @@ struct MeanResult {
   std::vector<InstrumentErrors> instrument;  ///< one per set-up
   std::vector<RemovedReading> removed;
   std::vector<std::string> warnings;  ///< which readings contradict each other, one sentence a line of the file
-  std::vector<std::string> notes;     ///< collimation and index of each set-up
+  std::vector<std::string>
+      knocked;  ///< first of the warnings: set-ups of which many targets were read twice, and far apart
+  std::vector<std::string> notes;  ///< collimation and index of each set-up
 };
 
 /// Readings with their own sigma, or in a covariance, stay as they are; all others of one set-up, kind, target and

@@ -1,6 +1,8 @@
 // What holds the network: fixed points, control with covariance, or inner constraints.
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <string_view>
 
 #include "survey/model/reduced_readings.hpp"
 #include "survey/network/network_model_steps.hpp"
@@ -119,14 +121,18 @@ void drop_repeated_control(NetworkModel& m, const ControlPoints& control) {
 /// know, and where the control does not have it, too.
 void tell_keyed_in_beside(NetworkModel& m, const ControlPoints& control) {
   constexpr double kSame = 0.001;  // [m]
+  std::map<std::string_view, Eigen::Index> rows;
+  for (std::size_t c = 0; c < control.ids.size(); ++c) rows.try_emplace(control.ids[c], static_cast<Eigen::Index>(c));
   std::vector<std::string> others, other_ids, unused;
   for (const Point& p : m.survey.points) {
-    const auto at = std::find(control.ids.begin(), control.ids.end(), p.id) - control.ids.begin();
-    const bool is_control = at < static_cast<std::ptrdiff_t>(control.ids.size());
+    if (!is_known(m, p, 0) && !is_known(m, p, 1) && !is_known(m, p, 2)) continue;
+    const auto found = rows.find(p.id);
+    const bool is_control = found != rows.end();
+    const Eigen::Index at = is_control ? found->second : 0;
     bool held = true;
     for (int k = 0; k < 3; ++k) {
       if (!is_known(m, p, k)) continue;
-      const auto row = static_cast<Eigen::Index>(3 * at + k);
+      const Eigen::Index row = 3 * at + k;
       const double value = is_control ? control.coordinates[row] : kNotGiven;
       const double sigma = is_control && control.covariance.size() > 0 ? std::sqrt(control.covariance(row, row)) : 0;
       held &= std::isfinite(value);
@@ -142,12 +148,11 @@ void tell_keyed_in_beside(NetworkModel& m, const ControlPoints& control) {
                           "known points are keyed into the survey files with other coordinates than the control has: " +
                               join(others) + "; those of the control count. Mend the one that is wrong",
                           other_ids});
-  if (!unused.empty())
-    m.findings.push_back({Finding::Severity::note,
-                          "the survey files have " + join(unused) +
-                              " as known, wholly or in part, and the control does not: they are approximate values "
-                              "beside a control. Give them as control if they are to hold",
-                          unused});
+  if (unused.empty()) return;
+  m.known_beside_control = "the survey files have " + join(unused) +
+                           " as known, wholly or in part, and the control does not: they are approximate values "
+                           "beside a control. Give them as control if they are to hold";
+  m.findings.push_back({Finding::Severity::note, m.known_beside_control, unused});
 }
 
 /// Control points that take part, with their part of the covariance, as observed coordinates.

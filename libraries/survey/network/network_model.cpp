@@ -368,6 +368,7 @@ NetworkModel make_model(const SurveyObservations& survey, const AdjustOptions& o
   for (const InstrumentErrors& e : means.instrument)
     m.collimations.push_back(e.has_collimation() ? CommonEstimate{e.collimation, e.collimation_sigma}
                                                  : CommonEstimate{});
+  m.knocked = means.knocked;
   for (const std::string& text : means.warnings) m.findings.push_back({Finding::Severity::warning, text, {}});
   for (const std::string& text : means.notes) m.findings.push_back({Finding::Severity::note, text, {}});
   if (m.observations.empty() && survey.coordinates.empty() && survey.vectors.empty() &&

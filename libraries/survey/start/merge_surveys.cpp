@@ -47,6 +47,7 @@ class Merger {
   void compare_coordinates(size_t a, size_t b);
   void refuse_fixed(const Point& a, const Point& b, size_t file_a, size_t file_b) const;
   std::string name_in(size_t file, const std::string& id) const { return names_.of(file, id); }
+  void tell_tables_of_points();
   void merge_points(size_t file);
   int instrument_of(const std::string& name);
   void merge_observations(size_t file);
@@ -83,7 +84,7 @@ void Merger::compare_coordinates(size_t a, size_t b) {
   for (const Point& p : surveys_[a].points) known[name_in(a, p.id)] = &p;
   std::vector<std::string> different, keyed, approximate;
   size_t shared = 0;
-  double largest = 0;
+  double largest = 0, largest_approximate = 0;
   for (const Point& p : surveys_[b].points) {
     const auto at = known.find(name_in(b, p.id));
     if (at == known.end()) continue;
@@ -102,19 +103,21 @@ void Merger::compare_coordinates(size_t a, size_t b) {
       keyed.push_back(at->first + " (" + "ENH"[k] + " " + in_metres(at->second->coordinates[k]) + " and " +
                       in_metres(p.coordinates[k]) + ")");
     }
-    if (worst > kSamePlace) (keyed.size() > before ? different : approximate).push_back(at->first);
+    if (!(worst > kSamePlace)) continue;
+    (keyed.size() > before ? different : approximate).push_back(at->first);
+    if (keyed.size() == before) largest_approximate = std::max(largest_approximate, worst);
   }
   const size_t beside = different.size();  // known in both files
   different.insert(different.end(), approximate.begin(), approximate.end());
-  const auto differ = [&](const std::vector<std::string>& ids) {
+  const auto differ = [&](const std::vector<std::string>& ids, double by) {
     return "the coordinates of " + text::join(ids, most_named) + " in " + files_[b] + " differ from those in " +
-           files_[a] + " by up to " + in_metres(largest);
+           files_[a] + " by up to " + in_metres(by);
   };
   // Most of them far off: the two files count from different origins, and no coordinate of the later one helps.
   if (!different.empty() && 2 * different.size() >= shared && largest > kOtherFrame) {
     drop_coordinates_[b] = 1;
     find(Finding::Severity::warning,
-         differ(different) + ": the files are in different frames. The coordinates of " + files_[b] +
+         differ(different, largest) + ": the files are in different frames. The coordinates of " + files_[b] +
              " are not used, its points are computed from the observations",
          different);
     return;
@@ -127,7 +130,8 @@ void Merger::compare_coordinates(size_t a, size_t b) {
   drop_points_[b].insert(different.begin(), different.end());
   if (!approximate.empty())
     find(Finding::Severity::warning,
-         differ(approximate) + "; those of " + files_[a] + " are taken as approximate values", approximate);
+         differ(approximate, largest_approximate) + "; those of " + files_[a] + " are taken as approximate values",
+         approximate);
 }
 
 void Merger::compare_coordinates() {
@@ -135,6 +139,29 @@ void Merger::compare_coordinates() {
     stop_point();
     for (size_t a = 0; a < b && !drop_coordinates_[b]; ++a)
       if (!drop_coordinates_[a]) compare_coordinates(a, b);
+  }
+}
+
+/// A table of points among files of readings: somebody may have meant it as control, and it holds nothing.
+void Merger::tell_tables_of_points() {
+  std::set<std::string> sighted;
+  for (size_t f = 0; f < surveys_.size(); ++f)
+    for (const Observation& o : surveys_[f].observations) sighted.insert({name_in(f, o.from), name_in(f, o.to)});
+  for (size_t f = 0; f < surveys_.size(); ++f) {
+    const SurveyObservations& s = surveys_[f];
+    if (!s.observations.empty() || !s.coordinates.empty() || !s.vectors.empty() || !s.local_coordinates.empty())
+      continue;
+    std::vector<std::string> points;
+    for (const Point& p : s.points)
+      if (!p.coordinates.array().isNaN().all() && !p.known[0] && !p.known[1] && !p.known[2] &&
+          p.roles[0] != CoordinateRole::fixed && sighted.contains(name_in(f, p.id)))
+        points.push_back(name_in(f, p.id));
+    if (points.size() < 2) continue;
+    find(Finding::Severity::warning,
+         files_[f] + " has coordinates of " + std::to_string(points.size()) + " points that the other files sight (" +
+             text::join(points, most_named) +
+             ") and no readings: they are taken as approximate values. If they are known, give the file as the control",
+         points);
   }
 }
 
@@ -240,6 +267,7 @@ MergedSurvey Merger::run() {
   append(common_.findings, merged_.findings);
   append(names_.findings(), merged_.findings);
   compare_coordinates();
+  tell_tables_of_points();
   for (size_t i = 0; i < surveys_.size(); ++i) {
     stop_point();
     append(surveys_[i].files, merged_.survey.files);

@@ -22,9 +22,14 @@ const char* const kTraverse = "survey/starnet/traverse_output.txt";
 const char* const kCombined = "survey/starnet/combined_input.txt";
 const char* const kCombinedListing = "survey/starnet/combined_output.txt";
 const char* const kTraverseListing = "survey/starnet/traverse_input.txt";
+const char* const kVectors = "survey/starnet/gnss_input.txt";
+const char* const kVectorsListing = "survey/starnet/gnss_output.txt";
+const char* const kUnderground = "survey/starnet/underground_input.txt";
+const char* const kUndergroundListing = "survey/starnet/underground_output.txt";
 
-/// Rows of a table of the listing: a name and numbers, from `head` on to the first row that is none.
-std::map<std::string, std::vector<double>> table(const std::string& listing, const std::string& head) {
+/// Rows of a table of the listing: a name and numbers, `least` or more, from `head` on to the first row that is none.
+std::map<std::string, std::vector<double>> table(const std::string& listing, const std::string& head,
+                                                 std::size_t least = 3) {
   std::map<std::string, std::vector<double>> rows;
   std::istringstream text(listing.substr(listing.find(head)));
   std::string line;
@@ -34,7 +39,7 @@ std::map<std::string, std::vector<double>> table(const std::string& listing, con
     std::vector<double> numbers;
     words >> name;
     for (double number = 0; words >> number;) numbers.push_back(number);
-    if (numbers.size() >= 3)
+    if (numbers.size() >= least)
       rows[name] = numbers;
     else if (!rows.empty())
       break;
@@ -143,6 +148,51 @@ TEST(StarNetListings, TraverseWithVectorsAndLevelling) {
   EXPECT_LT(d.plan, 1e-4);
   EXPECT_LT(d.height, 6e-5);
   EXPECT_LT(d.sigma, 0.002);
+}
+
+/// Fifteen GNSS vectors. Where the listing's correlations show the factor 1.2 of two of them the data say 1: in plan
+/// four standard deviations are up to 10 % off, in height none.
+TEST(StarNetListings, FifteenVectors) {
+  PLUMBLINE_REQUIRE_DATA(kVectors);
+  PLUMBLINE_REQUIRE_DATA(kVectorsListing);
+  AdjustOptions options = options_of_the_job();
+  options.geoid.slope_sigma = 0;
+  const NetworkResult r = adjust_network(read_starnet(test::read_file(test::data_file(kVectors)), "gnss.dat"), options);
+  const std::string listing = test::read_file(test::data_file(kVectorsListing));
+  EXPECT_EQ(r.degrees_of_freedom, 27);
+  EXPECT_NEAR(r.sigma0, 1.225, 0.01);
+  const Differences d = beside(r, listing, "FRDN");
+  EXPECT_EQ(d.points, 7u);
+  EXPECT_LT(d.plan, 1.5e-4);
+  EXPECT_LT(d.height, 6e-5);
+  EXPECT_LT(d.sigma, 0.11);
+}
+
+/// A traverse underground of 16 points, angles and distances of a plan, sights of 0.4 to 34 m: the centring decides.
+TEST(StarNetListings, TraverseUnderground) {
+  PLUMBLINE_REQUIRE_DATA(kUnderground);
+  PLUMBLINE_REQUIRE_DATA(kUndergroundListing);
+  AdjustOptions options;
+  options.profile = instrument(0.5, 1, 1e-3, 1);
+  options.profile.angle_sigma = 0.5 * kSecond;
+  options.profile.instrument_centring = 0.5e-3, options.profile.target_centring = 0;
+  options.centring_per_set_up = false;
+  const SurveyObservations survey = read_starnet(test::read_file(test::data_file(kUnderground)), "underground.dat");
+  EXPECT_TRUE(survey.skipped.empty());
+  const NetworkResult r = adjust_network(survey, options);
+  EXPECT_EQ(r.degrees_of_freedom, 134);
+  EXPECT_NEAR(r.sum_of_squares, 149.176, 0.2);
+  const std::string listing = test::read_file(test::data_file(kUndergroundListing));
+  const auto listed = table(listing, "Adjusted Coordinates (Meters)", 2),
+             sigmas = table(listing, "Station Coordinate Standard Deviations", 2);
+  ASSERT_EQ(listed.size(), 16u);
+  for (const auto& [id, values] : listed) {
+    const ResultPoint& p = r.point(id);
+    EXPECT_LT((p.position.head<2>() - Eigen::Vector2d(values[1], values[0])).norm(), 1.5e-4) << id;
+    if (sigmas.at(id)[0] == 0) continue;
+    EXPECT_NEAR(r.sigma(p).y() / sigmas.at(id)[0], 1, 0.01) << id;
+    EXPECT_NEAR(r.sigma(p).x() / sigmas.at(id)[1], 1, 0.01) << id;
+  }
 }
 
 }  // namespace test_starnet_listings

@@ -197,6 +197,23 @@ TEST(Causes, AllDistancesInFeetBesideKnownPoints) {
   expect_cause(two, "all distances are in feet and were read as metres: so M1 and M8 are ");
 }
 
+/// What seems to span 200 km had a tolerance of 200 m, in which every pair of known points is one, and the curve of the
+/// earth in its heights.
+TEST(Causes, AllDistancesInMillimetresBesideKnownPoints) {
+  for (const Eigen::Index known : {3, 5}) {
+    Job job(Eigen::Vector3d::Zero(), 1);
+    job.know(as_it_is);
+    job.survey.coordinates.resize(static_cast<size_t>(known));
+    for (Observation& o : job.survey.observations)
+      if (o.kind == slope_distance) o.value *= 1000;
+    const std::string points = std::to_string(known);
+    EXPECT_NE(job.words().find("all distances are in millimetres and were read as metres: so " + points + " of " +
+                               points + " known points"),
+              std::string::npos)
+        << job.words();
+  }
+}
+
 /// A set-up that shares one mark with the others: nothing says how it is turned. What is left is sound, but of its
 /// readings nobody has tested any.
 TEST(Causes, ASetUpThatHangsInTheAirIsNoSoundNetwork) {

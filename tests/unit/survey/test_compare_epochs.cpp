@@ -52,6 +52,12 @@ TEST(CompareEpochs, WhichOfTwoBodiesStayedIsNotToldByAFreeNetwork) {
   ComparisonOptions held;
   held.free_motions = 0;
   EXPECT_TRUE(compare_epochs(first, second, held).other_body.empty());
+  // Three of a settling corner are no rival of those that stayed.
+  Epoch corner = markers(epoch(test::simulate({}, 22).survey));
+  for (Eigen::Index i = 0; i < 3; ++i) corner.coordinates[3 * i + 2] -= 0.004;
+  const Comparison few = compare_epochs(first, corner, {});
+  EXPECT_EQ(few.excluded.size(), 3u);
+  EXPECT_TRUE(few.other_body.empty());
   // Points that move each by itself are no body.
   Epoch scattered = markers(epoch(test::simulate({}, 22).survey));
   for (Eigen::Index i = 0; i < 4; ++i) scattered.coordinates[3 * i + i % 3] += i % 2 == 0 ? 0.02 : -0.03;

@@ -79,6 +79,24 @@ TEST(KnownPoints, BesideAControlThatSaysSomethingElseAreTold) {
 }
 
 /// A corrected copy of a file has the same readings and another known point: the readings count once, and it is told.
+/// The control has one point: the turn is open that two keyed-in ones would hold.
+TEST(KnownPoints, OfWhichTheControlHasOneAreNamedWhereItHoldsTooLittle) {
+  ControlPoints control;
+  control.ids = {"S100"};
+  control.coordinates = Eigen::Vector3d(5000, 1000, 100);
+  control.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  AdjustOptions options;
+  options.profile = built_in_profile("ics50_assumed");
+  try {
+    adjust_network(read_survey(polar_job("100000"), "p.gsi"), options, control);
+    FAIL() << "nothing was refused";
+  } catch (const NetworkError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("rotation about the vertical through S100"), std::string::npos) << text;
+    EXPECT_NE(text.find("the survey files have B101 as known"), std::string::npos) << text;
+  }
+}
+
 TEST(KnownPoints, OfACopyThatSaysSomethingElseAreTold) {
   std::string other = polar_job("100001");
   other.replace(other.find("0000000001100000"), 16, "0000000001100050");

@@ -52,5 +52,23 @@ TEST(GamaWriter, AnySurveyReadsBackTheSame) {
   }
 }
 
+/// 'stdv' for 'stdev': the distance was taken with the default of 5 mm, and nobody was told.
+TEST(Gama, AnAttributeThatNobodyReadsIsListed) {
+  const auto network = [](const std::string& attribute) {
+    return "<?xml version=\"1.0\"?><gama-local xmlns=\"http://www.gnu.org/software/gama/gama-local\"><network "
+           "axes-xy=\"ne\"><parameters sigma-apr=\"1\"/><points-observations distance-stdev=\"5\" "
+           "direction-stdev=\"10\">\n<point id=\"A\" x=\"0\" y=\"0\" fix=\"xy\"/><point id=\"P\" adj=\"xy\"/>\n"
+           "<obs from=\"A\"><distance to=\"P\" val=\"70.71\" " +
+           attribute + "=\"1\"/></obs></points-observations></network></gama-local>";
+  };
+  for (const char* known : {"stdev", "extern", "from_dh"})
+    EXPECT_TRUE(read_gama_xml(network(known), "g.gkf").skipped.empty()) << known;
+  const auto s = read_gama_xml(network("stdv"), "g.gkf");
+  ASSERT_EQ(s.skipped.size(), 1u);
+  EXPECT_EQ(s.skipped[0].found, "'stdv=\"1\"'");
+  EXPECT_EQ(s.skipped[0].expected, "an attribute of <distance> that gama-local defines");
+  EXPECT_EQ(s.skipped[0].source.line, 3);
+}
+
 }  // namespace gama_test
 }  // namespace plumbline::survey

@@ -97,10 +97,14 @@ TEST(SurveyCsv, GradIsWhatTheReadingsSay) {
   const auto read = [](const std::string& rows) {
     return read_survey_csv("Standpunkt;Zielpunkt;Hz [Grad];V [Grad];Schr\u00e4gstrecke [m]\n" + rows, "g.csv");
   };
-  EXPECT_NE(error_of([&] { read("S1;P1;0,0;90,0;100,0\nS1;P2;45,5;89,0;50,0\n"); }).find("angles without a unit"),
-            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { read("S1;P1;0,0;90,0;100,0\nS1;P2;45,5;89,0;50,0\n"); }).find("angles in 'Grad', a degree in"),
+      std::string::npos);
   const auto gon = read("S1;P1;399,5;100,0;100,0\nS1;P2;45,5;99,0;50,0\n");
   EXPECT_NEAR(value(gon, 1, zenith_angle), 99 * kGon, 1e-12);
+  EXPECT_EQ(gon.warnings.at(0).find("'Grad' of direction, zenith is a degree in German and a gon in French: gon is"),
+            0u)
+      << gon.warnings[0];
 }
 
 TEST(SurveyCsv, ATableThatNamesNoUnitOfLengthsIsTold) {
@@ -111,6 +115,11 @@ TEST(SurveyCsv, ATableThatNamesNoUnitOfLengthsIsTold) {
   };
   EXPECT_TRUE(warned("station,target,hz [gon],v [gon],sd,th"));
   EXPECT_FALSE(warned("station,target,hz [gon],v [gon],sd [m],th")) << "one column says it";
+  SurveyCsvOptions options;
+  options.length_unit = "ft";
+  const auto told = read_survey_csv("station,target,hz [gon],v [gon],sd,th\nS1,A,0,100,10,1.5\n", "l.csv", options);
+  EXPECT_TRUE(told.warnings.empty()) << told.warnings[0];
+  EXPECT_NEAR(value(told, 0, slope_distance), 3.048, 1e-12);
 }
 
 TEST(SurveyCsv, AHeightThatOtherRowsHaveIsNotZero) {
