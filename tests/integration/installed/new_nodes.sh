@@ -32,7 +32,7 @@ for template in $templates; do
 done
 if command -v ccache; then export CMAKE_CXX_COMPILER_LAUNCHER=ccache; fi
 export CMAKE_PREFIX_PATH=$prefix
-cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1
+cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS="-O1 --param=ggc-min-heapsize=500000"
 cmake --build build -j2
 ctest --test-dir build --output-on-failure -j2 | tee kit.log
 # Each kit ran over its node, and no other.
