@@ -153,7 +153,8 @@ bool cut_longest_sentence(std::vector<Shown>& all, size_t kept) {
   const size_t last = longest->text.rfind('\n');
   longest->text.erase(last);
   if (longest->text.ends_with(",")) longest->text.pop_back();
-  longest->text.erase(longest->text.find_last_of(" \n"));  // room for the sign that something is missing
+  if (const size_t blank = longest->text.find_last_of(" \n"); blank != std::string::npos)
+    longest->text.erase(blank);  // room for the sign that something is missing
   longest->text += cut;
   --longest->rows;
   return true;

@@ -85,17 +85,18 @@ class TiffWalk {
       file_.need(offsets[i] + (offsets.size() == bytes.size() ? bytes[i] : 0));
   }
 
-  /// Whole numbers of an entry whose tag is looked at; of others only that they lie in the file.
+  /// Whole numbers of an entry whose tag is looked at; none of others.
   std::vector<std::uint64_t> values_of(std::uint64_t entry, std::uint64_t tag) {
     static constexpr std::size_t bytes_of_type[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4};
     const std::uint64_t type = file_.number(entry + 2, 2, little_), count = file_.number(entry + 4, 4, little_);
     if (type >= std::size(bytes_of_type)) return {};
     const std::uint64_t size = bytes_of_type[type], whole = size * count;
     const std::uint64_t at = whole > 4 ? file_.number(entry + 8, 4, little_) : entry + 8;
-    file_.need(at + whole);
     const bool looked_at = tag == strip_offsets || tag == strip_bytes || tag == tile_offsets || tag == tile_bytes ||
                            tag == sub_directories || tag == jpeg_offset || tag == jpeg_bytes;
-    if (file_.ended() || !looked_at || (size != 2 && size != 4)) return {};
+    if (!looked_at) return {};  // a wrong entry that nobody reads is passed over by readers, too
+    file_.need(at + whole);
+    if (file_.ended() || (size != 2 && size != 4)) return {};
     std::vector<std::uint64_t> values;
     for (std::uint64_t i = 0; i < count; ++i) values.push_back(file_.number(at + size * i, size, little_));
     return values;

@@ -73,6 +73,7 @@ Calibration calibration_of(const std::string& mode, const std::vector<StatedErro
     nees += trial.nees, freedom += trial.freedom;
   }
   result.ratio = ratio_of(predicted, found, 0.5, confidence);
+  result.strict = ratio_of(predicted, found, 0.5, 1 - kRisk).interval;
   result.nees = nees / freedom;
   result.freedom = freedom;
   if (freedom > 0 && std::isfinite(freedom)) {
@@ -118,8 +119,9 @@ Honesty honesty(const Calibration& calibration) {
   const bool known = !calibration.mode.empty() && std::isfinite(calibration.nees) && calibration.freedom > 0 &&
                      calibration.freedom <= kFewValues * static_cast<double>(calibration.trials);
   const double square = calibration.nees * calibration.freedom, tail = 0.5 * kRisk;
-  const bool low = !known || square < chi_squared_quantile(tail, calibration.freedom),
-             high = !known || square > chi_squared_quantile(1 - tail, calibration.freedom);
+  const bool low = known ? square < chi_squared_quantile(tail, calibration.freedom) : calibration.strict.lower > kTenth,
+             high = known ? square > chi_squared_quantile(1 - tail, calibration.freedom)
+                          : calibration.strict.upper < 1 / kTenth;
   if (ratio.lower > kTenth && low) return Honesty::too_much;
   if (ratio.upper < 1 / kTenth && high) return Honesty::too_little;
   return Honesty::honest;

@@ -47,13 +47,14 @@ struct Calibration {
   double freedom = 0;  ///< of all trials together
   Interval nees_band;  ///< where an honest covariance puts it with the given confidence
   std::size_t trials = 0;
+  Interval strict{0, 0};  ///< of the ratio, with 99.9 %: by it many parts of many rows are judged
 };
 
 enum class Honesty { honest, too_much, too_little, unknown };
-/// Too much or too little where the whole interval of the ratio is more than a tenth away from 1 and, of a part of one
-/// or two values a trial (scale, tilt) whose NEES is known, that lies where an honest covariance puts it once in a
-/// thousand times: many parts of many rows are judged. Of more values NEES says little: one that is stated badly, such
-/// as a shift that ten heights have in common, is one of ten.
+/// Too much or too little where the whole interval of the ratio is more than a tenth away from 1, and so is that
+/// of 99.9 % or, of a part of one or two values a trial (scale, tilt) whose NEES is known, that lies where an honest
+/// covariance puts it once in a thousand times: many parts of many rows are judged. Of more values NEES says little:
+/// one that is stated badly, such as a shift that ten heights have in common, is one of ten.
 Honesty honesty(const Calibration& calibration);
 /// "4.0 times too much in scale (3.4 to 4.7)"; "what is found in heights (0.98, 0.93 to 1.04)"; empty where nothing is
 /// known.

@@ -121,17 +121,19 @@ std::vector<SquareFace> square_faces(const std::vector<ItemExtent>& items, int a
   return faces;
 }
 
-/// Of the faces in one plane the outermost that take most of the side: lugs and screws stand before it. `towards`: 1 or
-/// -1 along the axis. Empty: no plane does.
+/// Of the faces in one plane the outermost that take most of the side, with what stands before them: a rim may reach
+/// further out, lugs and screws lie inside of it. `towards`: 1 or -1 along the axis. Empty: no plane does.
 Eigen::AlignedBox2d outer_rectangle(std::vector<SquareFace> faces, double towards, double one_plane, double side_area) {
   std::sort(faces.begin(), faces.end(),
             [&](const SquareFace& a, const SquareFace& b) { return towards * a.height > towards * b.height; });
-  for (std::size_t first = 0; first < faces.size(); ++first) {
-    double area = 0;
+  double area = 0;  // of the faces from `first` to before `end`, which lie in one plane
+  for (std::size_t first = 0, end = 0; first < faces.size(); area -= faces[first].area, ++first) {
+    for (; end < faces.size() && std::abs(faces[end].height - faces[first].height) <= one_plane; ++end)
+      area += faces[end].area;
+    if (!(area >= kMostOfSide * side_area)) continue;
     Eigen::AlignedBox2d taken;
-    for (std::size_t f = first; f < faces.size() && std::abs(faces[f].height - faces[first].height) <= one_plane; ++f)
-      area += faces[f].area, taken.extend(faces[f].taken);
-    if (area >= kMostOfSide * side_area) return taken;
+    for (std::size_t f = 0; f < end; ++f) taken.extend(faces[f].taken);
+    return taken;
   }
   return {};
 }

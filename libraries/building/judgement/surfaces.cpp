@@ -22,13 +22,14 @@ struct Followed {
 };
 
 const char* const kBesideItsPlace =
-    "all that was measured lies beside its place alike, by more than is stated of that place: either the building "
-    "does, "
-    "or the place of the scan is known less well than was stated, and surveyed points tell which";
+    "what was measured of a facade lies beside its place alike, by more than is stated of that place: either the "
+    "building does, or the place of the scan is known less well than was stated, and surveyed points tell which";
 
 /// An absolute limit that the design itself does not keep, of an expansion joint for one, says nothing of the building.
 bool outside_by_design(const JointFiguresT& joint, const SurfaceLimit& limit) {
-  constexpr double written = 1e-5;  // to which designs are [m]
+  constexpr double written = 5e-4;   // no design is meant to miss a limit by less [m]
+  constexpr double no_joint = 2e-3;  // panels drawn up to each other: the design says nothing of their joint [m]
+  if (!(joint.nominal_width > no_joint)) return false;
   if (limit.quantity != SurfaceQuantity::narrowest && limit.quantity != SurfaceQuantity::widest) return false;
   return joint.nominal_width < limit.lower - written || joint.nominal_width > limit.upper + written;
 }
@@ -85,13 +86,9 @@ class Judge {
       for (const size_t p : end)
         for (size_t r = 0; r < either.size(); ++r) either[r] = either[r] || selecting_panel[p][r];
     }
-    for (const Asked& asked : asked_of(either, true)) {
+    for (const Asked& asked : asked_of(either, true, &joint)) {
       const std::string doubt =
           shared ? "its panels share their names with others, and nobody says which it lies between" : doubt_of(ends);
-      if (outside_by_design(joint, asked.limit)) {
-        asked.followed->by_design.push_back(&joint);
-        continue;
-      }
       auto verdict = started(asked, joint);
       if (!doubt.empty())
         verdict->not_judged = doubt;
@@ -209,8 +206,9 @@ class Judge {
     return selects;
   }
 
-  /// Later rules go before earlier ones, quantity by quantity.
-  std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints) {
+  /// Later rules go before earlier ones, quantity by quantity; one that the design of the joint does not keep goes
+  /// before none.
+  std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints, const JointFiguresT* joint = nullptr) {
     std::vector<Asked> asked;
     for (size_t r = 0; r < selects.size(); ++r) {
       if (!selects[r]) continue;
@@ -218,6 +216,10 @@ class Judge {
         if (is_of_joints(limit.quantity) != of_joints) continue;
         Followed& followed = asked_[r][&limit - rules_[r].limits.data()];
         ++followed.selected;
+        if (joint && outside_by_design(*joint, limit)) {
+          followed.by_design.push_back(joint);
+          continue;
+        }
         std::erase_if(asked, [&](const Asked& before) { return same_question(before.limit, limit); });
         asked.push_back({limit, &rules_[r], &followed});
       }

@@ -261,6 +261,9 @@ void fill_checks(const BlockControl& control, const bundle::Layout& layout, cons
   std::vector<Eigen::Index> rows, unknown;
   for (size_t k = 0; k < control.points.size(); ++k) {
     if (!control.is_check[k]) continue;
+    // Without a standard deviation of the survey, what checks together are off would be held against the block alone.
+    const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
+    if (!(control.covariance.diagonal().segment<3>(at).minCoeff() > 0)) return;
     blocks.push_back(layout.block({bundle::Kind::point, control.points[k]}));
     for (int c = 0; c < 3; ++c) {
       if (c < layout.size(blocks.back())) unknown.push_back(static_cast<Eigen::Index>(rows.size()));

@@ -141,7 +141,7 @@ struct PointBlockResult {
   std::vector<least_squares::RowStatistics> scale_bar_reliability;  ///< [m]
   std::vector<ControlResult> control;                               ///< in the order of PointBlock::control
   /// 3m × 3m of what the check points of `control` are off, block and survey together [m²], in their order; empty
-  /// where there are none, more than max_joint_points, or no covariances.
+  /// where there are none, more than max_joint_points, no covariances, or a check point without standard deviations.
   Eigen::MatrixXd check_covariance;
   std::vector<int> rays;  ///< one a point: images that measured it
 };

@@ -140,6 +140,7 @@ void refuse_exchanged(const TagBlock& block, const TagStart& start, const Agreem
 std::optional<FarControl> furthest_control(const TagBlock& block) {
   constexpr size_t least = 6, most = 1000;  // fewer hardly check each other
   constexpr double apart = 10, stands_out = 5;
+  if (block.control.plates.size() < least || block.control.plates.size() > most) return std::nullopt;
   std::vector<std::string> unused;
   const TagStart start = start_tag_block(block, std::vector<bool>(block.observations.size(), true), unused);
   const std::vector<PlatePair> pairs = pairs_of(block, start);

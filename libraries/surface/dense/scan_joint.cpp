@@ -159,13 +159,15 @@ class ScanStations {
   bool at_the_border(const Opening& gap, const std::vector<double>& on, const CutOff (&cut)[2], double density) const {
     constexpr double steps = 2, share = 0.3;  // of the points beside the edge; of their density
     const double inmost = options_.search - 0.5 * joint_.width;
+    // What lies between the ends alone: behind the gap the other panel begins.
     const auto goes_on = [&](double from, double to) {
-      const auto count = std::upper_bound(on.begin(), on.end(), to) - std::lower_bound(on.begin(), on.end(), from);
+      if (!(to > from)) return false;
+      const auto count = std::lower_bound(on.begin(), on.end(), to) - std::upper_bound(on.begin(), on.end(), from);
       return static_cast<double>(count) > share * density * (to - from);
     };
     const double left = steps * cut[0].largest, right = steps * cut[1].largest;
-    return (inmost - gap.from < left && goes_on(inmost, inmost + left)) ||
-           (inmost + gap.to < right && goes_on(-inmost - right, -inmost));
+    return (inmost - gap.from < left && goes_on(inmost, std::min(inmost + left, gap.to))) ||
+           (inmost + gap.to < right && goes_on(std::max(-inmost - right, gap.from), -inmost));
   }
 
   /// With the share that the gap itself shows, in a few turns from the most on: with too small a share the gap would be

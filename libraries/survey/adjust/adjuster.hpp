@@ -211,6 +211,8 @@ class Adjuster {
     int removed = 0;                            ///< readings
     bool angles = false;                        ///< not distances alone
   };
+  /// Counts what was taken out of the sight (rows) of a set-up to the point.
+  void count_removed(const std::vector<int>& sight, int set_up, SightsOfPoint& point) const;
   /// Points of which half of the set-ups that sighted them, or more, lost readings: one of them two or all of them one,
   /// and not distances alone.
   std::map<std::string, SightsOfPoint> sights_with_removed() const;

@@ -102,7 +102,11 @@ std::vector<FrameCause> frame_causes(const AdjustOptions& options, double scale,
     AdjustOptions other = options;
     other.geoid.height = std::round(geoid);
     const std::string value = fixed_digits(other.geoid.height, 0);
-    causes.push_back({"the geoid lies " + value + " m above the ellipsoid of the map: geoid_height=" + value, other});
+    // Its trial has one free number for one number: it proves nothing.
+    causes.push_back({"the geoid lies " + value + " m above the ellipsoid of the map (geoid_height=" + value +
+                          "; a map of geoids tells), or the distances are off by as much (ppm setting, weather), which "
+                          "these readings do not tell apart",
+                      other});
   }
   AdjustOptions plane = options;
   plane.map = kPlane;

@@ -40,19 +40,31 @@ std::optional<Eigen::Vector3d> Adjuster::seen_beside(const Pass& pass, const std
   return (off["slope_distance"] / s * d + off["direction"] * across + off["zenith_angle"] * down).eval();
 }
 
+/// A reading that another round of the same set-up has and keeps was that round's mistake: the target is where the
+/// others have it.
+void Adjuster::count_removed(const std::vector<int>& sight, int set_up, SightsOfPoint& point) const {
+  std::set<std::string> kept;
+  for (const int row : sight)
+    if (!state_.removed[row]) kept.insert(m_.rows[row].kind);
+  for (const int row : sight) {
+    const std::string& kind = m_.rows[row].kind;
+    if (!state_.removed[row] || kept.contains(kind)) continue;
+    ++point.removed;
+    point.touched.insert(set_up);
+    // An edge or a pane falsifies distances alone; the directions to the target stand.
+    point.angles = point.angles || kind == "direction" || kind == "zenith_angle";
+  }
+}
+
 std::map<std::string, Adjuster::SightsOfPoint> Adjuster::sights_with_removed() const {
   const std::set<int> misnamed(m_.misnamed.begin(), m_.misnamed.end());  // of them more is known than that they misfit
   std::map<std::string, SightsOfPoint> points;
   for (int row = 0; row < static_cast<int>(m_.observations.size()); ++row) {
     if (set_up_of_row_[row] < 0 || !m_.rows[row].removable || m_.dropped[row] || misnamed.contains(row)) continue;
-    SightsOfPoint& point = points[m_.rows[row].to];
-    point.of_set_up[set_up_of_row_[row]].push_back(row);
-    if (!state_.removed[row]) continue;
-    ++point.removed;
-    point.touched.insert(set_up_of_row_[row]);
-    // An edge or a pane falsifies distances alone; the directions to the target stand.
-    point.angles = point.angles || m_.rows[row].kind == "direction" || m_.rows[row].kind == "zenith_angle";
+    points[m_.rows[row].to].of_set_up[set_up_of_row_[row]].push_back(row);
   }
+  for (auto& [id, point] : points)
+    for (const auto& [set_up, sight] : point.of_set_up) count_removed(sight, set_up, point);
   std::erase_if(points, [&](const auto& entry) {
     const SightsOfPoint& p = entry.second;
     // A reading each, beside a sight that kept all: each was wrong by itself.

@@ -289,11 +289,15 @@ std::string table_text(const fs::path& file, const std::function<bool(const std:
 }
 
 std::string control_text(const fs::path& file) {
-  bool places = !is_workbook(file);
-  if (!places)
+  std::set<std::string> known;  // plates have heights, too, but no places, and nobody calls them control
+  if (is_workbook(file))
     for (const WorkbookSheet& sheet : sheets_of(text::read_whole(file), file))
-      places = places || has_columns_of_places(sheet.csv);
-  return table_text(file, places ? has_columns_of_places : has_columns_of_points, "a table of known points");
+      if (has_columns_of_places(sheet.csv) || (is_called_control(sheet.name) && has_columns_of_points(sheet.csv)))
+        known.insert(sheet.csv);
+  const auto is_control = [&](const std::string& csv) {
+    return is_workbook(file) && !known.empty() ? known.contains(csv) : has_columns_of_points(csv);
+  };
+  return table_text(file, is_control, "a table of known points");
 }
 
 }  // namespace plumbline::campaign

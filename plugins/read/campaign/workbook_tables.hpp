@@ -31,8 +31,8 @@ std::vector<WorkbookSheet> sheets_of(const std::string& bytes, const std::filesy
 std::string table_text(const std::filesystem::path& file, const std::function<bool(const std::string&)>& is_it,
                        const std::string& what);
 
-/// The same for known points: the sheet with E and N, or where none has them that of heights alone, which a sheet of
-/// panels ("Nr, Breite, Höhe") looks like, too.
+/// The same for known points: sheets with E and N, and those of heights alone that are called control; where there is
+/// none of either, one of heights, which a sheet of panels ("Nr, Breite, Höhe") looks like, too.
 std::string control_text(const std::filesystem::path& file);
 
 }  // namespace plumbline::campaign

@@ -333,13 +333,16 @@ void add_honesty(const Group& group, const Field& field, const Analysis& analysi
   for (const Row& row : analysis.rows)
     if (const auto& parts = row.summary.calibration; std::any_of(parts.begin(), parts.end(), is_judged))
       judged[elsewhere_of(row, group.name)].insert(chosen(row));
+  std::set<std::string> stating;  // who states nothing anywhere is no measure of the others
+  for (const auto& [rest, who] : judged) stating.insert(who.begin(), who.end());
+  stating.erase("");
   std::vector<std::string> right, wrong;
   for (const std::string& name : field.unbeaten) {
     bool known = false, lies = false;
     for (const Row& row : analysis.rows) {
       if (chosen(row) != name) continue;
       const std::set<std::string>& who = judged[elsewhere_of(row, group.name)];
-      if (!std::includes(who.begin(), who.end(), unbeaten.begin(), unbeaten.end())) continue;
+      if (!std::includes(who.begin(), who.end(), stating.begin(), stating.end())) continue;
       for (const auto& part : row.summary.calibration) {
         const auto honest = statistics::honesty(part);
         known |= honest != statistics::Honesty::unknown;
