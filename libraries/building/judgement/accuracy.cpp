@@ -200,7 +200,9 @@ void take_back_verdict(AnchorAccuracyT& anchor) {
   anchor.survey->conformance_probability = std::nan("");
 }
 
-void add_comparison(Evaluation& evaluation, const DifferenceSet& all, AnchorUse use, AccuracyReference reference) {
+/// Set: one that is kept, or one that is used up.
+template <typename Set>
+void add_comparison(Evaluation& evaluation, Set&& all, AnchorUse use, AccuracyReference reference) {
   const auto& table = evaluation.inputs.anchors;
   const auto listed = std::count_if(table.begin(), table.end(), [use](const AnchorEntry& a) { return a.use == use; });
   if (listed == 0) return;
@@ -208,20 +210,16 @@ void add_comparison(Evaluation& evaluation, const DifferenceSet& all, AnchorUse 
   std::vector<std::size_t> positions = positions_of_use(all, table, use);
   if (reference == AccuracyReference::survey)
     std::erase_if(positions, [&](std::size_t i) { return is_left_out(evaluation, table[all.anchors[i]]); });
-  const DifferenceSet set = all.subset(positions);
-  auto comparison = std::make_unique<AccuracyComparisonT>(
-      compare(set, table, evaluation.options, check || evaluation.options.drift_on_control));
+  const bool evidence = check && !positions.empty();
+  auto comparison =
+      std::make_unique<AccuracyComparisonT>(compare(std::forward<Set>(all).subset(positions), table, evaluation.options,
+                                                    check || evaluation.options.drift_on_control));
   comparison->use = use;
   comparison->reference = reference;
   comparison->anchors_listed = static_cast<int>(listed);
-  comparison->evidence = check && set.size() > 0;
+  comparison->evidence = evidence;
   comparison->evidence_note = evidence_note(use, reference);
   evaluation.result.comparisons.push_back(std::move(comparison));
-}
-
-void add_comparisons(Evaluation& evaluation, const DifferenceSet& all, AccuracyReference reference) {
-  add_comparison(evaluation, all, AnchorUse::check, reference);
-  add_comparison(evaluation, all, AnchorUse::control, reference);
 }
 
 /// A check anchor that was surveyed wrongly is named; the uncertainties are told to be too small only if the others
@@ -384,21 +382,23 @@ AccuracyT evaluate_accuracy(Inputs inputs, const Options& options) {
                                   ? "The anchors were measured in photographs alone: there is no second measurement."
                                   : "The anchors were measured by total station alone: there is no second measurement.";
   } else {
-    const DifferenceSet survey = against_survey(evaluation);
+    DifferenceSet survey = against_survey(evaluation);
     // What is joint of all points is large, and is not asked again.
     evaluation.survey.covariance = {};
     if (!inputs.truth) evaluation.model.covariance = {};
     attach(evaluation, survey, &AnchorAccuracyT::survey);
     for (std::size_t i = 0; i < inputs.anchors.size(); ++i)
       if (is_left_out(evaluation, inputs.anchors[i])) take_back_verdict(*result.anchors[i]);
-    add_comparisons(evaluation, survey, AccuracyReference::survey);
+    add_comparison(evaluation, survey, AnchorUse::check, AccuracyReference::survey);
     if (options.name_contradicting_checks) name_contradicting_checks(evaluation, survey);
+    add_comparison(evaluation, std::move(survey), AnchorUse::control, AccuracyReference::survey);
   }
   if (inputs.truth) {
     evaluation.truth_index = index_points(*inputs.truth, "truth");
-    const DifferenceSet truth = against_exact(evaluation, *inputs.truth, evaluation.truth_index, "truth");
+    DifferenceSet truth = against_exact(evaluation, *inputs.truth, evaluation.truth_index, "truth");
     attach(evaluation, truth, &AnchorAccuracyT::truth);
-    add_comparisons(evaluation, truth, AccuracyReference::truth);
+    add_comparison(evaluation, truth, AnchorUse::check, AccuracyReference::truth);
+    add_comparison(evaluation, std::move(truth), AnchorUse::control, AccuracyReference::truth);
   }
   warn_of_gaps(evaluation);
   for (const auto& doubts : {floor_doubts(result), space_doubts(result)})

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "building/judgement/symmetric_matrix.hpp"
+
 namespace plumbline::judgement {
 
 class BlockCovariance {
@@ -16,7 +18,7 @@ class BlockCovariance {
   /// Items that are correlated, directly or by way of others, ascending, and their covariance.
   struct Cluster {
     std::vector<Index> items;
-    Eigen::MatrixXd matrix;
+    SymmetricMatrix matrix;
   };
 
   /// Not known.
@@ -28,8 +30,8 @@ class BlockCovariance {
       : BlockCovariance(Eigen::MatrixXd(full), step) {}
   /// Of items without correlation between them, 3 x 3 [m²] each.
   static BlockCovariance independent(const std::vector<Eigen::Matrix3d>& blocks);
-  /// Of n points, from the lower triangle row by row as artifacts have it. Throws std::runtime_error that says what is
-  /// wrong with the covariance `of` something.
+  /// Of n points, from the lower triangle row by row as artifacts have it. `values` must outlive it: a large part is
+  /// read where it lies. Throws std::runtime_error that says what is wrong with the covariance `of` something.
   static BlockCovariance from_packed(std::span<const double> values, std::size_t points, const std::string& of);
   /// The same with an error that all of them have in common besides.
   void set_common(const Eigen::MatrixXd& covariance) { common_ = covariance; }
@@ -41,6 +43,7 @@ class BlockCovariance {
   Index step() const { return step_; }            ///< coordinates of an item
   Index items() const { return static_cast<Index>(where_.size()); }
   const std::vector<Cluster>& clusters() const { return clusters_; }
+  std::vector<Cluster>& clusters() { return clusters_; }  ///< to work on their matrices
   std::size_t cluster_of(Index item) const { return where_[item].cluster; }
 
   double operator()(Index row, Index column) const;
@@ -58,7 +61,7 @@ class BlockCovariance {
   Eigen::MatrixXd dense(const std::vector<std::size_t>& items) const;
   /// Of some items, each once, in their order.
   BlockCovariance subset(const std::vector<std::size_t>& items) const&;
-  /// The same without a copy where it is all of them.
+  /// The same without a copy of what is taken whole.
   BlockCovariance subset(const std::vector<std::size_t>& items) &&;
   /// Of the third coordinates of points.
   BlockCovariance heights() const;
@@ -73,6 +76,8 @@ class BlockCovariance {
     Index at;
   };
   void index();
+  template <typename Self>
+  static BlockCovariance part_of(Self& self, const std::vector<std::size_t>& items);
 
   Index step_ = 3;
   std::vector<Cluster> clusters_;
@@ -84,7 +89,7 @@ class BlockCovariance {
 class Partition {
  public:
   explicit Partition(std::size_t items);
-  void join(std::size_t a, std::size_t b);
+  bool join(std::size_t a, std::size_t b);  ///< false: they were
   std::vector<std::vector<std::size_t>> parts();
 
  private:

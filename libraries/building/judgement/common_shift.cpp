@@ -179,10 +179,10 @@ std::unique_ptr<CommonShiftT> common_shift(
   if (fit.rank == 0 || fit.freedom <= 2) return out;
   Eigen::Matrix<double, 6, 6> s = covariance_of_motion(fit);
   for (const auto& cluster : covariance.clusters()) {
-    Eigen::MatrixXd gain(6, cluster.matrix.cols());
+    Eigen::MatrixXd gain(6, cluster.matrix.rows());
     for (std::size_t k = 0; k < cluster.items.size(); ++k)
       gain.middleCols<3>(3 * static_cast<Index>(k)) = fit.gain.middleCols<3>(3 * cluster.items[k]);
-    s += gain * cluster.matrix * gain.transpose();
+    s += gain * cluster.matrix.times(gain.transpose());
   }
   if (const Eigen::MatrixXd& common = covariance.common(); common.size() > 0) {
     Eigen::Matrix<double, 6, 3> gain = Eigen::Matrix<double, 6, 3>::Zero();

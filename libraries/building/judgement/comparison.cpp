@@ -38,7 +38,7 @@ void fill_verdicts(const Eigen::VectorXd& dz, const BlockCovariance& covariance,
 void fill_heights(const DifferenceSet& set, const std::vector<AnchorEntry>& table, const Options& options,
                   AccuracyComparisonT& out) {
   const Eigen::VectorXd dz = set.heights();
-  const BlockCovariance covariance = set.covariance.heights();
+  BlockCovariance covariance = set.covariance.heights();
   const auto n = static_cast<double>(dz.size());
   out.mean_dz = dz.mean();
   out.rmse_z = std::sqrt(dz.squaredNorm() / n);
@@ -53,10 +53,10 @@ void fill_heights(const DifferenceSet& set, const std::vector<AnchorEntry>& tabl
   out.predicted_rmse_z = predicted.value;
   out.predicted_rmse_z_lower = predicted.lower;
   out.predicted_rmse_z_upper = predicted.upper;
-  out.consistency_z = consistency(dz, covariance, options.confidence);
+  out.consistency_z = consistency(dz, std::move(covariance), options.confidence);
 }
 
-void fill_distances(const DifferenceSet& set, const Options& options, AccuracyComparisonT& out) {
+void fill_distances(const DifferenceSet& set, AccuracyComparisonT& out) {
   const auto n = static_cast<Eigen::Index>(set.size());
   out.rmse_3d = std::sqrt(set.difference.squaredNorm() / static_cast<double>(n));
   out.max_distance = 0;
@@ -64,12 +64,11 @@ void fill_distances(const DifferenceSet& set, const Options& options, AccuracyCo
     out.max_distance = std::max(out.max_distance, set.difference.segment<3>(3 * i).norm());
   if (set.covariance.size() == 0) return;
   out.predicted_rmse_3d = std::sqrt(std::max(0.0, set.covariance.trace()) / static_cast<double>(n));
-  out.consistency_3d = consistency(set.difference, set.covariance, options.confidence);
 }
 
 }  // namespace
 
-AccuracyComparisonT compare(const DifferenceSet& set, const std::vector<AnchorEntry>& table, const Options& options,
+AccuracyComparisonT compare(DifferenceSet set, const std::vector<AnchorEntry>& table, const Options& options,
                             bool with_drift) {
   AccuracyComparisonT out;
   const std::vector<int> floors = floors_of(table);
@@ -77,13 +76,14 @@ AccuracyComparisonT compare(const DifferenceSet& set, const std::vector<AnchorEn
   out.drift_computed = with_drift;
   if (set.size() > 0) {
     fill_heights(set, table, options, out);
-    fill_distances(set, options, out);
+    fill_distances(set, out);
   }
   out.floors = floor_accuracy(set, table, floors, options, with_drift);
   out.slope = drift_slope(set, table, floors, options.confidence);
   out.pass_rates = pass_rates(set.heights(), options.tolerances, options.confidence);
   out.transfers = height_transfers(set, table, floors, options);
   out.columns = column_drifts(set, table, floors, options, with_drift);
+  out.consistency_3d = consistency(set.difference, std::move(set.covariance), options.confidence);  // last: it takes it
   return out;
 }
 
@@ -125,19 +125,19 @@ constexpr double kLeastVariance = 4e-10;
 double least_tested(double largest_eigenvalue) { return std::max(1e-6 * largest_eigenvalue, kLeastVariance); }
 
 /// False where eigenvalues are needed to tell which directions are not tested.
-bool test_by_factors(const Eigen::VectorXd& difference, const BlockCovariance& covariance, ErrorConsistencyT& out) {
+bool test_by_factors(const Eigen::VectorXd& difference, BlockCovariance& covariance, ErrorConsistencyT& out) {
   double bound = 0;  // of the largest eigenvalue: the row sum norm
   for (const BlockCovariance::Cluster& cluster : covariance.clusters())
-    bound = std::max(bound, cluster.matrix.cwiseAbs().rowwise().sum().maxCoeff());
+    bound = std::max(bound, cluster.matrix.row_sum_norm());
   const double limit = least_tested(bound);
   // Above the least one the limit follows from the largest eigenvalue itself, of which a bound only is known here.
   const bool is_known = limit == kLeastVariance;
   double statistic = 0;
   Eigen::Index number = 0;
-  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
+  for (BlockCovariance::Cluster& cluster : covariance.clusters()) {
     stop_point();
     const Eigen::VectorXd own = of_cluster(difference, cluster, covariance.step());
-    const auto tested = tested_directions(own, cluster.matrix, limit, is_known);
+    const auto tested = tested_directions(own, cluster.matrix.made_full(), limit, is_known);
     if (!tested) return false;
     statistic += tested->statistic, number += tested->number;
   }
@@ -145,12 +145,11 @@ bool test_by_factors(const Eigen::VectorXd& difference, const BlockCovariance& c
   return true;
 }
 
-void test_known_directions(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
-                           ErrorConsistencyT& out) {
+void test_known_directions(const Eigen::VectorXd& difference, BlockCovariance& covariance, ErrorConsistencyT& out) {
   std::vector<SpectralCoordinates> all;
   double largest = 0;
-  for (const BlockCovariance::Cluster& cluster : covariance.clusters()) {
-    all.push_back(spectral_coordinates(cluster.matrix, of_cluster(difference, cluster, covariance.step())));
+  for (BlockCovariance::Cluster& cluster : covariance.clusters()) {
+    all.push_back(spectral_coordinates(cluster.matrix.made_full(), of_cluster(difference, cluster, covariance.step())));
     largest = std::max(largest, all.back().eigenvalues.maxCoeff());
   }
   const double limit = least_tested(largest);
@@ -165,7 +164,7 @@ void test_known_directions(const Eigen::VectorXd& difference, const BlockCovaria
 
 }  // namespace
 
-std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
+std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, BlockCovariance covariance,
                                                double confidence) {
   if (covariance.size() == 0 || difference.size() == 0) return nullptr;
   auto out = std::make_unique<ErrorConsistencyT>();

@@ -9,7 +9,7 @@
 namespace plumbline::judgement {
 
 /// Fills every member of the comparison except `use`, `reference`, `evidence`, `evidence_note` and `anchors_listed`.
-AccuracyComparisonT compare(const DifferenceSet& set, const std::vector<AnchorEntry>& table, const Options& options,
+AccuracyComparisonT compare(DifferenceSet set, const std::vector<AnchorEntry>& table, const Options& options,
                             bool with_drift);
 
 /// One anchor's difference with its verdicts; `covariance` is 3 x 3 or 0 x 0 [m²].
@@ -18,7 +18,7 @@ std::unique_ptr<AnchorDifferenceT> anchor_difference(const Eigen::Vector3d& diff
 
 /// Chi-square statistic d' S⁺ d with the rank of S as degrees of freedom, directions of less than 0.02 mm left out;
 /// null when S [m²] is unknown or zero.
-std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, const BlockCovariance& covariance,
+std::unique_ptr<ErrorConsistencyT> consistency(const Eigen::VectorXd& difference, BlockCovariance covariance,
                                                double confidence);
 
 /// RMSE of n zero-mean errors with covariance S: its expectation sqrt(tr S / n) and the range it falls in at the

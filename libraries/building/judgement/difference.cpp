@@ -37,16 +37,31 @@ Eigen::VectorXd DifferenceSet::heights() const {
   return z;
 }
 
-DifferenceSet DifferenceSet::subset(const std::vector<std::size_t>& positions) const {
+namespace {
+
+DifferenceSet without_covariance(const DifferenceSet& all, const std::vector<std::size_t>& positions) {
   const auto n = static_cast<Eigen::Index>(positions.size());
   DifferenceSet part;
   part.difference.resize(3 * n);
-  part.covariance = covariance.subset(positions);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const auto from = static_cast<Eigen::Index>(positions[i]);
-    part.anchors.push_back(anchors[from]);
-    part.difference.segment<3>(3 * i) = difference.segment<3>(3 * from);
+    const auto from = static_cast<Eigen::Index>(positions[static_cast<std::size_t>(i)]);
+    part.anchors.push_back(all.anchors[static_cast<std::size_t>(from)]);
+    part.difference.segment<3>(3 * i) = all.difference.segment<3>(3 * from);
   }
+  return part;
+}
+
+}  // namespace
+
+DifferenceSet DifferenceSet::subset(const std::vector<std::size_t>& positions) const& {
+  DifferenceSet part = without_covariance(*this, positions);
+  part.covariance = covariance.subset(positions);
+  return part;
+}
+
+DifferenceSet DifferenceSet::subset(const std::vector<std::size_t>& positions) && {
+  DifferenceSet part = without_covariance(*this, positions);
+  part.covariance = std::move(covariance).subset(positions);
   return part;
 }
 

@@ -22,7 +22,9 @@ struct DifferenceSet {
 
   std::size_t size() const { return anchors.size(); }
   Eigen::VectorXd heights() const;  ///< n [m]
-  DifferenceSet subset(const std::vector<std::size_t>& positions) const;
+  DifferenceSet subset(const std::vector<std::size_t>& positions) const&;
+  /// The same without a copy of blocks that are taken whole.
+  DifferenceSet subset(const std::vector<std::size_t>& positions) &&;
 };
 
 /// Which point stands for an anchor in model and reference.

@@ -21,7 +21,10 @@ constexpr Index kMany = 300;  ///< rows, below which a second factor, or eigenva
 /// A symmetric matrix in the upper triangle of a square, and in the lower one the factor of another that is near it.
 class Halves {
  public:
-  explicit Halves(MatrixXd symmetric) : both_(std::move(symmetric)), diagonal_(both_.diagonal()) {}
+  explicit Halves(MatrixXd& symmetric) : both_(symmetric), diagonal_(both_.diagonal()) {}
+  Halves(const Halves&) = delete;
+  Halves& operator=(const Halves&) = delete;
+  ~Halves() { restore_lower(diagonal_, both_); }
   const VectorXd& diagonal() const { return diagonal_; }
   /// Whether C + shift I + raise · V Vᵀ has a factor, which then is the one to solve with.
   bool factor(double shift, double raise, const MatrixXd& along) {
@@ -33,7 +36,7 @@ class Halves {
   /// C · right, of a vector or some.
   template <typename Columns>
   Columns times(const Columns& right) const {
-    const auto above = both_.triangularView<Eigen::StrictlyUpper>();
+    const auto above = read().triangularView<Eigen::StrictlyUpper>();
     Columns image = above * right;
     image += above.transpose() * right;
     image += diagonal_.asDiagonal() * right;
@@ -41,14 +44,16 @@ class Halves {
   }
   template <typename Columns>
   Columns solved(Columns right) const {
-    both_.triangularView<Eigen::Lower>().solveInPlace(right);
-    both_.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
+    read().triangularView<Eigen::Lower>().solveInPlace(right);
+    read().triangularView<Eigen::Lower>().transpose().solveInPlace(right);
     return right;
   }
-  VectorXd half_solved(const VectorXd& right) const { return both_.triangularView<Eigen::Lower>().solve(right); }
+  VectorXd half_solved(const VectorXd& right) const { return read().triangularView<Eigen::Lower>().solve(right); }
 
  private:
-  MatrixXd both_;
+  const MatrixXd& read() const { return both_; }
+
+  MatrixXd& both_;
   VectorXd diagonal_;
 };
 
@@ -122,10 +127,10 @@ MatrixXd smallest(const Halves& halves, double limit) {
 
 }  // namespace
 
-std::optional<TestedDirections> tested_directions(const VectorXd& difference, MatrixXd covariance, double limit,
+std::optional<TestedDirections> tested_directions(const VectorXd& difference, MatrixXd& covariance, double limit,
                                                   bool some_may_be_left_out) {
   const Index n = covariance.rows();
-  Halves halves(std::move(covariance));
+  Halves halves(covariance);
   const MatrixXd none(n, 0);
   if (halves.factor(-limit, 0, none)) {
     if (n > kMany)

@@ -65,6 +65,40 @@ TEST(BlockCovariance, IsTheMatrixItWasMadeOf) {
   EXPECT_LT((more.dense() - expected).norm(), 1e-12);
 }
 
+/// Many that know of one another are read where the artifact has them, and are the same matrix.
+TEST(BlockCovariance, ALargePartIsReadWhereItLies) {
+  constexpr Eigen::Index points = 130, n = 3 * points;
+  test::Normal normal(5);
+  Eigen::MatrixXd rows(n, 5);
+  for (Eigen::Index i = 0; i < rows.size(); ++i) rows.data()[i] = normal();
+  const Eigen::MatrixXd full = rows * rows.transpose() + Eigen::MatrixXd::Identity(n, n);
+  const std::vector<double> values = pack_symmetric(full);
+  BlockCovariance packed = BlockCovariance::from_packed(values, points, "x");
+  ASSERT_EQ(packed.clusters().size(), 1u);
+  EXPECT_FALSE(packed.clusters()[0].matrix.is_full());
+  EXPECT_EQ(packed.dense(), full);
+  EXPECT_EQ(packed.block(7, 120), (full.block<3, 3>(21, 360)));
+  EXPECT_EQ(packed.diagonal(), full.diagonal());
+  EXPECT_NEAR(packed.sum(), full.sum(), 1e-9);
+  EXPECT_NEAR(packed.squaredNorm(), full.squaredNorm(), 1e-7);
+  EXPECT_TRUE(packed.allFinite());
+  const SymmetricMatrix& matrix = packed.clusters()[0].matrix;
+  EXPECT_NEAR(matrix.row_sum_norm(), full.cwiseAbs().rowwise().sum().maxCoeff(), 1e-9);
+  const Eigen::MatrixXd right = rows.leftCols(2);
+  EXPECT_TRUE(matrix.times(right).isApprox(full * right, 1e-12));
+  packed *= 2;
+  packed.add(5, 3 * Eigen::Matrix3d::Identity());
+  Eigen::MatrixXd expected = 2 * full;
+  expected.diagonal().segment<3>(15).array() += 3;
+  std::vector<std::size_t> back;
+  for (std::size_t p = points; p > 0; --p) back.push_back(p - 1);
+  const BlockCovariance turned = std::move(packed).subset(back);
+  for (Eigen::Index i = 0; i < n; i += 7)
+    for (Eigen::Index j = 0; j < n; j += 5)
+      EXPECT_NEAR(turned(i, j), expected(3 * (points - 1 - i / 3) + i % 3, 3 * (points - 1 - j / 3) + j % 3), 1e-12);
+  EXPECT_NEAR(turned.heights()(1, 2), expected(3 * (points - 2) + 2, 3 * (points - 3) + 2), 1e-12);
+}
+
 /// What all have in common is as if it stood in every block.
 TEST(BlockCovariance, ACommonErrorIsThatOfAllPairs) {
   const Eigen::MatrixXd own = matrix(3);

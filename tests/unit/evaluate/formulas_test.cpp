@@ -374,7 +374,7 @@ TEST(Formulas, AFewDirectionsThatAreNotTestedAreTakenOutOfMany) {
       variances[i] = i < few ? 4e-12 * static_cast<double>(i) : 1e-7 * (1 + static_cast<double>(i % 17));
       along[i] = std::sqrt(variances[i]) * normal();
     }
-    const Eigen::MatrixXd s = turned * variances.asDiagonal() * turned.transpose();
+    Eigen::MatrixXd s = turned * variances.asDiagonal() * turned.transpose();
     const double expected = (along.array().square() / variances.array()).tail(n - few).sum();
     const auto tested = tested_directions(turned * along, s, 4e-10, true);
     ASSERT_TRUE(tested.has_value()) << few;
