@@ -129,8 +129,11 @@ class ControlCauses {
   }
 
   void add_distances(const LengthUnit& unit, const std::string& tried) {
-    ControlCause cause{
-        "all distances are in " + std::string(unit.name) + " and were read as metres: " + tried, {}, survey_, control_};
+    ControlCause cause{"all distances are in " + std::string(unit.name) + " and were read as metres: " + tried,
+                       {},
+                       survey_,
+                       control_,
+                       true};
     for (Observation& o : cause.survey.observations)
       if (o.kind == ObservationKind::slope_distance || o.kind == ObservationKind::horizontal_distance)
         o.value *= unit.metres;

@@ -14,6 +14,7 @@ struct ControlCause {
   std::vector<std::string> points;
   SurveyObservations survey;  ///< with the coordinates as they would be
   ControlPoints control;
+  bool of_all_distances = false;  ///< the mistake is in each distance, such as another unit
 };
 
 /// Known points beside where the chain of set-ups sees them, in any levelled position: of all of them, or of those that

@@ -117,11 +117,14 @@ class Causes {
     if (as_it_is_.share() < kMisfits && as_it_is_.compared >= 4) of_angles(-1);
     if (found_.empty()) of_single_set_ups();
     std::vector<Cause> of_control;
+    bool of_all_distances = false;
     if (found_.empty())
-      for (ControlCause& c : control_causes(survey_, control_, chain))
+      for (ControlCause& c : control_causes(survey_, control_, chain)) {
+        of_all_distances = of_all_distances || (of_control.empty() && c.of_all_distances);
         of_control.push_back({c.text, c.points, std::move(c.survey), std::move(c.control)});
+      }
     // Noise in another unit of length looks like names on two marks.
-    if (of_control.empty() || !of_control.front().text.starts_with("all distances are in ")) names_on_two_marks(chain);
+    if (!of_all_distances) names_on_two_marks(chain);
     if (found_.empty()) found_ = std::move(of_control);
     return std::move(found_);
   }
