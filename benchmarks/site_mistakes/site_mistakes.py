@@ -309,7 +309,7 @@ MISTAKES = [
     ("tag size ten times", plates(for_each("tag_size_mm", lambda v: f"{10 * float(v):g}")), r"tag.{0,4} (of|are|is|measure|size).*(size|m)|tag size"),
     ("tag size in metres", plates(for_each("tag_size_mm", lambda v: f"{float(v) / 1000:g}")), r"tag.{0,40}(size|mm)"),
     ("plate offsets in cm", plates(for_each("tag_y_mm", lambda v: f"{float(v) / 10:g}")), r"offset of the tag .* on all plates"),
-    ("one plate's offset wrong by 40 mm", plates(one_offset), r"most at F.*offset of the tag|F\d\d-C\d\d-R\d: its tag contradicts"),
+    ("one plate's offset wrong by 40 mm", plates(one_offset), r"most at F.*offset of the tag|F\d\d-C\d\d-R\d: its tag contradicts|F\d\d-C\d\d-R\d, which contradicts .*offset of its tag"),
     ("a check plate's offset wrong by 40 mm", plates(one_check_offset), r"agree with the survey in height and not in place: F"),
     ("floor numbers exchanged", plates(exchange_floor_numbers), r"Floor 2 lies below floor 1"),
     ("two check plates swapped", plates(swap_plates("check")), r"exchanged|each other's place|hangs where"),

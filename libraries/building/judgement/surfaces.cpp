@@ -209,22 +209,25 @@ class Judge {
   /// Later rules go before earlier ones, quantity by quantity; one that the design of the joint does not keep goes
   /// before none.
   std::vector<Asked> asked_of(const std::vector<char>& selects, bool of_joints, const JointFiguresT* joint = nullptr) {
-    std::vector<Asked> asked;
+    std::vector<Asked> asked, stated;
     for (size_t r = 0; r < selects.size(); ++r) {
       if (!selects[r]) continue;
       for (const SurfaceLimit& limit : rules_[r].limits) {
+        const auto is_same = [&](const Asked& before) { return same_question(before.limit, limit); };
         if (is_of_joints(limit.quantity) != of_joints) continue;
         Followed& followed = asked_[r][&limit - rules_[r].limits.data()];
         ++followed.selected;
+        std::erase_if(stated, is_same);
+        stated.push_back({limit, &rules_[r], &followed});
         if (joint && outside_by_design(*joint, limit)) {
           followed.by_design.push_back(joint);
           continue;
         }
-        std::erase_if(asked, [&](const Asked& before) { return same_question(before.limit, limit); });
-        asked.push_back({limit, &rules_[r], &followed});
+        std::erase_if(asked, is_same);
+        asked.push_back(stated.back());
       }
     }
-    refuse_contradictions(asked);
+    refuse_contradictions(stated);
     return asked;
   }
 

@@ -125,7 +125,8 @@ void fill_rejected(const TagBlock& given, TagBlockResult& result) {
     rejected.sigma =
         (given.control.covariance.diagonal().segment<3>(3 * k) + result.anchor_covariance.diagonal().segment<3>(3 * j))
             .cwiseSqrt();
-    if (rejected.limit == 0) {        // it was out from the beginning
+    const bool from_the_beginning = rejected.limit == 0;
+    if (from_the_beginning) {
       constexpr double level = 1e-3;  // over all points
       const Eigen::Matrix3d both =
           given.control.covariance.block<3, 3>(3 * k, 3 * k) + result.anchor_covariance.block<3, 3>(3 * j, 3 * j);
@@ -133,7 +134,8 @@ void fill_rejected(const TagBlock& given, TagBlockResult& result) {
       rejected.limit = chi_squared_quantile(1 - level / static_cast<double>(given.control.plates.size()), 3);
     }
     result.left_out.push_back("the control of " + given.plates[rejected.plate].anchor +
-                              ", which contradicts the photographs and the other control by " + in_mm(rejected.off));
+                              ", which contradicts the photographs and the other control by " + in_mm(rejected.off) +
+                              (from_the_beginning ? " (or the offset of its tag is wrong)" : ""));
   }
 }
 

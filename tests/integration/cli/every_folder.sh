@@ -85,14 +85,14 @@ for pipeline in $(plumbline list pipelines --json | /usr/bin/python3 -c 'import 
   done
   [[ $(tr ' ' '\n' <<< "$codes" | sed '/^$/d' | sort -u | wc -l) -eq 1 && $codes != *" 1"* && $codes != *" 2"* ]] || { echo "$pipeline folder=. $words: exit codes$codes"; tail -5 said; missing=1; }
 done
-# Pipelines that take files: each says what it read, too. What wants files that are not at hand (a scan, a COLMAP model) is passed over by name.
+# Pipelines that take files: each says what it read, too. What wants files that are not at hand (a scan, a COLMAP model, a layout) is passed over by name.
 epochs=$work/epochs
 files_of() {
   case $1 in
     compare_epochs) echo "before=$epochs/day1.gsi after=$epochs/day2.gsi" ;;
-    plan_survey | read_survey | survey_network) echo "file=$epochs/day1.gsi" ;;
+    read_survey | survey_network) echo "file=$epochs/day1.gsi" ;;
     read_design) echo "file=$work/site/design.ifc" ;;
-    scan_planes | scan_surfaces | colmap_control | colmap_targets | sfm_control | outlier_search) ;;
+    scan_planes | scan_surfaces | colmap_control | colmap_targets | sfm_control | outlier_search | plan_survey) ;;
     *) echo unknown ;;
   esac
 }

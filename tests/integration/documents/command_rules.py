@@ -35,7 +35,6 @@ def rules(data):
         (r"plumbline run site_photographs folder=\S+", "plumbline run site_photographs folder=alone frames.with.datum_sigma=0.005"),
         (r"plumbline run site_survey_scan .*", WHERE + "tests/integration/cli/test_building.cpp scans its panels and runs it"),
         (r"(plumbline run (?:site_campaign|site_survey|survey_campaign|site_campaign_joint)) folder=\S+(.*?)( --out \S+)?", r"\1 folder=site\2"),
-        (r"plumbline run site_campaign", "plumbline run site_campaign folder=site"),
         (r"plumbline run plan_installation folder=\S+ 'deviation.with.held_below=.*", "plumbline run plan_installation folder=observed "
          "'deviation.with.held_below=[\"class=IfcPlate: sigma=0.5mm, sill_sigma=0.5mm\"]' 'deviation.with.sills=[\"name~R1$\"]'"),
         (r"plumbline run (site_observations|plan_installation) folder=\S+(.*)", r"plumbline run \1 folder=observed\2"),

@@ -288,9 +288,12 @@ TEST(Panels, AnOuterSideThatIsNarrowerThanTheBodyIsKnown) {
          {-0.985, 0.985, -1, 1});
   expect(rectangle({"-1000.,20.", "-1000.,3.", "-994.,3.", "-994.,0.", "994.,0.", "994.,3.", "1000.,3.", "1000.,20."}),
          {-0.994, 0.994, -1, 1});
-  // A rib stands out before it.
+  // A rib stands out before it, or a rim: with it the side is as wide as the body.
   expect(rectangle({"-1000.,20.", "-1000.,0.", "-30.,0.", "-30.,-40.", "30.,-40.", "30.,0.", "1000.,0.", "1000.,20."}),
-         {-1, 1, -1, 1});
+         {});
+  expect(rectangle({"-1000.,20.", "-1000.,-20.", "-970.,-20.", "-970.,0.", "970.,0.", "970.,-20.", "1000.,-20.",
+                    "1000.,20."}),
+         {});
 }
 
 TEST(Panels, TheSagOfFacesThatAreListed) {
