@@ -138,14 +138,20 @@ Eigen::AlignedBox2d outer_rectangle(std::vector<SquareFace> faces, double toward
   return {};
 }
 
-std::vector<Sides> sides_of(const std::vector<ItemExtent>& items, double metres) {
+/// Of all faces; empty where an item has none, or one is nowhere.
+Eigen::AlignedBox3d box_of(const std::vector<ItemExtent>& items) {
   Eigen::AlignedBox3d box;
   for (const ItemExtent& item : items) {
     if (item.faces.empty()) return {};
     for (const PointCloud& face : item.faces)
       for (const Eigen::Vector3d& point : face) box.extend(point);
   }
-  if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return {};
+  return box.min().allFinite() && box.max().allFinite() ? box : Eigen::AlignedBox3d();
+}
+
+std::vector<Sides> sides_of(const std::vector<ItemExtent>& items, double metres) {
+  const Eigen::AlignedBox3d box = box_of(items);
+  if (box.isEmpty()) return {};
   std::vector<Sides> all;
   for (int axis = 0; axis < 3; ++axis) {
     all.emplace_back(box, axis, kBorder / metres);
@@ -171,13 +177,8 @@ std::vector<double> filled_sides(const std::vector<ItemExtent>& items, double me
 }
 
 std::vector<double> rectangles_of_sides(const std::vector<ItemExtent>& items, double metres) {
-  Eigen::AlignedBox3d box;
-  for (const ItemExtent& item : items) {
-    if (item.faces.empty()) return {};
-    for (const PointCloud& face : item.faces)
-      for (const Eigen::Vector3d& point : face) box.extend(point);
-  }
-  if (box.isEmpty() || !box.min().allFinite() || !box.max().allFinite()) return {};
+  const Eigen::AlignedBox3d box = box_of(items);
+  if (box.isEmpty()) return {};
   std::vector<double> rectangles;
   bool narrower = false;
   for (int axis = 0; axis < 3; ++axis) {
