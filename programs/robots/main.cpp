@@ -8,10 +8,12 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "loop/exchange/order_exchange.hpp"
+#include "loop/exchange/rounds_beside.hpp"
 #include "loop/job/job.hpp"
 #include "loop/job/signature.hpp"
 #include "mqtt_client.hpp"
@@ -95,9 +97,15 @@ void say(const std::string& line) {
 int carry_out(const Arguments& arguments) {
   const Job job = part_of(job_to_do(arguments), {arguments.floors.begin(), arguments.floors.end()});
   if (arguments.public_key.empty()) say("who made this job is not checked: --public-key checks its signature");
-  ExchangeFolder log(arguments.folder, arguments.given.empty() ? arguments.job + ".given.jsonl" : arguments.given);
+  const std::string round = std::filesystem::absolute(arguments.job).parent_path().string();
+  ExchangeFolder log(arguments.folder, arguments.given.empty() ? arguments.job + ".given.jsonl" : arguments.given,
+                     round);
   check_time(job, arguments, log);
   OrderExchange exchange(job, robot_of(arguments), log);
+  if (const std::filesystem::path later = later_round(round); !later.empty() && !exchange.is_over())
+    say(later.string() +
+        " went on from the round of this job: what it recalled the robot does all the same; stop it "
+        "there, or measure");
   MqttClient client(arguments.broker);
   client.on_message = [&](const std::string&, const std::string& payload, bool is_kept) {
     exchange.on_state(payload, seconds_now(), is_kept);

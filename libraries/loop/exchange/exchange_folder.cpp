@@ -9,11 +9,13 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "base/text/whole_file.hpp"
 #include "base/text/words.hpp"
 #include "loop/exchange/order_exchange.hpp"
+#include "loop/exchange/rounds_beside.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -64,36 +66,14 @@ struct FileCloser {
   ~FileCloser() { close(file); }
 };
 
-/// "F01-C01-R1:1".
-std::string item_key(const std::string& item, int revision) { return item + ":" + std::to_string(revision); }
-
-struct Given {
-  std::string robot, order;  ///< MANUFACTURER/SERIAL; the orderId it was given in, empty where the line says none
-};
-
-/// By item and revision. Throws std::runtime_error for a line that says neither: what it gives away is not known.
-std::map<std::string, Given> given_by_item(const std::string& path) {
-  std::map<std::string, Given> given;
-  std::size_t number = 0;
-  for (const std::string& text : lines_of(path)) {
-    ++number;
-    const auto line = nlohmann::ordered_json::parse(text, nullptr, false);
-    if (!line.is_object() || !line.contains("item") || !line.contains("revision") || !line.contains("robot"))
-      throw std::runtime_error(path + ":" + std::to_string(number) + " is '" + text.substr(0, 60) +
-                               "', expected item, revision and robot: which robot has what is not known; mend that "
-                               "line, or take it out if no robot had it");
-    given.try_emplace(item_key(line["item"].get<std::string>(), line["revision"].get<int>()),
-                      Given{line["robot"].get<std::string>(), line.value("order", "")});
-  }
-  return given;
-}
-
-/// Who holds an item that this robot would be sent in the order of `job`, in words; empty: nobody. An order of other
-/// floors of the same job has another orderId: the robot would not know that it did the item, and would do it again.
-std::string holder_of(const Given& given, const Job& job, const std::string& robot) {
-  if (given.robot != robot) return given.robot;
-  const bool of_this_job = given.order == job.id || given.order.starts_with(job.id + "-F");
-  return of_this_job && given.order != vda_order_id(job) ? given.robot + " itself, in order " + given.order : "";
+/// By whom items are held: "RC/001", or of this robot itself another order. By that, their names.
+std::map<std::string, std::vector<std::string>> by_holder(const std::vector<GivenItem>& held,
+                                                          const std::string& robot) {
+  std::map<std::string, std::vector<std::string>> items;
+  for (const GivenItem& one : held)
+    items[one.robot + (one.robot == robot ? " itself, in order " + one.order : "") + " (" + one.file.string() + ")"]
+        .push_back(one.item);
+  return items;
 }
 
 }  // namespace
@@ -102,21 +82,23 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
   if (given_.empty()) return {};
   const int file = open_lines(given_, true);
   const FileCloser closer{file};
-  const std::map<std::string, Given> given = given_by_item(given_);
-  std::map<std::string, std::vector<std::string>> held;  // by who holds them
-  std::string lines;
-  for (const JobItem& item : job.items) {
-    const auto found = given.find(item_key(item.id, item.revision));
-    if (found != given.end())
-      if (const std::string holder = holder_of(found->second, job, robot); !holder.empty())
-        held[holder].push_back(item.id);
-    if (found == given.end())
-      lines += (lines.empty() ? "" : "\n") +
-               nlohmann::ordered_json{
-                   {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
-                   .dump();
-  }
+  if (const std::filesystem::path later = rounds_.empty() ? "" : later_round(rounds_); !later.empty())
+    return "job " + job.id + " is of " + rounds_ + ", and " + later.string() +
+           " went on from that round: what it recalled is not to be done any more, so nothing is sent. What is still "
+           "to "
+           "be done is in " +
+           (later / "job.json").string() + "; if that round is to count for nothing, take its folder away";
+  std::set<std::pair<std::string, int>> taken;
+  for (const GivenItem& one : given_lines(given_)) taken.emplace(one.item, one.revision);
+  const auto held = by_holder(unanswered(rounds_, given_, job, robot, vda_order_id(job)), robot);
   if (held.empty()) {
+    std::string lines;
+    for (const JobItem& item : job.items)
+      if (!taken.contains({item.id, item.revision}))
+        lines += (lines.empty() ? "" : "\n") +
+                 nlohmann::ordered_json{
+                     {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
+                     .dump();
     if (take && !lines.empty()) append_line(file, lines, given_);
     return {};
   }
@@ -124,13 +106,15 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
   for (const auto& [other, items] : held)
     words += (words.empty() ? "" : "; ") + text::join(items, 4) + (items.size() > 1 ? " were" : " was") + " given to " +
              other;
-  return words + " (" + given_ +
-         "): nothing is sent. Two robots share a job by floors (--floor 1, --floor 2), and a robot goes on with the "
-         "floors that it was given together; if that robot is known not to have taken them, take its lines out of that "
-         "file";
+  return words +
+         ", and no report of it is in this round: nothing is sent. Let that order come to its end, then run the round "
+         "with what that robot said (or report each as done, failed or skipped). Two robots share a job by floors "
+         "(--floor 1, --floor 2), and a robot goes on with the floors that it was given together; if that robot is "
+         "known not to have taken them, take its lines out of that file";
 }
 
-ExchangeFolder::ExchangeFolder(const std::string& folder, const std::string& given) : folder_(folder), given_(given) {
+ExchangeFolder::ExchangeFolder(const std::string& folder, const std::string& given, const std::string& rounds)
+    : folder_(folder), given_(given), rounds_(rounds) {
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   if (failed) throw std::runtime_error("folder " + folder + " cannot be made: " + failed.message());

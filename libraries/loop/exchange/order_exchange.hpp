@@ -32,9 +32,9 @@ class ExchangeLog {
   virtual void append_state(const std::string& line) = 0;
   virtual std::vector<std::string> sent() const = 0;
   virtual std::vector<std::string> states() const = 0;
-  /// Which items of the job, at their revisions, were given to robots other than `robot` (MANUFACTURER/SERIAL), or to
-  /// it in an order of other floors of this job, in words with what to do; empty: none, and with `take` they are this
-  /// robot's, on disk when it returns.
+  /// Why the job is not to be sent: a later round went on from its own, or items of it were given to robots other than
+  /// `robot` (MANUFACTURER/SERIAL), or to it in another order, and were not reported since. In words with what to do;
+  /// empty: nothing, and with `take` its items are this robot's, on disk when it returns.
   virtual std::string held_by_others(const Job& job, const std::string& robot, bool take) {
     return static_cast<void>(job), static_cast<void>(robot), static_cast<void>(take), std::string();
   }
@@ -42,11 +42,12 @@ class ExchangeLog {
 
 /// sent.jsonl and states.jsonl in a folder that is made. A torn last line, of a program that was killed, is cut off.
 /// One program at a time: a second one is refused. `given`: the file that says which robot has which items, shared by
-/// the programs of all robots (a line each: item, revision, robot, order); empty: nobody asks. Throws
-/// std::runtime_error with path and reason.
+/// the programs of all robots (a line each: item, revision, robot, order); empty: nobody asks. `rounds`: the folder of
+/// the round that made the job, whose journal and whose neighbours tell what was reported since, and whether a later
+/// round counts; empty: not known. Throws std::runtime_error with path and reason.
 class ExchangeFolder : public ExchangeLog {
  public:
-  explicit ExchangeFolder(const std::string& folder, const std::string& given = "");
+  explicit ExchangeFolder(const std::string& folder, const std::string& given = "", const std::string& rounds = "");
   ~ExchangeFolder() override;
   ExchangeFolder(const ExchangeFolder&) = delete;
   ExchangeFolder& operator=(const ExchangeFolder&) = delete;
@@ -57,7 +58,7 @@ class ExchangeFolder : public ExchangeLog {
   std::string held_by_others(const Job& job, const std::string& robot, bool take) override;
 
  private:
-  std::string folder_, given_;
+  std::string folder_, given_, rounds_;
   int sent_ = -1, states_ = -1;
 };
 
