@@ -27,7 +27,7 @@ namespace {
   throw std::runtime_error(
       file + ": " + what +
       ". A board file has type (chessboard, charuco or tags), columns, rows, square [m], marker [m], "
-      "gap [m], dictionary and first_id; docs/photographs.md has an example of each");
+      "gap [m], dictionary and first_id; docs/camera_calibration.md has an example of each");
 }
 
 YAML::Node value(const YAML::Node& root, std::initializer_list<const char*> names) {

@@ -18,7 +18,7 @@ struct DetectBoard : Node {
   static constexpr Info info{"detect.board", "", 6,
                              "Finds a calibration board (chessboard, ChArUco or grid of tags) and measures its points"};
   Each<Image> images{"images", "photographs of the board"};
-  Param<FilePath> board{"board", required, "board file (YAML); docs/photographs.md has an example of each kind"};
+  Param<FilePath> board{"board", required, "board file (YAML); docs/camera_calibration.md has an example of each kind"};
   Out<BoardPoints> points{"points", "the points that were found, or why none were"};
 
   void run(Context& context) override {

@@ -8,7 +8,7 @@
 
 namespace plumbline::report {
 
-/// The body of the page from a calibration.json (docs/photographs.md has its fields).
+/// The body of the page from a calibration.json (docs/camera_calibration.md has its fields).
 void write_calibration(Markup& html, const nlohmann::ordered_json& calibration, const std::string& title,
                        const std::string& subtitle);
 
