@@ -1,18 +1,19 @@
-"""docs/measured.md: short tables, notes folded out below them."""
+"""docs/measured.md and a page for each subject in docs/measured/: short tables, notes folded out below them."""
 import pathlib
 import re
 
 from . import rows as data
 
 PAGE = data.ROOT / "docs/measured.md"
+FOLDER = data.ROOT / "docs/measured"
 LONGEST_LINE = 380  # of a table
-NOTE = "<!-- Made by scripts/measured from measured.toml: change that. -->"
+NOTE = "<!-- Made by scripts/measured from docs/measured.toml: change that. -->"
 HEAD = """# What was measured
 
 Each row is a claim, what it was measured on, its figures with the tolerance they are compared within, and the command that makes
 them again: `scripts/measured --check` types them and compares. *Simulated*: photographs and readings of our own simulator, whose
 optics are ideal and whose transfer curve is linear where a row does not say `optics=real`. A number in brackets leads to what else was seen and
-how far it holds, below the tables. What was seen once and has no command is no figure: it stands in [observations](observations.md).
+how far it holds, below the tables of its page. What was seen once and has no command is no figure: it stands in [observations](observations.md).
 
 `$DATA` is the public test data (`PLUMBLINE_TEST_DATA`), `$OTHERS` a folder with clones of public repositories, `$OTHERS/OWNER/NAME`
 (`PLUMBLINE_OTHERS`). Times are processor times, of a machine with two cores where a row says nothing else.
@@ -78,14 +79,39 @@ def lines_of(row, bracket, aside):
         yield line
 
 
-def page(parts):
-    kinds = [data.mark(check) for row in data.rows(parts) for check in data.checks(row)]
-    lines = [HEAD.rstrip(), "", NOTE, "", f"{len(data.rows(parts))} claims, {len(kinds)} commands:", ""]
-    lines += [f"- {mark} {kinds.count(name)} {what}" for name, (mark, what) in MARKS.items()] + [""]
-    notes, number, aside = [], 0, []
+def subjects(parts):
+    """Heading and parts of each page: a part without a heading belongs to the one before it."""
+    pages = []
     for part in parts:
-        if "heading" in part:
-            lines += ["## " + part["heading"], ""]
+        if "heading" in part or not pages:
+            pages.append((part.get("heading", "Figures"), []))
+        pages[-1][1].append(part)
+    return pages
+
+
+def file_of(heading):
+    return FOLDER / (re.sub(r"[^a-z]+", "_", heading.lower()) + ".md")
+
+
+def marks(parts):
+    kinds = [data.mark(check) for row in data.rows(parts) for check in data.checks(row)]
+    return [f"- {mark} {kinds.count(name)} {what}" for name, (mark, what) in MARKS.items()]
+
+
+def index(parts):
+    """docs/measured.md: how the pages of figures are to be read, and which there are."""
+    checks = sum(len(data.checks(row)) for row in data.rows(parts))
+    lines = [HEAD.rstrip(), "", NOTE, "", f"{len(data.rows(parts))} claims, {checks} commands:", "", *marks(parts), "", "| figures of | claims |", "|---|---|"]
+    for heading, of in subjects(parts):
+        lines.append(f"| [{heading}]({FOLDER.name}/{file_of(heading).name}) | {len(data.rows(of))} |")
+    return "\n".join(lines) + "\n"
+
+
+def subject(heading, parts):
+    """The tables of one subject; below them what else was seen, and the commands that are too long for a cell."""
+    legend = "; ".join(f"{mark} {what}" for mark, what in (("✓", "in every run of the tests"), ("◇", "held by a test"), ("○", "takes long"), ("△", "files of others")))
+    lines, notes, aside = [f"# {heading}: what was measured", "", NOTE, "", f"{legend} ([how to read this](../{PAGE.name})).", ""], [], []
+    for part in parts:
         if "text" in part:
             lines += [part["text"].strip(), ""]
         if not part.get("row"):
@@ -94,13 +120,21 @@ def page(parts):
         for row in part["row"]:
             bracket = ""
             if "note" in row:
-                number += 1
+                number = len(notes) + 1
                 bracket = f" [({number})](#note-{number})"
-                notes.append(f'- <a id="note-{number}"></a>' + folded(f'**({number})** {row["claim"]}: {row["note"]}'))
+                notes.append(f'- <a id="note-{number}"></a>' + folded(f'**({number})** {row["note"]}'))
             lines += ["| " + " | ".join(map(cell, line)) + " |" for line in lines_of(row, bracket, aside)]
         lines.append("")
-    long = [f'- <a id="command-{n}"></a>**{n}** {command}' for n, command in enumerate(aside, 1)]
-    return "\n".join([*lines, "## Notes", "", *notes, "", "## Long commands", "", *long]) + "\n"
+    if notes:
+        lines += ["## Notes", "", *notes, ""]
+    if aside:
+        lines += ["## Long commands", "", *(f'- <a id="command-{n}"></a>**{n}** {command}' for n, command in enumerate(aside, 1)), ""]
+    return "\n".join(lines)
+
+
+def pages(parts):
+    """The text of each page, by its file."""
+    return {PAGE: index(parts), **{file_of(heading): subject(heading, of) for heading, of in subjects(parts)}}
 
 
 def too_long(parts):

@@ -27,7 +27,7 @@ from command_rules import DROPPED, OTHER_ENDS, OTHERS, ROUND, SERVED, SMALL, SMA
 PROGRAM, ROOT, WORK = os.path.abspath(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
 ONLY = sys.argv[4] if len(sys.argv) > 4 else ""
 LONG = bool(os.environ.get("PLUMBLINE_LONG"))
-TYPED_ELSEWHERE = ("docs/tutorial.md", "docs/howto/", "docs/measured.md")  # the last by scripts/measured
+TYPED_ELSEWHERE = ("docs/tutorial.md", "docs/howto/", "docs/measured")  # the last by scripts/measured
 DATA = pathlib.Path(os.environ.get("PLUMBLINE_TEST_DATA") or ROOT.parent / "shared/data")
 RULES = command_rules.rules(DATA)
 ENVIRONMENT = {**os.environ, "PATH": f"{pathlib.Path(PROGRAM).parent}:{os.environ['PATH']}", "PLUMBLINE_STORE": str(WORK / ".store"),

@@ -82,15 +82,19 @@ def refused(words, *arguments):
     expect(done.returncode == 1 and words in said and "Traceback" not in said, f"'{words}' is not said of {arguments} but {done.returncode}: {said}")
 
 
-# Of the page itself: short tables, their long commands in a list with a place to go to; notes in lines.
-page = (ROOT / "docs/measured.md").read_text(encoding="utf-8")
-told, notes = page.split("\n## Notes\n")
-notes, commands = notes.split("\n## Long commands\n")
-expect(all(len(line) <= 400 for line in told.splitlines()), f"rows of more than 400 characters: {[line[:80] for line in told.splitlines() if len(line) > 400]}")
-expect(all(len(line) <= 200 for line in notes.splitlines()), f"long lines of notes: {[line[:80] for line in notes.splitlines() if len(line) > 200]}")
-for target in set(re.findall(r"\]\(#((?:command|note)-[0-9]+)\)", page)):
-    expect(page.count(f'<a id="{target}"></a>') == 1, f"{target} leads nowhere")
-expect("](#command-1)" in told, "no command was too long for its row")
+# Of the pages themselves: short tables, their long commands in a list with a place to go to; notes in lines.
+pages = sorted((ROOT / "docs/measured").glob("*.md"))
+expect(len(pages) > 5, f"only {len(pages)} pages of figures")
+for file in pages:
+    page = file.read_text(encoding="utf-8")
+    told, _, notes = page.partition("\n## Notes\n")
+    notes = notes.partition("\n## Long commands\n")[0]
+    expect(all(len(line) <= 400 for line in told.splitlines()), f"{file.name}: rows of more than 400 characters: {[line[:80] for line in told.splitlines() if len(line) > 400]}")
+    expect(all(len(line) <= 200 for line in notes.splitlines()), f"{file.name}: long lines of notes: {[line[:80] for line in notes.splitlines() if len(line) > 200]}")
+    for target in set(re.findall(r"\]\(#((?:command|note)-[0-9]+)\)", page)):
+        expect(page.count(f'<a id="{target}"></a>') == 1, f"{file.name}: {target} leads nowhere")
+    expect(len(page.split()) <= 4000, f"{file.name}: {len(page.split())} words, at most 4000")
+expect(any("](#command-1)" in file.read_text(encoding="utf-8") for file in pages), "no command was too long for its row")
 
 (WORK / "none.toml").write_text("rows = 3\n", encoding="utf-8")
 (WORK / "broken.toml").write_text("rows =\n", encoding="utf-8")
