@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -92,21 +93,37 @@ CommonEstimate scale_of_distances(const NetworkResult& r) {
   return weights > 0 ? CommonEstimate{sum / weights, 1 / std::sqrt(weights)} : CommonEstimate{};
 }
 
-std::vector<FrameCause> frame_causes(const AdjustOptions& options, double scale, const NetworkResult& result) {
-  constexpr double kLeastGeoid = 10, kMostGeoid = 110;             // [m] above or below the ellipsoid, anywhere
+/// What adjusts with other options; refuses by std::runtime_error.
+using Trial = std::function<NetworkResult(const AdjustOptions&)>;
+
+/// The geoid's height that leaves the distances no scale. The scale that is found of one set-up has the others' in it
+/// as far as the control gives way, and their mean is too small by a share: one trial tells which.
+void explain_by_geoid(const AdjustOptions& options, double scale, const Trial& adjust,
+                      std::vector<FrameCause>& causes) {
+  constexpr double kLeast = 10, kMost = 110;  // [m] above or below the ellipsoid, anywhere
+  const double first = scale * kEarthRadius;
+  if (options.geoid.height != 0 || !options.geoid.grid.empty() || std::abs(first) > kMost) return;
+  AdjustOptions other = options;
+  other.geoid.height = first;
+  const double left = scale_of_distances(adjust(other)).value;
+  other.geoid.height = std::round(first * scale / (scale - left));
+  if (!(std::abs(other.geoid.height) > kLeast && std::abs(other.geoid.height) < kMost)) return;
+  const std::string value = fixed_digits(other.geoid.height, 0);
+  // Its trial has one free number for one number: it proves nothing.
+  causes.push_back({"the geoid lies about " + value + " m above the ellipsoid of the map (geoid_height=" + value +
+                        "; a map of geoids tells), or the distances are off by as much (ppm setting, weather, a prism "
+                        "constant where they are about equally long), which these readings do not tell apart",
+                    other});
+}
+
+std::vector<FrameCause> frame_causes(const AdjustOptions& options, double scale, const NetworkResult& result,
+                                     const Trial& adjust) {
   constexpr double kNearest = 1e5, kFarthest = 9e5, kNorth = 1e5;  // of eastings of UTM, and of a northing [m]
   std::vector<FrameCause> causes;
-  const double geoid = scale * kEarthRadius;
-  if (options.geoid.height == 0 && options.geoid.grid.empty() && std::abs(geoid) > kLeastGeoid &&
-      std::abs(geoid) < kMostGeoid) {
-    AdjustOptions other = options;
-    other.geoid.height = std::round(geoid);
-    const std::string value = fixed_digits(other.geoid.height, 0);
-    // Its trial has one free number for one number: it proves nothing.
-    causes.push_back({"the geoid lies " + value + " m above the ellipsoid of the map (geoid_height=" + value +
-                          "; a map of geoids tells), or the distances are off by as much (ppm setting, weather), which "
-                          "these readings do not tell apart",
-                      other});
+  try {
+    explain_by_geoid(options, scale, adjust, causes);
+  } catch (const std::runtime_error&) {
+    // It is not that.
   }
   AdjustOptions plane = options;
   plane.map = kPlane;
@@ -134,11 +151,14 @@ void explain_scale(const SurveyObservations& survey, const AdjustOptions& option
   if (options.map.empty() || options.map == kPlane || !(scale.sigma > 0) ||
       !(std::abs(scale.value) > kClearly * scale.sigma))
     return;
-  std::vector<Finding> found;
-  for (const FrameCause& cause : frame_causes(options, scale.value, result)) {
+  const Trial adjust = [&](const AdjustOptions& other) {
     stop_point();
+    return adjust_as_it_is(survey, other, control, nullptr);
+  };
+  std::vector<Finding> found;
+  for (const FrameCause& cause : frame_causes(options, scale.value, result, adjust)) {
     try {
-      const NetworkResult r = adjust_as_it_is(survey, cause.options, control, nullptr);
+      const NetworkResult r = adjust(cause.options);
       const CommonEstimate left = scale_of_distances(r);
       if (!(r.sigma0 < result.sigma0) || std::abs(left.value) > kGone * left.sigma) continue;
       found.push_back({Finding::Severity::warning,

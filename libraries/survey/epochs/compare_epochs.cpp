@@ -323,6 +323,11 @@ void add_movements(const Difference& r, const MatrixXd& g, const std::vector<cha
   }
 }
 
+bool are_rivals(size_t moved, size_t others) {
+  constexpr size_t kOneIn = 3;
+  return kOneIn * std::min(moved, others) >= moved + others;
+}
+
 /// The points that stay, where the others are congruent among themselves too, and could carry the datum as well.
 std::vector<std::string> other_body(const Localisation& localisation, const Difference& r,
                                     const std::vector<char>& stays, const std::vector<size_t>& out, size_t needed,
@@ -330,10 +335,9 @@ std::vector<std::string> other_body(const Localisation& localisation, const Diff
   std::vector<size_t> rest;
   for (size_t i = 0; i < stays.size(); ++i)
     if (stays[i]) rest.push_back(i);
-  // Of three prisms against twenty nobody asks which stayed: most of what is built does.
-  constexpr size_t kOneIn = 3;
+  constexpr size_t kFewest = 3;  // that are a body where most others are of the other
   if (free_motions == 0 || out.size() < needed || rest.size() < needed) return {};
-  if (kOneIn * std::min(out.size(), rest.size()) < out.size() + rest.size()) return {};
+  if (!are_rivals(out.size(), rest.size()) && std::min(out.size(), rest.size()) < kFewest) return {};
   if (localisation.rank(rest) <= 0 || localisation.statistic(rest) > localisation.critical(rest)) return {};
   std::vector<std::string> ids;
   for (const size_t i : rest) ids.push_back(r.ids[i]);
@@ -341,6 +345,10 @@ std::vector<std::string> other_body(const Localisation& localisation, const Diff
 }
 
 }  // namespace
+
+bool Comparison::bodies_are_rivals() const {
+  return !other_body.empty() && are_rivals(excluded.size(), other_body.size());
+}
 
 Epoch part_of(const Epoch& epoch, const std::vector<char>& keep) {
   Epoch part;

@@ -69,6 +69,9 @@ struct Comparison {
   /// Where the points that were left out fit each other as one body that moved against the rest: those of the rest. A
   /// free network does not tell which of the two stayed. Empty: they do not, or the frame is held.
   std::vector<std::string> other_body;
+  /// Both bodies have a third of all points at least. Of three prisms against twenty the twenty are taken for what
+  /// stayed, as most of what is built does; that the three may be the references is told all the same.
+  bool bodies_are_rivals() const;
   std::vector<Exclusion> excluded;                               ///< in the order they were found to have moved
   std::vector<std::string> only_first, only_second, incomplete;  ///< points that could not be compared
 };

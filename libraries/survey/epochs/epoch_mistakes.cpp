@@ -139,10 +139,21 @@ std::optional<EpochMistake> find_epoch_mistake(const Epoch& first, const Epoch& 
   }
 }
 
-std::string two_bodies_in_words(std::size_t moved, const std::vector<std::string>& others) {
-  return std::to_string(moved) + " points moved as one body against " + std::to_string(others.size()) +
-         " others: which of the two stayed these readings cannot tell. Movements are given as if " + join(others, 4) +
-         " had stayed; say which did: `stable` of a series, or control that the epochs hold (datum fixed)";
+std::string two_bodies_in_words(const Comparison& compared) {
+  const std::vector<std::string>& others = compared.other_body;
+  if (others.empty()) return "";
+  std::vector<std::string> moved;
+  for (const Exclusion& e : compared.excluded) moved.push_back(e.id);
+  const std::string bodies = std::to_string(moved.size()) + " points moved as one body against " +
+                             std::to_string(others.size()) + " others: ",
+                    way = "`stable` of a series, or control that the epochs hold (datum fixed)";
+  if (compared.bodies_are_rivals())
+    return bodies + "which of the two stayed these readings cannot tell. Movements are given as if " + join(others, 4) +
+           " had stayed; say which did: " + way;
+  return bodies +
+         (moved.size() < others.size() ? "the many are taken for what stayed. "
+                                       : "the few are taken for what stayed. ") +
+         "If " + join(moved, 4) + " are the references, it was the others that moved; then say so: " + way;
 }
 
 }  // namespace plumbline::survey

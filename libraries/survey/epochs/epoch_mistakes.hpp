@@ -23,7 +23,8 @@ struct EpochMistake {
 std::optional<EpochMistake> find_epoch_mistake(const Epoch& first, const Epoch& second,
                                                const ComparisonOptions& options, const Comparison& compared);
 
-/// That so many points moved against `others` (Comparison::other_body), and what tells which of them stayed.
-std::string two_bodies_in_words(std::size_t moved, const std::vector<std::string>& others);
+/// That points of `compared` moved as one body against its other_body, and what tells which of them stayed. Empty: no
+/// such body.
+std::string two_bodies_in_words(const Comparison& compared);
 
 }  // namespace plumbline::survey

@@ -13,6 +13,7 @@
 #include "geometry/statistics.hpp"
 #include "plumbline/stop.hpp"
 #include "survey/epochs/epoch_axes.hpp"
+#include "survey/epochs/epoch_mistakes.hpp"
 #include "survey/epochs/epoch_motion.hpp"
 #include "survey/epochs/epoch_names.hpp"
 #include "survey/words/network_words.hpp"
@@ -100,7 +101,8 @@ std::vector<std::string> stable_points(const std::vector<DatedEpoch>& epochs, co
     second.covariance *= series.factors[k];
     const Comparison c = compare_epochs(first, second, compare);
     for (const Exclusion& e : c.excluded) out.insert(e.id);
-    if (!c.other_body.empty()) series.against = c.excluded.size(), series.other_body = c.other_body;
+    if (!c.other_body.empty() && (c.bodies_are_rivals() || !series.bodies_are_rivals))
+      series.two_bodies = two_bodies_in_words(c), series.bodies_are_rivals = c.bodies_are_rivals();
     for (const Movement& m : c.movements)
       if (m.moved) out.insert(m.id);
   }

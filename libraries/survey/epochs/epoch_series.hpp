@@ -73,8 +73,8 @@ struct EpochSeries {
   std::vector<double> factors;                 ///< on the covariance of each epoch
   std::string variances;                       ///< in words
   std::vector<std::string> stable;
-  std::size_t against = 0;                ///< points that moved as one body against others: a free network does not
-  std::vector<std::string> other_body;    ///< tell which of the two stayed; empty: they do not
+  std::string two_bodies;                 ///< points moved as one body against others, in words; empty: they do not
+  bool bodies_are_rivals = false;         ///< and nobody can tell which of the two stayed (Comparison)
   std::vector<std::string> contradicted;  ///< of those that were named to carry the datum: most others say they moved
   std::vector<std::string> seen_once;     ///< points of one epoch only, or held without error
   std::vector<std::string> not_followed;  ///< names that change, points that the last epoch lacks, in words

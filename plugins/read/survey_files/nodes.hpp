@@ -121,8 +121,8 @@ struct ReadKrumm : ReaderNode {
 struct TableReaderNode : ReaderNode {
   Param<std::string> columns{
       "columns", "", "order of the columns of a table without header: letters as in PENZD, or names with commas"};
-  Param<std::string> length_unit{"length_unit", "m", one_of("m", "cm", "mm", "ft", "usft"),
-                                 "of length columns whose header names none"};
+  Param<std::string> length_unit{"length_unit", "automatic", one_of("automatic", "m", "cm", "mm", "ft", "usft"),
+                                 "of length columns whose header names none; automatic: metres, and that is said"};
 };
 
 struct ReadSurveyCsv : TableReaderNode {

@@ -77,17 +77,14 @@ void ReadGama::run(Context& context) { deliver(context, survey::read_gama_xml(by
 void ReadKrumm::run(Context& context) { deliver(context, survey::read_krumm(bytes(), name())); }
 
 static std::string unit_or_none(const std::string& unit) { return unit == "automatic" ? "" : unit; }
-/// The parameter's default is what is taken where nobody says a unit.
-static std::string length_unit_or_none(const std::string& unit) { return unit == "m" ? "" : unit; }
 
 void ReadSurveyCsv::run(Context& context) {
-  deliver(context, survey::read_survey_csv(bytes(), name(),
-                                           {*columns, unit_or_none(*angle_unit), length_unit_or_none(*length_unit)}));
+  deliver(context,
+          survey::read_survey_csv(bytes(), name(), {*columns, unit_or_none(*angle_unit), unit_or_none(*length_unit)}));
 }
 
 void ReadSetupCoordinates::run(Context& context) {
-  deliver(context,
-          survey::read_setup_coordinates(bytes(), name(), {*columns, "gon", length_unit_or_none(*length_unit)}));
+  deliver(context, survey::read_setup_coordinates(bytes(), name(), {*columns, "gon", unit_or_none(*length_unit)}));
 }
 
 void ReadSurvey::run(Context& context) {

@@ -211,18 +211,17 @@ void CompareEpochsNode::run(Context& context) {
   out.notes.insert(out.notes.begin(), not_followed.begin(), not_followed.end());
   if (mistake) out.notes.insert(out.notes.begin(), told_mistake);
   out.left_out.insert(out.left_out.end(), skipped.begin(), skipped.end());
-  const std::string bodies = c.other_body.empty() ? "" : two_bodies_in_words(c.excluded.size(), c.other_body);
-  if (!bodies.empty()) {
-    context.warn(bodies);
-    out.notes.insert(out.notes.begin(), bodies);
-  }
+  const std::string bodies = two_bodies_in_words(c);
+  if (!bodies.empty()) out.notes.insert(out.notes.begin(), bodies);
+  if (c.bodies_are_rivals()) context.warn(bodies);
   std::vector<std::string> moved;
   for (const Movement& m : c.movements) {
     if (!m.moved) continue;
     moved.push_back(m.id);
-    context.warn("point " + m.id +
-                 (in_doubt.empty() && !is_explained && bodies.empty() ? " has moved: " : " seems to have moved: ") +
-                 movement_in_words(m) + alternatives_in_words(c, m.id));
+    context.warn(
+        "point " + m.id +
+        (in_doubt.empty() && !is_explained && !c.bodies_are_rivals() ? " has moved: " : " seems to have moved: ") +
+        movement_in_words(m) + alternatives_in_words(c, m.id));
   }
   out.remark = (mistake ? told_mistake + "; " : "") + (bodies.empty() ? "" : bodies + "; ") + c.variances.text +
                (c.variances.text.empty() ? "" : "; ") +

@@ -11,7 +11,7 @@
 namespace plumbline::survey {
 
 struct CompareEpochsNode : Node {
-  static constexpr Info info{"survey.compare_epochs", "", 6,
+  static constexpr Info info{"survey.compare_epochs", "", 7,
                              "Tests whether two epochs of a network are congruent and which points have moved"};
   In<Points> first{"first", frame("frame=?S"), "adjusted points of the first epoch, with full covariance"};
   In<Points> second{"second", frame("frame=?S"), "adjusted points of the second epoch, with full covariance"};

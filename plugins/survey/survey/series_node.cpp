@@ -239,9 +239,10 @@ void EpochSeriesNode::run(Context& context) {
   note_scales(dated, text);
   note_mistakes(dated, text);
   const EpochSeries result = epoch_series(dated, text.options);
-  if (!result.other_body.empty())
-    text.notes.insert(text.notes.begin(), two_bodies_in_words(result.against, result.other_body));
+  if (result.bodies_are_rivals) text.notes.insert(text.notes.begin(), result.two_bodies);
   for (const std::string& note : text.notes) context.warn(note);
+  // Of a settling corner it is said, and nothing is asked.
+  if (!result.two_bodies.empty() && !result.bodies_are_rivals) text.notes.push_back(result.two_bodies);
   // What 10 K do is no finding: page and verdict have it.
   for (const std::string& note : notes_of_temperature(result, dated)) text.notes.push_back(note);
   tell(context, result, text);

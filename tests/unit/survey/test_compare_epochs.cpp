@@ -48,16 +48,24 @@ TEST(CompareEpochs, WhichOfTwoBodiesStayedIsNotToldByAFreeNetwork) {
   const Comparison c = compare_epochs(first, second, {});
   EXPECT_EQ(c.excluded.size() + c.other_body.size(), first.ids.size());
   EXPECT_GE(c.other_body.size(), 5u);
-  EXPECT_NE(two_bodies_in_words(c.excluded.size(), c.other_body).find("which of the two stayed"), std::string::npos);
+  EXPECT_NE(two_bodies_in_words(c).find("which of the two stayed"), std::string::npos);
   ComparisonOptions held;
   held.free_motions = 0;
   EXPECT_TRUE(compare_epochs(first, second, held).other_body.empty());
-  // Three of a settling corner are no rival of those that stayed.
+  EXPECT_TRUE(c.bodies_are_rivals());
+  // Three of a settling corner are no rival of those that stayed; that they may be the references is said all the same.
   Epoch corner = markers(epoch(test::simulate({}, 22).survey));
   for (Eigen::Index i = 0; i < 3; ++i) corner.coordinates[3 * i + 2] -= 0.004;
   const Comparison few = compare_epochs(first, corner, {});
   EXPECT_EQ(few.excluded.size(), 3u);
-  EXPECT_TRUE(few.other_body.empty());
+  EXPECT_EQ(few.other_body.size(), first.ids.size() - 3);
+  EXPECT_FALSE(few.bodies_are_rivals());
+  EXPECT_NE(two_bodies_in_words(few).find("are the references, it was the others that moved"), std::string::npos)
+      << two_bodies_in_words(few);
+  // One that settles is no body.
+  Epoch one = markers(epoch(test::simulate({}, 22).survey));
+  one.coordinates[2] -= 0.004;
+  EXPECT_EQ(two_bodies_in_words(compare_epochs(first, one, {})), "");
   // Points that move each by itself are no body.
   Epoch scattered = markers(epoch(test::simulate({}, 22).survey));
   for (Eigen::Index i = 0; i < 4; ++i) scattered.coordinates[3 * i + i % 3] += i % 2 == 0 ? 0.02 : -0.03;

@@ -71,6 +71,19 @@ TEST(MapCauses, UtmIsNamedWhereAnotherMapIsGiven) {
   EXPECT_EQ(said.find("a plane of their own"), std::string::npos) << said;
 }
 
+/// Distances between heights above a geoid that nobody gave are off as by a ppm setting; 47 m are 7.4 ppm.
+TEST(MapCauses, AGeoidThatNobodyGaveIsNamedBesideAPpmSettingThatWouldDoTheSame) {
+  for (const double height : {47.0, -30.0}) {
+    const std::string said = words(on_map("EPSG:25832", height), "EPSG:25832");
+    const std::string words = "probably: the geoid lies about ";
+    const size_t at = said.find(words);
+    ASSERT_NE(at, std::string::npos) << said;
+    EXPECT_NEAR(std::stod(said.substr(at + words.size())), height, 3) << said;  // 0.12 ppm are 0.75 m
+    EXPECT_NE(said.find("these readings do not tell apart"), std::string::npos) << said;
+  }
+  EXPECT_EQ(words(on_map("EPSG:25832", 0), "EPSG:25832").find("the geoid lies"), std::string::npos);
+}
+
 /// What no map here explains is a ppm setting, and the map is named as one that it may be.
 TEST(MapCauses, AScaleThatNoneExplainsIsNotCalledAMap) {
   SurveyObservations survey = on_map("EPSG:25832", 0);
