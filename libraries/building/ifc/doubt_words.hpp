@@ -26,7 +26,9 @@ inline std::string in_words(const MeasurementDoubtT& doubt) {
     if (doubt.mend.empty() && !doubt.mend_note.empty()) text += "; to decide it, " + doubt.mend_note;
     return text;
   }
-  text += fmt::format("; all standard deviations are {:.3g} times as large for it.", doubt.factor);
+  // Else the adjustment has made those larger that feel it, and says so itself.
+  text +=
+      doubt.factor > 1 ? fmt::format("; all standard deviations are {:.3g} times as large for it.", doubt.factor) : ".";
   if (doubt.mend.empty()) return text;
   text += " To mend it, run again with \"" + doubt.mend + "\"";
   return text + (doubt.mend_note.empty() ? "." : " (" + doubt.mend_note + ").");

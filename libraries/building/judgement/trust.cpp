@@ -215,7 +215,7 @@ std::optional<MeasurementDoubtT> doubt_of_choices(const SurveyNetwork& network) 
 
 }  // namespace
 
-Trust trust_of(const Block* block, const SurveyNetwork* network) {
+Trust trust_of(const Block* block, const SurveyNetwork* network, Judged what) {
   Trust trust;
   if (network)
     if (auto doubt = doubt_of_control(*network)) trust.doubts.push_back(*std::move(doubt));
@@ -250,7 +250,8 @@ Trust trust_of(const Block* block, const SurveyNetwork* network) {
     }
     MeasurementDoubtT misfit = finding(MeasurementPart::image_block, DoubtGrade::misfit, about, reason);
     say_what_mends(*test, misfit);
-    take_misfit(std::move(misfit), std::max(1.0, test->variance_factor()), trust);
+    const bool is_in_them = what == Judged::points && std::isfinite(test->points_factor());
+    take_misfit(std::move(misfit), is_in_them ? 1 : std::max(1.0, test->variance_factor()), trust);
   }
   return trust;
 }

@@ -13,6 +13,10 @@
 
 namespace plumbline::judgement {
 
+/// What is judged. The covariance of points may have what a camera model that does not hold moves them by already
+/// (BlockTest.points_factor); what else is measured in the same photographs is less certain by the factor of the test.
+enum class Judged { points, surfaces };
+
 struct Trust {
   /// Why the measurement is not to be trusted: then nothing is decided.
   std::vector<MeasurementDoubtT> doubts;
@@ -26,7 +30,7 @@ struct Trust {
 /// control or not: the network's own test of it counts. So are known points that were left out and contradict what came
 /// of it, where they are as many as those that hold it, and readings of which
 /// one is wrong and nothing tells which. Null: there is none to ask.
-Trust trust_of(const Block* block, const SurveyNetwork* network);
+Trust trust_of(const Block* block, const SurveyNetwork* network, Judged what = Judged::points);
 
 /// The datum of a measurement that was fitted to the anchors themselves: by its points, which carry it wherever they
 /// go, or by the transform that brought it to the design (null: not known). Nothing of one that comes from elsewhere.

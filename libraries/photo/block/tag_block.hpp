@@ -178,6 +178,9 @@ struct GroupTest {
   std::string words;  ///< what a failure means
   /// Of principal points: rms of the step to those of single images [px], what image_principal_point_sigma has to be.
   double shift = std::numeric_limits<double>::quiet_NaN();
+  /// By which the standard deviations of anchors are larger for it, the largest: their covariance has what it moves
+  /// them by. nan: it has not.
+  double points_factor = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A principal point of an image's own: its difference from the camera's.

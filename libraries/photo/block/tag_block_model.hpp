@@ -98,6 +98,7 @@ WithheldControl withheld_control(const TagModel& model, const TagStart& start, c
 
 /// Fills result.models: score tests at 1e-4 of what the camera model leaves out (d1 and d2, a principal point of each
 /// image), at the minimum in `model`. Blocks of more than 300 images and those with little redundancy are not tested.
+/// What of it does not hold is added to result.anchor_covariance, mode by mode, as large as the images show it.
 void test_models(const TagBlockOptions& options, const TagModel& model, const bundle::Adjusted& adjusted,
                  TagBlockResult& result);
 

@@ -36,8 +36,48 @@ GroupTest model_test(GroupTest::Kind kind, const std::string& name, double expla
   return test;
 }
 
+/// Adds to the anchors' covariance what unknowns that nobody estimates move them by: K S Sᵀ Kᵀ, where `moved` is K S, K
+/// the change of the adjustment for a unit of each and S Sᵀ their covariance (Tapley, Schutz & Born 2004, Statistical
+/// Orbit Determination, 6.4: consider covariance). So it is the heights that grow where these feel it, or the scale,
+/// and nothing else.
+void widen(const TagBlockOptions& options, const TagModel& model, Eigen::MatrixXd moved, GroupTest& test,
+           TagBlockResult& result) {
+  if (result.anchor_covariance.size() == 0) return;
+  const bundle::Layout layout(model.problem);
+  const bundle::Datum datum = options.free_network
+                                  ? bundle::inner_datum(model.problem, layout, bundle::free_motions(model.problem))
+                                  : bundle::Datum();
+  if (datum.count > 0) {  // I − G (CᵀG)⁻¹ Cᵀ, as cofactors are brought to it
+    const Eigen::MatrixXd g =
+        bundle::motions_of(model.problem, layout, model.state,
+                           least_squares::centre_of(bundle::bodies_of(model.problem, model.state)))
+            .leftCols(datum.count);
+    const Eigen::MatrixXd c = g(datum.held, Eigen::all), seen = c.transpose() * moved(datum.held, Eigen::all);
+    moved -= g * (c.transpose() * c).ldlt().solve(seen);
+  }
+  std::vector<int> positions;
+  for (int j = 0; j < static_cast<int>(model.problem.plates.size()); ++j)
+    for (int k = 0; k < 3; ++k) positions.push_back(layout.offset(layout.block({bundle::Kind::plate, j})) + k);
+  const Eigen::MatrixXd of_anchors = moved(positions, Eigen::all);
+  const Eigen::VectorXd before = result.anchor_covariance.diagonal();
+  result.anchor_covariance += of_anchors * of_anchors.transpose();
+  test.points_factor = std::sqrt(result.anchor_covariance.diagonal().cwiseQuotient(before).maxCoeff());
+  test.words +=
+      test.points_factor < 1.05
+          ? "; standard deviations of anchors grow by less than 5 % for it"
+          : fmt::format("; standard deviations of anchors are up to {:.1f} times as large for it", test.points_factor);
+}
+
+/// What of the decrease is no noise, by the variance that the larger model leaves.
+double beyond_noise(const bundle::ScoreTest::Explained& explained, const TagBlockResult& result) {
+  const auto freedom = static_cast<double>(explained.step.size());
+  const double left = (result.weighted_sum_of_squares - explained.decrease) / (result.degrees_of_freedom - freedom);
+  return std::max(0.0, explained.decrease - freedom * left);
+}
+
 /// `camera`: its name, if there are several.
-void add_distance_terms(const bundle::ScoreTest& score, int index, const std::string& camera, TagBlockResult& result) {
+void add_distance_terms(const bundle::ScoreTest& score, int index, const std::string& camera,
+                        const TagBlockOptions& options, const TagModel& model, TagBlockResult& result) {
   const auto explained = score.by(bundle::Kind::camera, index);
   if (!std::isfinite(explained.decrease)) return;  // one distance: nothing to tell
   const std::string of = camera.empty() ? "" : " of " + camera;
@@ -47,10 +87,17 @@ void add_distance_terms(const bundle::ScoreTest& score, int index, const std::st
     test.words = "the lens' distortion" + of + " changes with the distance" +
                  fmt::format(" (test value {:.1f}, at most {:.1f})", test.factor, test.limit) +
                  ": add d1 and d2 to free_interior";
+  if (!test.passed)
+    widen(options, model,
+          std::sqrt(beyond_noise(explained, result) / explained.decrease) *
+              (score.influence(bundle::Kind::camera, index) * explained.step),
+          test, result);
   result.models.push_back(test);
 }
 
-void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result) {
+/// Principal points that scatter by σ raise the decrease by σ² times the information about them: so σ² is told from it.
+void add_principal_points(const bundle::ScoreTest& score, const TagBlockOptions& options, const TagModel& model,
+                          TagBlockResult& result) {
   const auto explained = score.by(bundle::Kind::shift);
   if (!std::isfinite(explained.decrease)) return;
   const auto freedom = static_cast<double>(explained.step.size());
@@ -60,7 +107,11 @@ void add_principal_points(const bundle::ScoreTest& score, TagBlockResult& result
   const std::string figure =
       fmt::format(" (test value {:.1f}, at most {:.1f}), rms {:.2g} px: set image_principal_point_sigma to that",
                   test.factor, test.limit, test.shift);
-  if (!test.passed) test.words = "the images have principal points of their own" + std::string(figure);
+  if (!test.passed) {
+    test.words = "the images have principal points of their own" + std::string(figure);
+    const double sigma = std::sqrt(beyond_noise(explained, result) / explained.information);
+    widen(options, model, sigma * score.influence(bundle::Kind::shift), test, result);
+  }
   result.models.push_back(test);
 }
 
@@ -169,8 +220,9 @@ void test_models(const TagBlockOptions& options, const TagModel& model, const bu
   if (distances.empty() && !points) return;
   if (points) free_principal_points(anywhere, larger, state);
   const bundle::ScoreTest score(model.problem, larger, state, *adjusted.elimination);
-  for (int c : distances) add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[c].name : "", result);
-  if (points) add_principal_points(score, result);
+  for (int c : distances)
+    add_distance_terms(score, c, larger.cameras.size() > 1 ? larger.cameras[c].name : "", options, model, result);
+  if (points) add_principal_points(score, options, model, result);
 }
 
 namespace {

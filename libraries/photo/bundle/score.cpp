@@ -13,6 +13,7 @@ ScoreTest::ScoreTest(const Problem& problem, const Problem& larger, const State&
   const auto count = static_cast<Eigen::Index>(refs_.size());
   own_.setZero(6, count);
   kept_.setZero(factors.kept_count(), count);
+  coupling_.setZero(small_.unknown_count(), count);
   matrix_.setZero(count, count);
   reduced_.setZero(count, count);
   right_.setZero(count);
@@ -57,9 +58,12 @@ void ScoreTest::add(const std::vector<int>& columns, const RowMajor& jacobian,
     right_(further) -= products_[count];
     for (size_t d = 0; d < columns.size(); ++d) {
       const size_t unknown = static_cast<size_t>(columns[d]);
-      if (further_[unknown] >= 0)
+      if (further_[unknown] >= 0) {
         matrix_(further, further_[unknown]) += products_[d];
-      else if (eliminated >= 0 && factors_.eliminated(block_[unknown]) == eliminated)
+        continue;
+      }
+      coupling_(small_.offset(block_[unknown]) + row_[unknown], further) += products_[d];
+      if (eliminated >= 0 && factors_.eliminated(block_[unknown]) == eliminated)
         own_(row_[unknown], further) += products_[d];
       else
         kept_(factors_.kept_offset(block_[unknown]) + row_[unknown], further) += products_[d];
@@ -113,20 +117,30 @@ void ScoreTest::reduce(const Elimination::Block& block) {
         y.middleCols(runs[r].local, runs[r].length).transpose() * half;
 }
 
+std::vector<int> ScoreTest::chosen(Kind kind, int index) const {
+  std::vector<int> further;
+  for (size_t k = 0; k < refs_.size(); ++k)
+    if (refs_[k].kind == kind && (index == all || refs_[k].index == index)) further.push_back(static_cast<int>(k));
+  return further;
+}
+
+Eigen::MatrixXd ScoreTest::influence(Kind kind, int index) const {
+  return factors_.solve(coupling_(Eigen::all, chosen(kind, index)));
+}
+
 ScoreTest::Explained ScoreTest::by(Kind kind, int index) const {
   constexpr double undetermined = 1e-12;  // part of a further unknown that the others do not tell
-  std::vector<int> chosen;
-  for (size_t k = 0; k < refs_.size(); ++k)
-    if (refs_[k].kind == kind && (index == all || refs_[k].index == index)) chosen.push_back(static_cast<int>(k));
-  const Eigen::MatrixXd own = matrix_(chosen, chosen), left = own - reduced_(chosen, chosen);
+  const std::vector<int> further = chosen(kind, index);
+  const Eigen::MatrixXd own = matrix_(further, further), left = own - reduced_(further, further);
   const Eigen::LLT<Eigen::MatrixXd> factor(left);
   if (factor.info() != Eigen::Success ||
       (factor.matrixLLT().diagonal().cwiseAbs2().array() < undetermined * own.diagonal().array()).any())
     return {};
   Explained explained;
-  const Eigen::VectorXd right = right_(chosen);
+  const Eigen::VectorXd right = right_(further);
   explained.step = factor.solve(right);
   explained.decrease = right.dot(explained.step);
+  explained.information = left.trace();
   return explained;
 }
 

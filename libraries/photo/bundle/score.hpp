@@ -23,9 +23,14 @@ class ScoreTest {
   struct Explained {
     double decrease = std::nan("");  ///< of the sum of squares; nan if the unknowns are not determined
     Eigen::VectorXd step;            ///< in the unknowns that were asked for
+    /// Trace of S: unknowns that scatter independently with σ² raise the expected decrease by σ² times as much.
+    double information = std::nan("");
   };
   /// By the further unknowns of this kind of block alone, or of the one with this index.
   Explained by(Kind kind, int index = all) const;
+  /// N⁻¹ B of them, unknowns of the smaller model × further ones: minus what its minimum moves by when one of these is
+  /// not zero and nobody estimates it. Of a free block in the datum that completed its factors.
+  Eigen::MatrixXd influence(Kind kind, int index = all) const;
   static constexpr int all = -1;
 
  private:
@@ -37,6 +42,7 @@ class ScoreTest {
   void add(const std::vector<int>& columns, const RowMajor& jacobian, const Eigen::Ref<const Eigen::VectorXd>& residual,
            int eliminated);
   void reduce(const Elimination::Block& block);
+  std::vector<int> chosen(Kind kind, int index) const;
 
   const Problem& larger_;
   const Elimination& factors_;
@@ -46,6 +52,7 @@ class ScoreTest {
   std::vector<int> block_, row_;  ///< of the others: their block in the smaller model, and their place in it
   Eigen::MatrixXd own_;           ///< of the eliminated block at work: 6 × further unknowns
   Eigen::MatrixXd kept_;          ///< kept unknowns × further ones
+  Eigen::MatrixXd coupling_;      ///< B
   Eigen::MatrixXd matrix_;        ///< M
   Eigen::MatrixXd reduced_;       ///< Bᵀ N⁻¹ B, lower triangle
   Eigen::VectorXd right_;         ///< g

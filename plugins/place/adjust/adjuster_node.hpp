@@ -23,7 +23,7 @@ namespace plumbline::block {
 
 struct SchurEngine {
   static constexpr bool refines_robust = true;
-  static constexpr Info info{"adjust.schur", "adjuster", 3,
+  static constexpr Info info{"adjust.schur", "adjuster", 4,
                              "Bundle adjustment with our own solver, free (4) or with control (5)"};
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
                                           const bundle::MinimiseOptions& options) {

@@ -9,7 +9,7 @@ namespace plumbline::block {
 
 struct CeresEngine {
   static constexpr bool refines_robust = false;  // its answer is Ceres', not ours
-  static constexpr Info info{"adjust.ceres", "adjuster", 4,
+  static constexpr Info info{"adjust.ceres", "adjuster", 5,
                              "Bundle adjustment with Ceres (DENSE_SCHUR), free (4) or with control (5)"};
   static bundle::MinimiseSummary minimise(const bundle::Problem& problem, bundle::State& state,
                                           const bundle::MinimiseOptions& options) {

@@ -9,7 +9,7 @@
 namespace plumbline::block {
 
 struct EvaluateCrossval : TagAdjusterNode {
-  static constexpr Info info{"evaluate.crossval", "", 2,
+  static constexpr Info info{"evaluate.crossval", "", 3,
                              "Cross-validation: each control point against the adjustment without it, by folds or "
                              "floors; or two halves of photographs and control against each other"};
   List<ImageTags> observations{"observations", "tags of every image"};

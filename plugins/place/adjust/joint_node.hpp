@@ -22,7 +22,7 @@ namespace plumbline::block {
 
 struct JointAdjuster : TagAdjusterNode {
   static constexpr Info info{
-      "adjust.joint", "", 2,
+      "adjust.joint", "", 3,
       "Directions, zenith angles, distances and photographs in one least-squares system; takes readings where "
       "an adjuster takes coordinates, hence the pipelines site_campaign_joint and observations_joint"};
   List<ImageTags> observations{"observations", "tags of every image"};

@@ -342,6 +342,7 @@ void describe_tests(const TagBlockResult& result, BlockT& artifact) {
       entry->passed = test.passed;
       entry->words = test.words;
       entry->shift = test.shift;
+      entry->points_factor = test.points_factor;
       artifact.tests.push_back(std::move(entry));
     }
 }

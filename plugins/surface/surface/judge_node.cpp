@@ -75,7 +75,8 @@ void JudgeSurfaces::run(Context& context) {
   std::vector<std::vector<ifc::Property>> properties;
   std::map<std::string, ifc::ElementFacts> facts;
   if (design) facts = facts_of(design.unpack(), properties);
-  const judgement::Trust trust = judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr);
+  const judgement::Trust trust =
+      judgement::trust_of(block ? &*block : nullptr, network ? &*network : nullptr, judgement::Judged::surfaces);
   SurfacesT measured = surfaces.unpack();
   ifc::enlarge(measured, trust.factor);
   SurfaceJudgementT result = judgement::judge_surfaces(measured, facts, parsed, *risk, *within);

@@ -12,17 +12,32 @@ namespace plumbline::judgement {
 namespace trust_test {
 
 /// One failed test of a block whose observations are "images" and "control".
-Trust after(BlockTestKind kind, const char* test, double variance_factor, double shift = std::nan("")) {
+Trust after(BlockTestKind kind, const char* test, double variance_factor, double shift = std::nan(""),
+            double points_factor = std::nan(""), Judged what = Judged::points) {
   flatbuffers::FlatBufferBuilder made;
   const auto groups =
       made.CreateVector(std::vector{CreateBlockGroupDirect(made, "images"), CreateBlockGroupDirect(made, "control")});
-  const auto tests = made.CreateVector(
-      std::vector{CreateBlockTestDirect(made, test, kind, variance_factor, 1.0, false, "it does not fit", shift),
-                  CreateBlockTestDirect(made, "images", BlockTestKind::observations, 9.0, 10.0, true)});
+  const auto tests = made.CreateVector(std::vector{
+      CreateBlockTestDirect(made, test, kind, variance_factor, 1.0, false, "it does not fit", shift, points_factor),
+      CreateBlockTestDirect(made, "images", BlockTestKind::observations, 9.0, 10.0, true)});
   const auto start = made.StartTable();
   made.AddOffset(Block::VT_GROUPS, groups), made.AddOffset(Block::VT_TESTS, tests);
   made.Finish(flatbuffers::Offset<Block>(made.EndTable(start)));
-  return trust_of(flatbuffers::GetRoot<Block>(made.GetBufferPointer()), nullptr);
+  return trust_of(flatbuffers::GetRoot<Block>(made.GetBufferPointer()), nullptr, what);
+}
+
+/// One factor for all made heights that hardly feel it three times as uncertain: (error/u)^2 was 0.13 in the mean. Of
+/// an adjuster that does not say that its covariances hold it, and of surfaces, nothing better is known.
+TEST(Trust, WhatTheCovariancesOfPointsHoldIsNotMultipliedOnceMore) {
+  const auto kind = BlockTestKind::principal_points;
+  const Trust points = after(kind, "any name", 10.8, 1.7, 1.2);
+  EXPECT_EQ(points.factor, 1);
+  ASSERT_EQ(points.misfits.size(), 1u);
+  EXPECT_EQ(ifc::in_words(points.misfits[0]),
+            "the image block: it does not fit. To mend it, run again with "
+            "\"block.with.image_principal_point_sigma=1.7\" (px; as large as the images show it).");
+  EXPECT_EQ(after(kind, "any name", 10.8, 1.7).factor, 10.8);
+  EXPECT_EQ(after(kind, "any name", 10.8, 1.7, 1.2, Judged::surfaces).factor, 10.8);
 }
 
 TEST(Trust, AModelThatFitsLessWellMakesEverythingLessCertainAndAGroupThatContradictsProvesNothing) {
