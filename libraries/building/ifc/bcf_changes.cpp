@@ -130,12 +130,16 @@ std::map<std::string, BcfIssue> places_of(const DeviationT& deviation) {
   return places;
 }
 
+std::string gone_words(const FindingChangeT& change) {
+  return change.note.empty() ? "not found any more" : change.note;
+}
+
 /// "2026-05: found; 2026-06: not found any more."
 BcfComment comment_on(const FindingChangeT& change, const BcfOptions& options) {
   const AsBuiltChangesT& all = *options.changes;
   const auto name = [](const std::string& epoch, const char* otherwise) { return epoch.empty() ? otherwise : epoch; };
   const bool again = change.change == ChangeKind::opened_again;
-  const std::string now = change.change == ChangeKind::settled  ? "not found any more"
+  const std::string now = change.change == ChangeKind::settled  ? gone_words(change)
                           : change.change == ChangeKind::unseen ? "nothing says that it is gone (" + change.note + ")"
                                                                 : "found";
   BcfComment comment{options.date, options.author, ""};
@@ -153,7 +157,7 @@ BcfIssue earlier_issue(const FindingChangeT& change, const DeviationT& deviation
     if (shared.contains(anchor->guid)) finding.anchors.push_back(anchor.get());
   BcfIssue issue = issue_of(finding);
   issue.closed = change.change == ChangeKind::settled, issue.verdict = ToleranceVerdict::undecided;
-  issue.title += issue.closed ? ": not found any more" : ": was found, and nothing says that it is gone";
+  issue.title += issue.closed ? ": " + gone_words(change) : ": was found, and nothing says that it is gone";
   if (issue.closed) issue.state.clear();
   issue.comments.push_back(comment);
   return issue;

@@ -32,8 +32,14 @@ Finding of_misfit(const MeasurementDoubtT& misfit) {
           "Less certain, " + in_words(misfit)};
 }
 
+/// What names elements may name others in the next campaign: it is known again by who asks.
+std::string topic_of(const JudgementRequestT& request) {
+  const bool names_elements = request.by == "unmeasured panels" || request.by.starts_with("campaign before");
+  return "not judged: " + (names_elements ? request.by : request.asked);
+}
+
 Finding of_request(const JudgementRequestT& request) {
-  return {"request", "not judged: " + request.asked, "Not judged: " + request.asked,
+  return {"request", topic_of(request), "Not judged: " + request.asked,
           "Asked for and not judged: " + request.asked + ": " + request.not_judged +
               ". Nothing is ready to install before it is."};
 }
@@ -49,11 +55,10 @@ std::vector<const AnchorDeviationT*> anchors_of(const DeviationT& deviation, con
   return anchors;
 }
 
-void add_shifts(const DeviationT& deviation, std::vector<Finding>& all) {
-  const auto add = [&](Finding found) {
-    if (std::any_of(found.anchors.begin(), found.anchors.end(), [](const auto* a) { return is_open(*a); }))
-      all.push_back(std::move(found));
-  };
+/// All that are significant, that of the building first.
+std::vector<Finding> shifts_of(const DeviationT& deviation) {
+  std::vector<Finding> all;
+  const auto add = [&](Finding found) { all.push_back(std::move(found)); };
   if (const auto& common = deviation.common_shift; common && common->significant)
     add({"shift", "shift of the building", shift_in_short(*common), common->words, 0, "",
          anchors_of(deviation, common->members)});
@@ -61,15 +66,26 @@ void add_shifts(const DeviationT& deviation, std::vector<Finding>& all) {
     if (group->significant)
       add({"shift", group->kind == "building" ? "shift of the building" : "shift of " + group->name,
            shift_in_short(*group), group->words, group->floor, group->facade, anchors_of(deviation, group->members)});
+  return all;
+}
+
+bool has_open(const Finding& found) {
+  return std::any_of(found.anchors.begin(), found.anchors.end(), [](const auto* a) { return is_open(*a); });
 }
 
 }  // namespace
+
+bool has_shift(const DeviationT& deviation, const std::string& topic) {
+  const std::vector<Finding> all = shifts_of(deviation);
+  return std::any_of(all.begin(), all.end(), [&](const Finding& found) { return found.topic == topic; });
+}
 
 std::vector<Finding> findings_of(const DeviationT& deviation) {
   std::vector<Finding> all;
   for (const auto& doubt : deviation.doubts) all.push_back(of_doubt(*doubt));
   for (const auto& misfit : deviation.misfits) all.push_back(of_misfit(*misfit));
-  add_shifts(deviation, all);
+  for (Finding& shift : shifts_of(deviation))
+    if (has_open(shift)) all.push_back(std::move(shift));
   for (const auto& request : deviation.requests)
     if (!request->not_judged.empty()) all.push_back(of_request(*request));
   std::map<std::string, int> known;

@@ -179,7 +179,7 @@ void list_requests(Work& work) {
   for (const PanelCase& panel : work.inputs.panels)
     if (!judged.contains(panel.guid)) names.push_back(panel.name.empty() ? panel.guid : panel.name);
   if (!names.empty()) {
-    all.push_back({"panels " + list_of(names, 4), "design", 0, static_cast<int>(names.size()),
+    all.push_back({"panels " + list_of(names, 4), "unmeasured panels", 0, static_cast<int>(names.size()),
                    "none of their anchors was measured"});
   }
   const std::size_t unbuilt = work.options.grows && !names.empty() ? all.size() - 1 : all.size();

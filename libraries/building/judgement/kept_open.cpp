@@ -97,18 +97,18 @@ std::vector<std::string> leave_open(const AsBuiltChangesT& changes, DeviationT& 
     (seen ? panels_by_joint : panels) += change->kind == "panel";
   }
   const bool forbids = judged.verdict == ToleranceVerdict::pass;
-  const auto tell = [&](const std::vector<std::string>& names, int count, const std::string& why) {
+  const auto tell = [&](const std::vector<std::string>& names, int count, const std::string& why, const char* by) {
     if (names.empty()) return;
     auto request = std::make_unique<JudgementRequestT>();
-    request->asked = list_of(names, kNamed), request->by = "campaign before", request->panels = count;
+    request->asked = list_of(names, kNamed), request->by = by, request->panels = count;
     request->not_judged = "open" + (changes.before.empty() ? std::string() : " since " + changes.before) + why;
     warnings.push_back((forbids ? "Not judged: " : "Still open: ") + request->asked + ": " + request->not_judged + ".");
     if (!forbids) return;
     judged.requests.push_back(std::move(request));
     ++judged.not_judged, judged.verdict = ToleranceVerdict::undecided;
   };
-  tell(unseen, panels, " and not measured again");
-  tell(by_joint, panels_by_joint, " at a joint whose other panel was not measured again");
+  tell(unseen, panels, " and not measured again", "campaign before");
+  tell(by_joint, panels_by_joint, " at a joint whose other panel was not measured again", "campaign before, joint");
   return warnings;
 }
 

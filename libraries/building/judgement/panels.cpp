@@ -149,7 +149,9 @@ void decide(PanelDeviationT& out, const std::map<std::string, const AnchorDeviat
   // Its tilt, and what its corners do, nobody measured.
   if (!out.fixings.empty() && out.tilt && std::isnan(out.tilt->value)) {
     hold(out, "one_anchor",
-         "its place is known from anchor " + out.fixings.front()->anchor + " alone: how it is turned is not known");
+         "its place is known from anchor " + out.fixings.front()->anchor +
+             " alone, three of the six ways in which it can be off: how it is turned about that anchor is not known, "
+             "nor where its corners are");
     out.pass_probability = nan;
   }
   if (finding.open_turn) hold_open_turn(out);

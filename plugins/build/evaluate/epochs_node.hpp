@@ -11,7 +11,7 @@ namespace plumbline::judgement {
 
 struct EvaluateEpochs : Node {
   static constexpr Info info{
-      "evaluate.epochs", "", 6,
+      "evaluate.epochs", "", 7,
       "What was mended, opened again and moved since the campaign before, and the record for the "
       "next one"};
   In<Deviation> deviation{"deviation", frame("frame=?F"), "as-built minus design, judged"};

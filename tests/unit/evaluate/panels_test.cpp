@@ -132,7 +132,10 @@ TEST(Panels, OneAnchorAloneShowsNoPanelToBeInPlace) {
   EXPECT_EQ(deviation.anchors[0]->verdict, ToleranceVerdict::pass);
   EXPECT_EQ(deviation.panels[0]->verdict, ToleranceVerdict::undecided);
   EXPECT_EQ(deviation.panels[0]->decided_by, "one_anchor");
-  EXPECT_EQ(deviation.panels[0]->reason, "its place is known from anchor a alone: how it is turned is not known");
+  EXPECT_EQ(
+      deviation.panels[0]->reason,
+      "its place is known from anchor a alone, three of the six ways in which it can be off: how it is turned about "
+      "that anchor is not known, nor where its corners are");
   EXPECT_EQ(deviation.verdict, ToleranceVerdict::undecided);
   EXPECT_TRUE(std::isinf(deviation.panels[0]->tau_pass)) << "at no tolerance";
   inputs.model.positions[0].y() -= 9 * mm;
