@@ -10,7 +10,6 @@
 #include "loop/fit/facade.hpp"
 #include "loop/job/survey_link.hpp"
 #include "loop/job/unknown_keys.hpp"
-#include "loop/state/date.hpp"
 #include "loop/state/hash.hpp"
 
 namespace plumbline::loop {
@@ -221,6 +220,10 @@ class Reader {
     if (!value_.is_string()) fail("text");
     return value_.get<std::string>();
   }
+  std::string name() const {
+    if (text().empty()) fail("a name");
+    return text();
+  }
   std::string one_of(const std::set<std::string>& allowed) const {
     const std::string found = text();
     std::string list;
@@ -317,7 +320,7 @@ JobItem read_item(const Reader& reader, const std::string& frame) {
   reader.at("gate").only({"verdict", "reason", "probability"});
   if (reader.has("forbiddenZones") && !reader.at("forbiddenZones").items().empty())
     reader.at("forbiddenZones").fail("none: what reads jobs here does not keep a tool out of zones");
-  item.id = reader.at("id").text(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
+  item.id = reader.at("id").name(), item.kind = reader.at("kind").one_of({"bracket", "panel"});
   item.operation = reader.at("operation").one_of({"setBracket", "placePanel", "drill", "setAnchor", "mountBracket"});
   if (reader.has("ifcGuid")) item.guid = reader.at("ifcGuid").text();
   item.floor = reader.at("storey").whole(0), item.revision = reader.at("revision").whole(1);
@@ -340,6 +343,9 @@ void check_items(const Job& job) {
   std::vector<Panel> graph;
   for (const JobItem& item : job.items) {
     if (!ids.insert(item.id).second) throw std::runtime_error("job: item '" + item.id + "' occurs twice");
+    if (item.revision > job.revision)
+      throw std::runtime_error("job: item '" + item.id + "' is of revision " + std::to_string(item.revision) +
+                               ", its job of " + std::to_string(job.revision) + ": it is of another job");
     if ((item.target - item.design).norm() > 0.5)
       throw std::runtime_error("job: the target of item '" + item.id + "' is " +
                                std::to_string((item.target - item.design).norm()) +
@@ -364,7 +370,7 @@ Job read_job(const std::string& text) {
   root.at("units").only({"length", "angle"}), root.at("sources").only({"basis", "designFile"});
   root.at("assumedRobot").only({"settingSigma", "stationSigma"});
   Job job;
-  job.id = root.at("jobId").text(), job.revision = root.at("revision").whole(0);
+  job.id = root.at("jobId").name(), job.revision = root.at("revision").whole(0);
   if (root.has("createdAt")) job.created_at = root.at("createdAt").text();
   if (root.has("validUntil")) job.valid_until = root.at("validUntil").text();
   root.at("units").at("length").one_of({"m"}), root.at("units").at("angle").one_of({"rad"});
@@ -378,25 +384,6 @@ Job read_job(const std::string& text) {
   for (const Reader& item : root.at("items").items()) job.items.push_back(read_item(item, job.frame));
   check_items(job);
   return job;
-}
-
-std::vector<std::string> job_objections(const Job& job, int newest_revision, const std::string& now,
-                                        const std::string& basis) {
-  std::vector<std::string> objections;
-  if (job.revision < newest_revision)
-    objections.push_back("job " + job.id + " is revision " + std::to_string(job.revision) + ", revision " +
-                         std::to_string(newest_revision) + " is out: fetch that one");
-  const auto until = seconds_of(job.valid_until), here = seconds_of(now);
-  if (!job.valid_until.empty() && !until)
-    objections.push_back("job " + job.id + " is valid until '" + job.valid_until +
-                         "', expected ISO 8601 with a zone, such as 2026-05-02T08:00:00Z");
-  if (!now.empty() && !here) objections.push_back("the date of today, '" + now + "', is none: ISO 8601 with a zone");
-  if (until && here && *until < *here)
-    objections.push_back("job " + job.id + " was valid until " + job.valid_until + ", it is " + now);
-  if (!basis.empty() && job.basis != basis)
-    objections.push_back("job " + job.id + " rests on another adjustment (" + job.basis.substr(0, 12) +
-                         ") than the robot is localised in (" + basis.substr(0, 12) + ")");
-  return objections;
 }
 
 }  // namespace plumbline::loop

@@ -134,7 +134,12 @@ bool Round::can_be_judged(const PlannedPanelT& panel, const LoopItemT& item) con
 std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& item) const {
   constexpr double kOff = 4, kPower = 0.8416;
   if (item.place.size() != 6) return {};
-  if (!(item.place[3] > 0)) return contradiction_without_sigma(panel, item);
+  // A large sigma makes a place no better than none at all would.
+  const std::string coarse = coarse_contradiction(panel, item);
+  if (!(item.place[3] > 0) || !coarse.empty()) {
+    item.place.clear();
+    return coarse;
+  }
   if (panel.centre_sigma.size() != 3) return {};
   double worst = 0, off = 0;
   for (int k = 0; k < 3; ++k) {
@@ -151,8 +156,8 @@ std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& it
 }
 
 /// A number without its precision contradicts nothing but that the panel is within its limits, and that from so far on
-/// as a tape or an unmeasured tool may be off.
-std::string Round::contradiction_without_sigma(const PlannedPanelT& panel, LoopItemT& item) const {
+/// as a tape or an unmeasured tool may be off. Nor does one whose precision is worse than a tape's.
+std::string Round::coarse_contradiction(const PlannedPanelT& panel, const LoopItemT& item) const {
   constexpr double kCoarse = 0.020;
   double limit = 0, off = 0;
   for (const auto& length : plan_.lengths)
@@ -160,12 +165,13 @@ std::string Round::contradiction_without_sigma(const PlannedPanelT& panel, LoopI
       for (const double side : {length->low, length->high})
         if (std::isfinite(side)) limit = std::fmax(limit, std::abs(side));
   for (int k = 0; k < 3; ++k) off = std::fmax(off, std::abs(item.place[k] - panel.centre[k] - panel.shift[k]));
-  item.place.clear();
   if (!(limit > 0) || off <= limit + kCoarse) return {};
   return "was reported " + text::millimetres(off) +
          " from where its brackets say that it hangs, more than its limits of " + text::millimetres(limit) +
          " and the " + text::millimetres(kCoarse) +
-         " that a place without sigma may be off by: look where it hangs, or whether that is another panel's place";
+         (item.place[3] > 0 ? " that a place may be off by, whatever its sigma"
+                            : " that a place without sigma may be off by") +
+         ": look where it hangs, or whether that is another panel's place";
 }
 
 void Round::verify_panels() {

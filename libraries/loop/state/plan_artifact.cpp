@@ -183,18 +183,35 @@ void apply_state(Facade& facade, const LoopStateT& state) {
   }
 }
 
+namespace {
+
+constexpr const char* kSettingsHead =
+    "bracket;floor;right_mm;up_mm;out_mm;left_mm_at_most;right_mm_at_most;down_mm_at_most;up_mm_at_most;"
+    "in_mm_at_most;out_mm_at_most;type\n";
+
+std::string settings_row(const BracketSettingT& bracket, const Eigen::Vector3d& setting) {
+  std::string text = bracket.id + ";" + std::to_string(bracket.floor);
+  const auto add = [&](double metres) { text += fmt::format(";{:.1f}", 1e3 * metres + 0.0); };
+  for (int k = 0; k < 3; ++k) add(setting[k]);
+  for (int k = 0; k < 3; ++k) add(-bracket.low[k]), add(bracket.high[k]);
+  return text + ";" + bracket.type + "\n";
+}
+
+}  // namespace
+
 std::string settings_csv(const InstallationPlanT& plan) {
-  std::string text =
-      "bracket;floor;right_mm;up_mm;out_mm;left_mm_at_most;right_mm_at_most;down_mm_at_most;up_mm_at_most;"
-      "in_mm_at_most;out_mm_at_most;type\n";
-  for (const auto& bracket : plan.brackets) {
-    if (bracket->fixed || bracket->use == BracketUse::sill || !bracket->asked.allFinite()) continue;
-    text += bracket->id + ";" + std::to_string(bracket->floor);
-    const auto add = [&](double metres) { text += fmt::format(";{:.1f}", 1e3 * metres + 0.0); };
-    for (int k = 0; k < 3; ++k) add(bracket->setting[k]);
-    for (int k = 0; k < 3; ++k) add(-bracket->low[k]), add(bracket->high[k]);
-    text += ";" + bracket->type + "\n";
-  }
+  std::string text = kSettingsHead;
+  for (const auto& bracket : plan.brackets)
+    if (!bracket->fixed && bracket->use != BracketUse::sill && bracket->asked.allFinite())
+      text += settings_row(*bracket, bracket->setting);
+  return text;
+}
+
+std::string settings_csv(const InstallationPlanT& plan, const std::map<std::string, Eigen::Vector3d>& asked) {
+  std::string text = kSettingsHead;
+  for (const auto& bracket : plan.brackets)
+    if (const auto setting = asked.find(bracket->id); setting != asked.end())
+      text += settings_row(*bracket, setting->second);
   return text;
 }
 

@@ -1,6 +1,9 @@
 // The plan as artifact, table and text, and what the state means for the next plan.
 #pragma once
 
+#include <map>
+#include <string>
+
 #include "artifacts/file.hpp"
 #include "artifacts/installation_plan.hpp"
 #include "artifacts/loop_state.hpp"
@@ -25,7 +28,10 @@ void add_unplanned(InstallationPlanT& plan, const std::string& id, const std::st
 /// before off the ranges. Items are found by id.
 void apply_state(Facade& facade, const LoopStateT& state);
 
+/// Rows of all brackets that the plan wants set; of those in `asked` alone, by what is asked of them there (right, up,
+/// out [m]).
 std::string settings_csv(const InstallationPlanT& plan);
+std::string settings_csv(const InstallationPlanT& plan, const std::map<std::string, Eigen::Vector3d>& asked);
 std::string installation_words(const InstallationPlanT& plan);
 FileT text_file(const std::string& name, const std::string& media_type, const std::string& text);
 

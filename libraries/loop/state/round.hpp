@@ -78,7 +78,7 @@ class Round {
   /// Why the panel's own place contradicts its brackets; empty: it does not, or there is none. It is compared once: the
   /// building moves afterwards.
   std::string place_contradiction(const PlannedPanelT& panel, LoopItemT& item) const;
-  std::string contradiction_without_sigma(const PlannedPanelT& panel, LoopItemT& item) const;
+  std::string coarse_contradiction(const PlannedPanelT& panel, const LoopItemT& item) const;
   /// One rework more; after too many it is rejected, and false.
   bool may_do_again(LoopItemT& item, const Because& because);
   /// Back to planned with one more rework, or rejected after too many.

@@ -1,5 +1,7 @@
 #include "build/loop/facade_input.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -44,6 +46,7 @@ class Builder {
         elements_(design),
         id_of_(names_of_panels(deviation, elements_, state)) {
     if (rules.normal.allFinite()) only_axes_ = facade_axes(rules.normal);
+    refuse_other_direction();
     in_.facade.errors = rules.errors;
     for (const auto& panel : deviation.panels)
       if (panel->below) sills_.insert(panel->below->sills.begin(), panel->below->sills.end());
@@ -191,6 +194,30 @@ class Builder {
   FacadeInput take() { return std::move(in_); }
 
  private:
+  /// facade_normal is for facades of which nobody knows; where the judgement does, another direction sends people and
+  /// robots the wrong way.
+  void refuse_other_direction() const {
+    if (!only_axes_.allFinite()) return;
+    constexpr double kCosine = 0.7071;  // 45 degrees: beyond, right is nearer to out than to right
+    std::vector<std::string> against;
+    const FacadeFrameT* known = nullptr;
+    const auto look = [&](const FacadeFrameT* frame, const std::string& name) {
+      if (!frame || !frame->confirmed || frame->out.dot(only_axes_.col(2)) >= kCosine) return;
+      against.push_back(name), known = known ? known : frame;
+    };
+    for (const auto& anchor : deviation_.anchors) look(anchor->facade.get(), anchor->id);
+    for (const auto& panel : deviation_.panels) look(panel->facade.get(), panel->name);
+    if (against.empty()) return;
+    const auto words = [](const Eigen::Vector3d& v) {
+      return fmt::format("({:.2f}, {:.2f}, {:.2f})", v.x(), v.y(), v.z());
+    };
+    throw std::runtime_error("facade_normal says that all of it faces " + words(only_axes_.col(2)) + ", and " +
+                             text::join(against, 4) + " " + (against.size() > 1 ? "face " : "faces ") +
+                             words(known->out) + " (facade " + known->facade +
+                             ", confirmed): they would be set the wrong way; leave facade_normal out, or mend the "
+                             "design or the rules of facades");
+  }
+
   /// Reports tell them apart; a person, or a tool that makes no difference between F and f, may not.
   void tell_names_alike() {
     std::map<std::string, std::string> known;

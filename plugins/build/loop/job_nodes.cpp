@@ -1,6 +1,7 @@
 #include "build/loop/job_nodes.hpp"
 
 #include <algorithm>
+#include <map>
 
 #include "base/text/whole_file.hpp"
 #include "build/loop/file_content.hpp"
@@ -54,6 +55,10 @@ void WriteJob::run(Context& context) {
   if (control)
     for (const auto& point : control.unpack().points)
       if (point->role == "control") of_control.push_back({point->id, point->position, "control"});
+  std::map<std::string, Eigen::Vector3d> asked;
+  for (const JobItem& item : made.items)
+    if (item.kind == "bracket") asked[item.id] = item.setting;
+  settings.commit(text_file("settings.csv", "text/csv", settings_csv(planned, asked)));
   const std::vector<LayoutPoint> points = layout_points(made);
   hilti.commit(text_file("layout_hilti.csv", "text/csv", layout_csv(points, LayoutFormat::hilti)));
   trimble.commit(text_file("layout_trimble.csv", "text/csv", layout_csv(points, LayoutFormat::trimble)));

@@ -13,7 +13,7 @@
 namespace plumbline::loop {
 
 struct WriteJob : Node {
-  static constexpr Info info{"write.job", "", 3, "What is released, for robots (JSON, signed) and for layout tools"};
+  static constexpr Info info{"write.job", "", 4, "What is released, for robots (JSON, signed) and for layout tools"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan that released it"};
   In<LoopState> state{"state", frame("frame=?F"), "the state after the release"};
   Optional<Points> control{"control", frame("frame=?F"),
@@ -29,6 +29,7 @@ struct WriteJob : Node {
   Out<File> job{"job", "job.json (schemas/robot_job.schema.json)"};
   Out<File> signature{"signature",
                       "job.json.sig: 64 bytes, 'openssl pkeyutl -verify -rawin' checks it; empty without key"};
+  Out<File> settings{"settings", "settings.csv: what is asked of the brackets of the job, for who sets by hand"};
   Out<File> hilti{"hilti", "layout_hilti.csv: PtID;E;N;H of the brackets that the job sets"};
   Out<File> trimble{"trimble", "layout_trimble.csv: name, N, E, elevation, code"};
   Out<File> leica{"leica", "layout_leica.csv: PtID, E, N, H, code"};

@@ -23,6 +23,14 @@ TEST(SiteLoop, RoundAfterRoundUntilEveryPanelHangs) {
                              "layout_hilti.csv", "summary.txt"})
       EXPECT_TRUE(fs::exists(out / name)) << name;
     summary = read_file(out / "summary.txt");
+    // Who sets by hand sets what robots would, and nothing that waits.
+    std::istringstream rows(read_file(out / "settings.csv"));
+    std::set<std::string> by_hand, by_robots;
+    std::string row;
+    for (std::getline(rows, row); std::getline(rows, row);) by_hand.insert(row.substr(0, row.find(';')));
+    for (const loop::JobItem& item : loop::read_job(read_file(out / "job.json")).items)
+      if (item.kind == "bracket") by_robots.insert(item.id);
+    EXPECT_EQ(by_hand, by_robots) << round;
     if (contains(summary, "next: nothing: every panel hangs")) break;
     site.work(round);
   }

@@ -116,8 +116,30 @@ TEST(FacadeInput, WhatFacesNobodyKnowsWhereIsSaidAndWaits) {
   EXPECT_FALSE(made.facade.brackets[5].measured());
   for (auto& anchor : input.deviation.anchors) anchor->facade->confirmed = false;
   EXPECT_NE(fault_of(input, {}).find("nobody can be told to move one to the right"), std::string::npos);
+  for (auto& panel : input.deviation.panels) panel->facade->confirmed = false;
   FacadeRules rules;
   rules.normal = {0, -1, 0};
+  EXPECT_EQ(fault_of(input, rules), "");
+}
+
+/// "5 mm out" was into the building on the facade behind.
+TEST(FacadeInput, ADirectionAgainstOneThatIsConfirmedIsRefused) {
+  FacadeRules rules;
+  rules.normal = {0, -1, 0};
+  const std::string east = fault_of(two_facades(), rules);
+  EXPECT_EQ(east.find("facade_normal says that all of it faces (0.00, -1.00, 0.00), and East0, East1, East2, East3"),
+            0u)
+      << east;
+  EXPECT_NE(east.find("face (1.00, 0.00, 0.00) (facade East, confirmed): they would be set the wrong way"),
+            std::string::npos)
+      << east;
+  Input input;
+  add_panel(input, "South", {0, 0, 0}, {0, -1, 0});
+  for (std::size_t i = 0; i < 12; ++i)
+    for (std::size_t j = 0; j <= i; ++j) input.model.covariance.push_back(i == j ? 0.0003 * 0.0003 : 0.0);
+  rules.normal = {0, 1, 0};
+  EXPECT_NE(fault_of(input, rules), "");
+  rules.normal = {0.3, -1, 0};
   EXPECT_EQ(fault_of(input, rules), "");
 }
 

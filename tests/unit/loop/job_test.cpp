@@ -163,6 +163,15 @@ TEST(Job, WhatNobodyReadsIsNotCarriedOut) {
   json turned = good;
   turned["frames"][0]["orientation"] = {0, 0, 1, 0};
   EXPECT_NE(fault_of(turned).find("the root frame is not turned"), std::string::npos) << fault_of(turned);
+  json other = good;
+  other["items"][0]["revision"] = 7;
+  EXPECT_NE(fault_of(other).find("is of revision 7, its job of 1: it is of another job"), std::string::npos)
+      << fault_of(other);
+  for (const char* place : {"/jobId", "/items/0/id"}) {
+    json nameless = good;
+    nameless[json::json_pointer(place)] = "";
+    EXPECT_NE(fault_of(nameless).find("is \"\", expected a name"), std::string::npos) << fault_of(nameless);
+  }
   json zones = good;
   zones["items"][0]["forbiddenZones"] = {{{"centre", {0, 0, 0}}, {"halfWidths", {0.1, 0.1, 0.1}}}};
   EXPECT_TRUE(test::is_valid_job(zones)) << "others may write them";
@@ -180,6 +189,17 @@ TEST(Job, AnOldOneIsRefused) {
   // In whatever zone it is said.
   EXPECT_TRUE(job_objections(job, 1, "2026-05-03T09:59:59+02:00", job.basis).empty());
   EXPECT_EQ(job_objections(job, 1, "2026-05-03T10:00:01+02:00", job.basis).size(), 1u);
+  // Where the clock is behind nobody knows when that is.
+  EXPECT_TRUE(job_objections(job, 1, "2026-05-02T07:56:00Z", job.basis).empty()) << "clocks differ by minutes";
+  EXPECT_NE(job_objections(job, 1, "2025-05-02T12:00:00Z", job.basis).at(0).find("by the clock of this machine"),
+            std::string::npos);
+  job.created_at = job.valid_until;
+  EXPECT_NE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis).at(0).find("and was made later, at"),
+            std::string::npos);
+  job.created_at = "yesterday";
+  EXPECT_NE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis).at(0).find("was made at 'yesterday', expected"),
+            std::string::npos);
+  job.created_at.clear();
   job.valid_until = "next Tuesday";
   EXPECT_NE(job_objections(job, 1, "2026-05-02T12:00:00Z", job.basis)
                 .at(0)

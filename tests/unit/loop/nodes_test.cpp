@@ -60,6 +60,24 @@ TEST(WriteJob, DatesThatRobotsWouldRefuseAreRefusedBeforeTheJobIsOut) {
   EXPECT_NE(said("2026-05-02T08:00:00", "").find("created_at is '2026-05-02T08:00:00'; expected"), std::string::npos);
 }
 
+/// Who sets by hand sets what stands there: what waits or was recalled is in the plan, and in no file of the job.
+TEST(WriteJob, SettingsByHandAreThoseOfTheJob) {
+  Released released;
+  std::set<std::string> asked;
+  for (auto& item : released.state.items)
+    if (item->kind == "bracket" && item->status == ItemStatus::released) asked.insert(item->id);
+  ASSERT_GT(asked.size(), 1u);
+  for (auto& item : released.state.items)
+    if (item->id == *asked.begin()) item->status = ItemStatus::planned;
+  NodeHarness node("write.job");
+  node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", released.state);
+  node.run();
+  const std::string rows = text_of(node.output<File>("settings"));
+  EXPECT_EQ(rows.find(*asked.begin() + ";"), std::string::npos) << rows;
+  EXPECT_NE(rows.find(*asked.rbegin() + ";"), std::string::npos) << rows;
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), static_cast<std::ptrdiff_t>(asked.size())) << rows;
+}
+
 /// A survey that is shifted by millimetres looks like no other frame, and is one.
 /// The job is refused after that, and the state would say that it is out.
 TEST(ReleaseState, NothingIsReleasedForAJobThatIsOver) {

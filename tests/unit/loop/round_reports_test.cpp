@@ -69,13 +69,15 @@ TEST(Rounds, AFailureBeforeWhatWasDoneContradictsNothing) {
 
 /// Its report says that it hangs outside its limits: the plates alone do not verify it.
 TEST(Rounds, APlaceWithoutSigmaThatIsOutsideTheLimitsGoesToAPerson) {
-  const auto judged = [](double off) {
+  const auto judged = [](double off, double sigma = 0) {
     LoopStateT state = with_released_panel();
     ActualsT actuals = done({"p0"}, item(state, "p0").revision);
     actuals.items[0]->measured = {off, 0.001, -0.002};
+    if (sigma > 0) actuals.items[0]->sigma.setConstant(sigma);
     EXPECT_TRUE(apply_actuals(state, actuals).empty());
     EXPECT_TRUE(item(state, "p0").seen);
     InstallationPlanT plan = plan_after_setting(0, "third");
+    for (auto& panel : plan.panels) panel->centre_sigma = {0.0005, 0.0005, 0.0005};
     for (const double limit : {0.005, 0.003}) {
       plan.lengths.push_back(std::make_unique<PlannedLengthT>());
       plan.lengths.back()->quantity = "corner", plan.lengths.back()->panels = {"p0"};
@@ -93,6 +95,16 @@ TEST(Rounds, APlaceWithoutSigmaThatIsOutsideTheLimitsGoesToAPerson) {
                                      "limits of 5.0 mm and the 20.0 mm that a place without sigma may be off by: look"),
             0u)
       << item(far, "p0").why;
+  // Stating a sigma that it agrees by makes it no better than stating none.
+  for (const double sigma : {0.012, 0.05}) {
+    LoopStateT stated = judged(0.040, sigma);
+    EXPECT_EQ(item(stated, "p0").status, ItemStatus::rejected) << sigma;
+    EXPECT_NE(item(stated, "p0").why.find("20.0 mm that a place may be off by, whatever its sigma: look"),
+              std::string::npos)
+        << item(stated, "p0").why;
+  }
+  LoopStateT within = judged(0.024, 0.012);
+  EXPECT_EQ(item(within, "p0").status, ItemStatus::verified);
   EXPECT_TRUE(accept_item(far, "p0"));
   next_plan(far, plan_after_setting(0, "fourth"));
   EXPECT_EQ(item(far, "p0").status, ItemStatus::verified);
