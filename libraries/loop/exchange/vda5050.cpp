@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
@@ -184,14 +185,19 @@ class StateReader {
     std::stable_sort(said_.begin(), said_.end(), [](const Said& a, const Said& b) {
       return std::tie(a.seconds, a.header_id) < std::tie(b.seconds, b.header_id);
     });
-    std::map<std::string, std::string> known;
+    std::map<std::string, const Said*> known;
+    std::set<std::pair<std::string, std::string>> named;  // of others than the first: by action
     for (const Said& said : said_) {
-      const auto [before, is_new] = known.try_emplace(said.action, said.status);
+      const auto [before, is_new] = known.try_emplace(said.action, &said);
       if (is_new)
         add(said);
-      else if (before->second != said.status)
+      else if (before->second->status != said.status)
         refuse(said.line, "says that action " + said.action + " " + said.status + ", a message before said " +
-                              before->second + ": a state that is final does not change; look at the item");
+                              before->second->status + ": a state that is final does not change; look at the item");
+      else if (before->second->by != said.by && named.emplace(said.action, said.by).second)
+        refuse(said.line, "says that action " + said.action + " " + said.status + " by " + said.by +
+                              ", and it was by " + before->second->by +
+                              ": two robots had one item; measure it, it may have been done twice");
     }
     if (const std::string words = words_of_ignored(ignored_); !words.empty())
       out_.ignored.push_back(source_ + ": in results of actions " + words);
@@ -251,7 +257,8 @@ class StateReader {
         return refuse(said.line, "the result of action " + said.action + ": " + error.what());
       }
       const bool read = read_vector(result, "measured", actual->measured) &&
-                        read_vector(result, "sigma", actual->sigma) && read_vector(result, "setting", actual->setting);
+                        read_vector(result, "sigma", actual->sigma) &&
+                        read_vector(in_order(result), "setting", actual->setting);
       if (!read)
         return refuse(said.line, "the result of action " + said.action + " is " + said.result.substr(0, 80) +
                                      ", expected three numbers each for measured, sigma, setting");
@@ -259,8 +266,23 @@ class StateReader {
       actual->note = result.contains("note") && result["note"].is_string() ? result["note"].get<std::string>() : "";
     } else {
       actual->note = said.result;
+      if (said.result.find_first_not_of(" \t\r\n") != std::string::npos &&
+          said.result[said.result.find_first_not_of(" \t\r\n")] == '{')
+        out_.ignored.push_back(source_ + ":" + std::to_string(said.line) + ": the result of action " + said.action +
+                               " is no JSON, and what it measured is not read: " + said.result.substr(0, 80));
     }
     out_.items.push_back(std::move(actual));
+  }
+
+  /// A setting as actuals.json and orders have it, by the names of its directions, as the list that others write.
+  static ordered_json in_order(ordered_json result) {
+    const auto found = result.find("setting");
+    if (found == result.end() || !found->is_object() || found->size() != 3) return result;
+    ordered_json list = ordered_json::array();
+    for (const char* direction : {"right", "up", "out"})
+      list.push_back(found->contains(direction) ? (*found)[direction] : ordered_json());
+    result["setting"] = list;
+    return result;
   }
 
   /// True also if there is none.

@@ -132,5 +132,24 @@ TEST(DeviationDxf, IsReadByAnother) {
     EXPECT_NE(told.find(layer), std::string::npos) << layer;
 }
 
+/// A third, which audits what it opens.
+TEST(DeviationDxf, EzdxfFindsTheLayersAndNothingToMend) {
+  if (std::system("/usr/bin/python3 -c 'import ezdxf' > /dev/null 2>&1") != 0) GTEST_SKIP() << "ezdxf is not installed";
+  const plumbline::test::TemporaryFolder folder;
+  const auto file = folder.path() / "d.dxf", out = folder.path() / "out.txt", script = folder.path() / "read.py";
+  std::ofstream(file) << deviation_dxf(example());
+  std::ofstream(script) << "import ezdxf, sys\nd = ezdxf.readfile(sys.argv[1])\na = d.audit()\n"
+                           "print(d.dxfversion, len(a.errors), len(a.fixes), len(d.modelspace()))\n"
+                           "layers = {l.dxf.name for l in d.layers}\n"
+                           "print(*sorted({e.dxf.layer for e in d.modelspace()} - layers), 'undeclared')\n"
+                           "print(*layers)\n";
+  ASSERT_EQ(std::system(("/usr/bin/python3 " + script.string() + " " + file.string() + " > " + out.string()).c_str()),
+            0);
+  const std::string told = plumbline::test::read_file(out);
+  EXPECT_EQ(told.find("AC1009 0 0 12\nundeclared\n"), 0u) << told;
+  for (const char* layer : {"ANCHOR_FAIL", "ANCHOR_NOT_MEASURED", "DEVIATION_100_TIMES_AS_LONG", "PANEL_FAIL"})
+    EXPECT_NE(told.find(layer), std::string::npos) << layer;
+}
+
 }  // namespace dxf_test
 }  // namespace plumbline::judgement

@@ -275,5 +275,30 @@ TEST(LayoutFiles, AnotherProgramOpensTheDrawing) {
   EXPECT_EQ(std::count(outline.begin(), outline.end(), ','), 4) << outline;
 }
 
+/// A reader in another language that audits what it opens; CAD programs look at layers as it does.
+TEST(LayoutFiles, EzdxfFindsTheLayersAndNothingToMend) {
+  if (printed("/usr/bin/python3 -c 'import ezdxf; print(1)' 2> /dev/null").empty())
+    GTEST_SKIP() << "ezdxf (python3-ezdxf) is not installed";
+  const ReleasedFarOff r;
+  const Job job = make_job(r.plan, r.state, 0, "", "");
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("plumbline_ezdxf_" + std::to_string(getpid()) + ".dxf")).string();
+  std::ofstream(path) << layout_dxf(r.plan, job, {{"CP1", {350001.1234, 5800002.5678, 103.9}, "control"}});
+  const std::string told =
+      printed("/usr/bin/python3 -c \"import ezdxf, sys\nd = ezdxf.readfile('" + path + "')\na = d.audit()\n" +
+              "print(d.dxfversion, len(a.errors), len(a.fixes))\n"
+              "print(*sorted(l.dxf.name for l in d.layers if l.dxf.name not in ('0', 'Defpoints')))\n"
+              "for e in d.modelspace():\n"
+              "  if e.dxftype() == 'POINT': print(e.dxf.layer, *e.dxf.location)\n"
+              "  if e.dxftype() == 'POLYLINE': print(e.dxf.layer, e.is_3d_polyline, e.is_closed, len(e))\n\"");
+  std::filesystem::remove(path);
+  EXPECT_EQ(told.find("AC1009 0 0\nBRACKET_GO CONTROL PANEL_GO\n"), 0u) << told;
+  EXPECT_NE(told.find("\nCONTROL 350001.1234 5800002.5678 103.9\n"), std::string::npos) << told;
+  EXPECT_NE(told.find("\nPANEL_GO True True 4\n"), std::string::npos) << told;
+  std::size_t brackets = 0;
+  for (std::size_t at = 0; (at = told.find("\nBRACKET_GO ", at)) != std::string::npos; ++at) ++brackets;
+  EXPECT_EQ(brackets, layout_points(job).size() + 1) << told;  // and in the list of layers
+}
+
 }  // namespace layout_files_test
 }  // namespace plumbline::loop

@@ -327,6 +327,43 @@ TEST(Vda5050, KeysOfAResultThatNobodyReadsAreNamed) {
             std::string::npos);
 }
 
+/// As actuals.json has it, by the names of its directions, which the pages show: it was refused.
+TEST(Vda5050, ASettingIsReadByItsDirectionsToo) {
+  const Job job = make_job();
+  const auto read = [&](const std::string& result) {
+    json state = make_state(job, "f", 1, at_second(1), VdaVersion::v2_0);
+    state["actionStates"][0]["resultDescription"] = result;
+    return vda_actuals(state.dump(), job, "s");
+  };
+  const ActualsT named = read(R"({"setting": {"out": 0.003, "right": 0.001, "up": 0.002}})");
+  ASSERT_EQ(named.items.size(), 1u);
+  EXPECT_EQ(named.items[0]->setting, Eigen::Vector3d(0.001, 0.002, 0.003));
+  for (const char* wrong :
+       {R"({"setting": {"right": 0.001, "up": 0.002}})", R"({"setting": {"right": 0.001, "up": 0.002, "in": 0.003}})",
+        R"({"setting": {"right": "1", "up": 0.002, "out": 0.003}})"})
+    EXPECT_EQ(read(wrong).refused.size(), 1u) << wrong;
+  // What begins as JSON and is none is a note, and said: nobody sees otherwise that a place was measured.
+  const ActualsT cut = read(R"({"measured": [1, 2)");
+  ASSERT_EQ(cut.items.size(), 1u);
+  ASSERT_EQ(cut.ignored.size(), 1u);
+  EXPECT_NE(cut.ignored[0].find("is no JSON, and what it measured is not read"), std::string::npos) << cut.ignored[0];
+}
+
+TEST(Vda5050, OneActionByTwoRobotsIsTold) {
+  const Job job = make_job();
+  json other = make_state(job, "fw", 1, at_second(4), VdaVersion::v2_0);
+  other["serialNumber"] = "C3PO";
+  const std::string first = make_state(job, "fw", 1, at_second(3), VdaVersion::v2_0).dump();
+  const ActualsT actuals = vda_actuals(first + "\n" + other.dump() + "\n" + other.dump() + "\n", job, "s");
+  ASSERT_EQ(actuals.items.size(), 1u);
+  EXPECT_EQ(actuals.items[0]->by, "Acme/R2D2");
+  ASSERT_EQ(actuals.refused.size(), 1u) << "once";
+  EXPECT_NE(actuals.refused[0].find("s:2: says that action job-3-F2-0123456789ab:F02-C01-R1:3 FINISHED by Acme/C3PO, "
+                                    "and it was by Acme/R2D2: two robots had one item"),
+            std::string::npos)
+      << actuals.refused[0];
+}
+
 /// Bytes changed, left out and cut off at random: refused with the line or read, never an error, and never a report of
 /// what the message does not hold.
 TEST(Vda5050, BrokenMessagesEndNothing) {
