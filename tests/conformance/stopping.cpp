@@ -50,5 +50,18 @@ TEST(Stopping, NodesOfPhotographsSurfacesAndPlansDo) {
   for (const std::string& kind : take_long) EXPECT_TRUE(seen.count(kind)) << kind << " is in none of the pipelines";
 }
 
+/// Of a survey alone; what joins readings and photographs, boards, series of epochs, scans and states is stopped beside
+/// its other tests (`CanBeStopped`).
+TEST(Stopping, NodesOfASurveyDo) {
+  const std::set<std::string> take_long{"survey.adjust", "survey.tables", "report.survey"};
+  std::set<std::string> seen;
+  const auto examine = [&](const std::string& kind, const Situation& situation) {
+    if (!seen.insert(kind).second) return;
+    EXPECT_EQ(stopping_at_fault(situation, take_long.count(kind) ? MayTakeLong::yes : MayTakeLong::no), "") << kind;
+  };
+  NodeByNode::run("survey_network", {"file=" + std::string(source_dir()) + "/docs/examples/before.csv"}, examine);
+  for (const std::string& kind : take_long) EXPECT_TRUE(seen.count(kind)) << kind << " is in none of the pipelines";
+}
+
 }  // namespace stopping_tests
 }  // namespace plumbline::test

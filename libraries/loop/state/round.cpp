@@ -11,6 +11,7 @@
 #include "loop/state/date.hpp"
 #include "loop/state/floor_moves.hpp"
 #include "loop/state/next_words.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::loop {
 namespace {
@@ -61,6 +62,7 @@ void Round::run() {
 
 void Round::note_sills() {
   for (const auto& bracket : plan_.brackets) {
+    stop_point();
     LoopItemT& sill = *item("bracket", bracket->id);
     std::set<std::string> holds;
     if (sill.status == ItemStatus::rejected || !bracket->measured.allFinite())
@@ -205,6 +207,7 @@ bool Round::hangs(const LoopItemT& panel) {
 }
 
 bool Round::carries(const std::string& bracket) const {
+  stop_point();
   for (const auto& panel : plan_.panels) {
     if (!hangs(*item("panel", panel->id))) continue;
     if (std::find(panel->brackets.begin(), panel->brackets.end(), bracket) != panel->brackets.end()) return true;

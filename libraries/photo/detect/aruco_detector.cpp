@@ -15,6 +15,7 @@
 #include "photo/detect/tag_family.hpp"
 #include "photo/detect/tag_pyramid.hpp"
 #include "photo/images/grey_image.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -128,6 +129,7 @@ struct ArucoDetector::Impl {
     std::vector<Corners> initial;
     std::vector<Quadrilateral> found;
     for (DetectedTag& tag : tags) {
+      stop_point();
       initial.push_back(tag.corners);
       const double cell = shortest_side(tag.corners) / modules;
       tag.corners = options.refinement == Refinement::edges ? unfitted_corners(view, pixels, tag.corners, cell)
@@ -144,6 +146,7 @@ struct ArucoDetector::Impl {
     EdgeFitOptions again = options.edge;
     again.gamma = first.quality.gamma;  // the image's, and most of the work
     again.grid = first.quality.grid;
+    stop_point();
     const Measurement second = measure_corners(image, found, again);
     for (size_t k = 0; k < tags.size(); ++k) {
       if (!first.corners[k] || !second.corners[k]) continue;

@@ -8,6 +8,7 @@
 
 #include "photo/detect/chess_lattice.hpp"
 #include "photo/images/grey_image.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -31,6 +32,7 @@ double spacing_of(const Corners& corners, int columns) {
 /// Where a large photograph shows no such board this search takes minutes, so it looks at a reduced one of no more than
 /// `longest` pixels.
 bool search(const cv::Mat& view, cv::Size size, int longest, Corners& corners) {
+  stop_point();
   const int factor = (std::max(view.cols, view.rows) + longest - 1) / longest;
   cv::Mat reduced = view;
   if (factor > 1) cv::resize(view, reduced, {view.cols / factor, view.rows / factor}, 0, 0, cv::INTER_AREA);

@@ -113,8 +113,9 @@ std::string what_changed(const CameraChange& change, bool sized) {
       return "fx is " + longer(change.by(0), change.sigma(0), sized) + " against fy: pictures that a program stretched";
     case What::principal_point:
       return point + elsewhere(change, 0, sized) +
-             (change.or_mirrored ? ": pictures that a program mirrored, cropped or moved"
-                                 : ": pictures that a program cropped or moved") +
+             (change.or_turned     ? ": pictures that a program turned by 180 degrees, cropped or moved"
+              : change.or_mirrored ? ": pictures that a program mirrored, cropped or moved"
+                                   : ": pictures that a program cropped or moved") +
              ", a stabiliser, or a board that was bent otherwise";
     case What::distortion:
       return "the distortion is another" + by_k1(change, 0, sized) +
@@ -175,13 +176,14 @@ std::string in_words(const EmpiricalCovariance& empirical, const std::vector<Sca
       case Strengths::principal_point:
         add(
             fmt::format("a principal point that moves by {:.1f} px rms from photograph to photograph (a stabiliser, or "
-                        "a lens that is loose: switch it off)",
+                        "a lens that is loose: switch it off; or pictures of which a program turned some by 180 "
+                        "degrees)",
                         cause.rms));
         break;
       case Strengths::rows:
         add(cause.or_point
                 ? "rows that are read one after another while the camera moves, or of a principal point that moves (a "
-                  "rolling shutter, or a stabiliser)"
+                  "rolling shutter, a stabiliser, or pictures of which a program turned some by 180 degrees)"
                 : fmt::format("rows read one after another while the camera moves, by {:.1f} px rms from the first to "
                               "the last (a rolling shutter: hold the camera still)",
                               cause.rms));

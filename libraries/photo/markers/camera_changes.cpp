@@ -65,6 +65,12 @@ std::vector<Hypothesis> hypotheses_of(const EffectModel& model, const BrownCamer
   return all;
 }
 
+/// Along what photographs are sorted into groups: of turned ones the principal point, of which each tells more than of
+/// the decentring.
+Eigen::MatrixXd divided_by(const Hypothesis& hypothesis) {
+  return hypothesis.what == What::turned ? Eigen::MatrixXd(hypothesis.directions.leftCols<2>()) : hypothesis.directions;
+}
+
 /// A change with what it explains.
 struct Candidate {
   const Hypothesis* hypothesis = nullptr;
@@ -117,13 +123,6 @@ class Search {
  private:
   static Step step_of(const Candidate& one) {
     return {one.contrast.weights, one.hypothesis->directions, one.hypothesis->sizes};
-  }
-
-  /// Along what photographs are sorted into groups: of turned ones the principal point, of which each tells more than
-  /// of the decentring.
-  static Eigen::MatrixXd divided_by(const Hypothesis& hypothesis) {
-    return hypothesis.what == What::turned ? Eigen::MatrixXd(hypothesis.directions.leftCols<2>())
-                                           : hypothesis.directions;
   }
 
   std::vector<Candidate> scan(const Strengths& strengths) const {
@@ -290,6 +289,7 @@ std::optional<CameraChange> likeliest_change(const EffectModel& model, const Sea
   change.what_is_clear = change.causes.front().second > clear_from;
   // The step in that parameter alone, if there is one.
   const What clearest = change.causes.front().first;
+  const Candidate* told = &best;
   if (change.what_is_clear && clearest != change.what) {
     const Candidate* named = nullptr;
     for (const Candidate& one : all)
@@ -297,38 +297,44 @@ std::optional<CameraChange> likeliest_change(const EffectModel& model, const Sea
           (!named || one.value > named->value))
         named = &one;
     if (named)
-      change.what = clearest, change.by = named->fit.by, change.sigma = named->fit.sigma;
+      told = named, change.what = clearest, change.by = named->fit.by, change.sigma = named->fit.sigma;
     else
       change.what_is_clear = false;
   }
   if (change.what == What::principal_point)
-    change.or_mirrored = is_flipped(best.contrast.weights.mean(), change, camera);
+    change.or_mirrored = is_flipped(best.contrast.weights.mean(), change, camera),
+    change.or_turned = is_mirrored(*told, camera);
   return change;
 }
 
-/// Two principal distances in no order. Among all ways to divide the photographs the right one is one of very many, so
-/// that likelihood hardly tells it from a principal distance that scatters; that what the photographs say of it, each
-/// by itself, lies about two values does.
-std::optional<CameraChange> two_principal_distances(const EffectModel& model, Strengths strengths,
-                                                    const BrownCamera& camera) {
+/// Two settings in no order: of the principal distance, or of the principal point (turned pictures). Among all ways to
+/// divide the photographs the right one is one of very many, so that likelihood hardly tells it from a setting that
+/// scatters; that what the photographs say of it, each by itself, lies about two values does.
+std::optional<CameraChange> two_settings(const EffectModel& model, Strengths strengths, const BrownCamera& camera,
+                                         const Hypothesis& hypothesis) {
   constexpr double none = 1e-6;
-  strengths.log(Strengths::focus) = std::log(none);
-  const Eigen::MatrixXd direction = model.direction({camera.fx, camera.fy});
-  if (direction.isZero(0)) return std::nullopt;
-  Eigen::MatrixXd steps;
-  Eigen::VectorXd information;
-  EffectFit(model, strengths).own_steps(direction, steps, information);
-  if (!(information.minCoeff() > 0)) return std::nullopt;
-  const auto groups = two_groups(steps.col(0), information.cwiseSqrt().cwiseInverse());
+  const auto scatter = scatter_like(hypothesis.what);
+  if (!scatter) return std::nullopt;
+  strengths.log(*scatter) = std::log(none);
+  const EffectFit fit(model, strengths);
+  const auto [values, sigmas] = along_their_axis(fit, divided_by(hypothesis));
+  const auto groups = two_groups(values, sigmas);
   if (!groups) return std::nullopt;
   CameraChange change;
-  change.split = Split::some, change.what = What::focus, change.second = groups->second;
-  change.by = Eigen::VectorXd::Constant(1, groups->by), change.sigma = Eigen::VectorXd::Constant(1, groups->sigma);
-  change.log_odds = groups->log_odds, change.causes = {{What::focus, 1}};
-  change.split_is_clear = change.what_is_clear = true;
-  Eigen::VectorXd weights = Eigen::VectorXd::Zero(steps.rows());
-  for (const int k : groups->second) weights(k) = 1;
-  change.or_place = by_place(model, weights) > mostly;
+  change.split = Split::some, change.what = hypothesis.what, change.second = groups->second;
+  change.log_odds = groups->log_odds, change.split_is_clear = change.what_is_clear = true;
+  Candidate one{&hypothesis, {}, {}, 0};
+  one.contrast.split = Split::some, one.contrast.weights = Eigen::VectorXd::Zero(values.size());
+  for (const int k : groups->second) one.contrast.weights(k) = 1;
+  if (hypothesis.what == What::focus) {
+    change.by = Eigen::VectorXd::Constant(1, groups->by), change.sigma = Eigen::VectorXd::Constant(1, groups->sigma);
+  } else {
+    one.fit = fit.fit({one.contrast.weights, hypothesis.directions, hypothesis.sizes});
+    change.by = one.fit.by, change.sigma = one.fit.sigma;
+    if (!is_mirrored(one, camera)) change.what = What::principal_point;
+  }
+  change.causes = {{change.what, 1}};
+  change.or_place = by_place(model, one.contrast.weights) > mostly;
   if (change.or_place && !(change.log_odds > told_of_place_from)) return std::nullopt;
   return change;
 }
@@ -341,7 +347,10 @@ std::optional<CameraChange> find_change(const CameraEvidence& evidence, const Br
   const EffectModel model(evidence, camera, cam_from_object);
   const Search search(model, camera, cam_from_object);
   if (auto change = likeliest_change(model, search, camera)) return change;
-  return two_principal_distances(model, search.none().strengths, camera);
+  for (const Hypothesis& hypothesis : hypotheses_of(model, camera))
+    if (hypothesis.what == What::focus || hypothesis.what == What::turned)
+      if (auto change = two_settings(model, search.none().strengths, camera, hypothesis)) return change;
+  return std::nullopt;
 }
 
 bool divides(const CameraChange& change) { return change.split != Split::drift; }

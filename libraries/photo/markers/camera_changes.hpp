@@ -39,6 +39,7 @@ struct CameraChange {
   /// Of a principal point: that of the one part is the other's with left and right exchanged, as a mirrored picture of
   /// a board without marks that are read has it.
   bool or_mirrored = false;
+  bool or_turned = false;  ///< the same of one that is the other's turned about the middle of the image
   std::vector<std::pair<What, double>> causes;  ///< with their probabilities, the likeliest first
 };
 

@@ -225,6 +225,23 @@ std::vector<Contrast> stretches(const EffectFit& fit, const Eigen::MatrixXd& dir
   return contrasts;
 }
 
+std::pair<Eigen::VectorXd, Eigen::VectorXd> along_their_axis(const EffectFit& fit, const Eigen::MatrixXd& directions) {
+  Eigen::MatrixXd steps;
+  Eigen::VectorXd information;
+  std::vector<Eigen::VectorXd> scores;
+  std::vector<Eigen::MatrixXd> own;
+  fit.own_steps(directions, steps, information), fit.own_scores(directions, scores, own);
+  if (!(information.minCoeff() > 0) || !steps.allFinite()) return {};
+  const Eigen::RowVectorXd mean = information.transpose() * steps / information.sum();
+  const Eigen::MatrixXd centred = information.cwiseSqrt().asDiagonal() * (steps.rowwise() - mean);
+  const Eigen::VectorXd axis =
+      linear_algebra::SymmetricEigen(centred.transpose() * centred).eigenvectors().rightCols<1>();
+  Eigen::VectorXd sigmas(steps.rows());
+  for (Eigen::Index i = 0; i < steps.rows(); ++i)
+    sigmas(i) = std::sqrt(axis.dot(linear_algebra::solve_symmetric(own[static_cast<std::size_t>(i)], axis)));
+  return {steps * axis, sigmas};
+}
+
 std::vector<std::pair<int, int>> runs_of(const std::vector<int>& second) {
   std::vector<std::pair<int, int>> runs;
   for (const int at : second)

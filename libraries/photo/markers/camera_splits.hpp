@@ -40,6 +40,10 @@ std::vector<Contrast> groups(const EffectFit& fit, const Eigen::MatrixXd& direct
 /// `directions`, `sizes`: as of Step.
 std::vector<Contrast> stretches(const EffectFit& fit, const Eigen::MatrixXd& directions, const Eigen::VectorXd& sizes);
 
+/// What each photograph by itself says along the axis of `directions` by which the photographs differ most, and its
+/// standard deviations; empty where one of them says nothing.
+std::pair<Eigen::VectorXd, Eigen::VectorXd> along_their_axis(const EffectFit& fit, const Eigen::MatrixXd& directions);
+
 /// First and last of each run of neighbours in `second`, which is ascending.
 std::vector<std::pair<int, int>> runs_of(const std::vector<int>& second);
 

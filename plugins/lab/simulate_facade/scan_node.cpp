@@ -91,7 +91,11 @@ void SimulateScan::run(Context& context) {
   const auto folder = scan.make_folder();
   const std::string path = folder.path + "/scan.las";
   cloud::CloudWriter writer(path, cloud::CloudFormat::las, points.size(), facades.front().origin, "survey");
-  for (const Eigen::Vector3d& point : points) writer.add(point, static_cast<float>(*noise));
+  constexpr size_t at_once = 100000;
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (i % at_once == 0 && context.cancelled()) throw Stopped();
+    writer.add(points[i], static_cast<float>(*noise));
+  }
   writer.finish();
   context.metric("points", static_cast<double>(points.size()), "1");
   scan.commit(file_reference("scan.las", "application/vnd.las", folder.uri + "/scan.las", context.digest(path)));

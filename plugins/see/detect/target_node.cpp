@@ -13,6 +13,7 @@
 #include "photo/cameras/camera_groups.hpp"
 #include "photo/detect/target_fit.hpp"
 #include "photo/images/grey_image.hpp"
+#include "plumbline/stop.hpp"
 
 namespace plumbline::detect {
 namespace {
@@ -144,6 +145,7 @@ void PredictTargets::run(Context& context) {
   std::string rows = "image,point,x,y\n";
   size_t predicted = 0;
   for (const auto& pose : oriented.poses) {
+    stop_point();
     const auto path = names.find(pose->path);
     if (!path) {
       ++unknown[pose->path];
@@ -185,10 +187,12 @@ void DetectTarget::run(Context& context) {
   size_t measured = 0, predicted = 0;
   for (const auto& [path, photograph] : photographs) {
     const auto here = wanted.find(path);
+    stop_point();
     if (here == wanted.end()) continue;
     const GreyImage grey = read_grey_image(context.resolve(photograph->uri()->str()));
     Json entries = Json::array();
     for (const Place& place : here->second) {
+      stop_point();
       const MeasuredTarget target = measure_target(grey, place.pixel, options);
       ++predicted;
       entries.push_back(entry_of(place, target));

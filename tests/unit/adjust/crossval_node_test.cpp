@@ -5,6 +5,7 @@
 #include "artifacts/block.hpp"
 #include "artifacts/file.hpp"
 #include "node_harness.hpp"
+#include "stopping.hpp"
 #include "synthetic_facade.hpp"
 
 namespace crossval_node_test {
@@ -47,6 +48,17 @@ TEST(EvaluateCrossvalNode, SaysOfAFloorWhatTheAdjustmentWithoutItSays) {
     ++compared;
   }
   EXPECT_GT(compared, 5);
+}
+
+/// A fold that was stopped is no fold that failed.
+TEST(EvaluateCrossvalNode, CanBeStopped) {
+  const SyntheticFacade facade = make_facade({.floors = 2, .pixel_sigma = 0.1, .survey_sigma = 0.001, .seed = 12});
+  EXPECT_EQ(stopping_at_fault([&] {
+              NodeHarness node("evaluate.crossval");
+              connect(node, facade), node.set("by", "floor");
+              return node;
+            }),
+            "");
 }
 
 /// As the adjuster does: what contradicts predicts nobody, is no part of the figures, and stands in the table.

@@ -6,6 +6,7 @@
 #include "artifacts/camera_artifact.hpp"
 #include "artifacts/survey_artifact.hpp"
 #include "node_harness.hpp"
+#include "stopping.hpp"
 #include "survey/simulate/simulate_survey.hpp"
 #include "synthetic_facade.hpp"
 
@@ -61,6 +62,11 @@ TEST(AdjustJointNode, GivesAnchorsStationsAndTheSurveyAsAGroup) {
   node.set("estimate_survey_variance", "false");
   node.run();
   EXPECT_NE(node.output_bytes("points"), again.output_bytes("points"));
+}
+
+TEST(AdjustJointNode, CanBeStopped) {
+  const SyntheticFacade facade = make_facade(noisy);
+  EXPECT_EQ(stopping_at_fault([&] { return joint_node(facade); }), "");
 }
 
 /// A plate that hangs 50 mm beside its mark: named, and adjusted as if it carried none; the readings stay.

@@ -21,6 +21,7 @@
 #include "node_harness.hpp"
 #include "parameter_effects.hpp"
 #include "photo/detect/board.hpp"
+#include "stopping.hpp"
 #include "tag_rendering.hpp"
 
 namespace plumbline {
@@ -101,12 +102,17 @@ TEST(DetectNodes, StateOfABoardOfTagsHowFarEdgesMayBeDrawnIn) {
   write_png(folder.path() / "board.png", image);
   std::ofstream(folder.path() / "board.yaml")
       << "type: tags\ncolumns: 2\nrows: 2\nmarker: 0.08\ngap: 0.03\ndictionary: tag36h11\n";
-  test::NodeHarness node("detect.board");
-  node.set("board", (folder.path() / "board.yaml").string());
-  ImageT photograph;
-  photograph.path = "board.png", photograph.uri = (folder.path() / "board.png").string();
-  photograph.width = photograph.height = 260;
-  node.input<Image>("images", photograph);
+  const test::Situation situation = [&] {
+    test::NodeHarness before("detect.board");
+    before.set("board", (folder.path() / "board.yaml").string());
+    ImageT photograph;
+    photograph.path = "board.png", photograph.uri = (folder.path() / "board.png").string();
+    photograph.width = photograph.height = 260;
+    before.input<Image>("images", photograph);
+    return before;
+  };
+  EXPECT_EQ(test::stopping_at_fault(situation), "");
+  test::NodeHarness node = situation();
   node.run();
   const BoardPointsT found = node.output<BoardPoints>("points");
   ASSERT_EQ(found.points.size(), 16u) << found.problem;
@@ -306,6 +312,7 @@ TEST(DetectNodes, MeasureTargetsWhereTheyArePredictedAndSayWhichTheyDoNot) {
   elsewhere.input<File>("places", table_of("clicked.csv", "image,point,x,y\nb.png,P1,104,96\n"));
   EXPECT_THAT(failure_of(elsewhere), HasSubstr("'clicked.csv' names other photographs"));
   EXPECT_EQ(test::parameters_at_fault({situation}), "");
+  EXPECT_EQ(test::stopping_at_fault(situation), "");
 }
 
 /// Points on two planes, three cameras about them; the places are exact projections.

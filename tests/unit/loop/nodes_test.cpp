@@ -22,6 +22,7 @@
 #include "node_harness.hpp"
 #include "random_facade.hpp"
 #include "released.hpp"
+#include "stopping.hpp"
 
 namespace nodes_test {
 
@@ -92,6 +93,17 @@ TEST(ReleaseState, NothingIsReleasedForAJobThatIsOver) {
   EXPECT_NE(said("2026-05-02T10:00:00+02:00").find("every robot would refuse it; nothing is released"),
             std::string::npos);
   EXPECT_NE(said("tomorrow").find("valid_until is 'tomorrow'; expected ISO 8601"), std::string::npos);
+}
+
+/// Whole sites are released in a moment, and what asks there must be told.
+TEST(ReleaseState, CanBeStopped) {
+  const Released released;
+  EXPECT_EQ(test::stopping_at_fault([&] {
+              NodeHarness node("release.state");
+              node.input<InstallationPlan>("plan", released.plan), node.input<LoopState>("state", LoopStateT());
+              return node;
+            }),
+            "");
 }
 
 TEST(WriteJob, HandsOutWhatIsWhereTheControlIs) {

@@ -11,6 +11,7 @@
 #include "artifacts/tag_observations.hpp"
 #include "node_harness.hpp"
 #include "scene.hpp"
+#include "stopping.hpp"
 
 namespace plumbline::markers {
 namespace board_node_test {
@@ -67,8 +68,8 @@ std::string said_of(const std::string& distance, const std::string& tag_size = "
   return said_by(node);
 }
 
-/// What the start of photo_campaign says of 24 photographs with all tags surveyed, the second half zoomed.
-std::string said_of_campaign(double zoom, double exif, const std::string& tag_size = "0.12") {
+/// The start of photo_campaign with 24 photographs and all tags surveyed, the second half zoomed.
+test::NodeHarness campaign_node(double zoom, double exif, const std::string& tag_size = "0.12") {
   Scene s = scene(0.1, 3, 24);
   const Eigen::Vector2d middle(800, 600);
   for (MarkerView& view : s.block.views)
@@ -85,8 +86,38 @@ std::string said_of_campaign(double zoom, double exif, const std::string& tag_si
   node.input<Points>("points", points);
   node.input<Plates>("plates", PlatesT());
   node.set("tag_size", tag_size);
+  return node;
+}
+
+std::string said_of_campaign(double zoom, double exif, const std::string& tag_size = "0.12") {
+  test::NodeHarness node = campaign_node(zoom, exif, tag_size);
   return said_by(node);
 }
+
+/// Tags in known places and turned as they are, as a field of tags has them.
+test::NodeHarness field_node() {
+  const Scene s = scene(0.1, 3, 12);
+  test::NodeHarness node("adjust.marker_field");
+  give(s, 1480, node);
+  PointsT points;
+  PlatesT plates;
+  for (std::size_t m = 0; m < s.tags.size(); ++m) {
+    points.points.push_back(std::make_unique<PointT>()), plates.plates.push_back(std::make_unique<PlateT>());
+    points.points.back()->id = plates.plates.back()->anchor = std::to_string(m);
+    points.points.back()->position = s.tags[m].translation;
+    PlateT& plate = *plates.plates.back();
+    plate.tag_family = "tag36h11", plate.tag_id = s.block.markers[m].id, plate.tag_size = s.block.markers[m].size;
+    plate.nominal_rotation = s.tags[m].rotation, plate.tag_centre_in_plate.setZero();
+  }
+  node.input<Points>("points", points), node.input<Plates>("plates", plates);
+  return node;
+}
+
+TEST(MarkerStart, CanBeStopped) {
+  EXPECT_EQ(test::stopping_at_fault([] { return campaign_node(1, 1480); }), "");
+}
+
+TEST(MarkerField, CanBeStopped) { EXPECT_EQ(test::stopping_at_fault(field_node), ""); }
 
 TEST(MarkerStart, SaysThatTheCameraChanged) {
   for (const double exif : {1480.0, 0.0})

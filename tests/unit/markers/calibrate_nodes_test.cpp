@@ -13,6 +13,7 @@
 #include "photo/cameras/camera_files.hpp"
 #include "photo/markers/calibration_parts.hpp"
 #include "scene.hpp"
+#include "stopping.hpp"
 
 namespace plumbline::markers {
 namespace calibrate_nodes_test {
@@ -42,6 +43,15 @@ BoardPointsT photograph(int index, const std::string& taken_with, double right_b
     result.points.push_back(std::move(point));
   }
   return result;
+}
+
+TEST(CalibrateBoard, CanBeStopped) {
+  EXPECT_EQ(test::stopping_at_fault([] {
+              test::NodeHarness node("calibrate.board");
+              for (int k = 0; k < 12; ++k) node.input<BoardPoints>("points", photograph(k, ""));
+              return node;
+            }),
+            "");
 }
 
 TEST(CalibrateBoard, PhotographsOfAnotherBodyOrSizeAreNotTakenForTheCameras) {

@@ -85,7 +85,12 @@ TEST(CameraChanges, EveryChangeHasItsWords) {
             lies +
                 " by 12.3 ± 1.2, -0.7 ± 1.0 px: pictures that a program mirrored, cropped or moved, a stabiliser, or a "
                 "board that was bent otherwise");
-  change.or_mirrored = false;
+  change.or_mirrored = false, change.or_turned = true;
+  EXPECT_EQ(said(What::principal_point, {12.34, -5.68}, {1.24, 0.96}, false),
+            lies +
+                ": pictures that a program turned by 180 degrees, cropped or moved, a stabiliser, or a board that was "
+                "bent otherwise");
+  change.or_turned = false;
   EXPECT_EQ(said(What::distortion, {-0.0214, 0.5}, {0.0032, 0.1}, true),
             from +
                 "the distortion is another (k1 by -0.021 ± 0.003): another lens or setting of it, pictures that a "
@@ -195,19 +200,19 @@ TEST(CameraChanges, EveryScatterHasItsWords) {
   EXPECT_EQ(
       of({Strengths::principal_point, 2.34}),
       ". It is that of a principal point that moves by 2.3 px rms from photograph to photograph (a stabiliser, or "
-      "a lens that is loose: switch it off)");
+      "a lens that is loose: switch it off; or pictures of which a program turned some by 180 degrees)");
   EXPECT_EQ(of({Strengths::rows, 2.34}),
             ". It is that of rows read one after another while the camera moves, by 2.3 px rms from the first to the "
             "last (a rolling shutter: hold the camera still)");
   EXPECT_EQ(of({Strengths::rows, 2.34, true}),
             ". It is that of rows that are read one after another while the camera moves, or of a principal point that "
-            "moves (a rolling shutter, or a stabiliser)");
+            "moves (a rolling shutter, a stabiliser, or pictures of which a program turned some by 180 degrees)");
   const std::string places =
       "places: photographs from one side tell another camera than those from the other (a board "
       "or tags that are not as the model has them, or a lens that is not)";
   EXPECT_EQ(of({Strengths::place, 1}), ". It is that of " + places);
   EXPECT_THAT(in_words(empirical, {{Strengths::rows, 2, true}, {Strengths::place, 1}}),
-              testing::EndsWith("stabiliser); and of " + places));
+              testing::EndsWith("by 180 degrees); and of " + places));
   empirical.factor = 1.49;
   EXPECT_EQ(in_words(empirical, {{Strengths::place, 1}}), "") << "up to 1.5 with a cause";
   empirical.factor = 1.51;

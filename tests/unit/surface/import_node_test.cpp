@@ -13,6 +13,7 @@
 #include "cloud_bytes.hpp"
 #include "e57_bytes.hpp"
 #include "node_harness.hpp"
+#include "stopping.hpp"
 #include "surface_artifact.hpp"
 
 namespace import_node_test {
@@ -574,6 +575,16 @@ TEST(FindPlanesNode, APlaneIsMeasuredAsAPanelIs) {
              "70\x1f"
              "9");
   planes.run();
+  EXPECT_EQ(stopping_at_fault([&] {
+              NodeHarness again("surface.planes");
+              again.set("file", path);
+              again.set("seen_from",
+                        "120\x1f"
+                        "70\x1f"
+                        "9");
+              return again;
+            }),
+            "");
   const DesignT design = planes.output<Design>("design");
   ASSERT_EQ(design.elements.size(), 1U);
   EXPECT_NEAR(design.elements[0]->facade->out.y(), -1, 1e-5) << "towards the scanner";

@@ -12,6 +12,7 @@
 #include "artifacts/surface_points.hpp"
 #include "artifacts/surfaces.hpp"
 #include "node_harness.hpp"
+#include "stopping.hpp"
 
 namespace simulated_scan_test {
 
@@ -125,6 +126,17 @@ TEST(SimulatedScan, SquaredErrorsOverWhatIsStatedAverageOne) {
   EXPECT_LT(place / freedom_of_place, 2.2);
   EXPECT_GT(form / freedom_of_form, 0.53);
   EXPECT_LT(form / freedom_of_form, 1.6);
+}
+
+TEST(SimulatedScan, CanBeStopped) {
+  const ScannedFacade facade;
+  EXPECT_EQ(stopping_at_fault([&] {
+              NodeHarness scan("simulate.scan");
+              scan.input<Surfaces>("surfaces", facade.site.output<Surfaces>("planted"));
+              scan.set("pitch", "0.005");
+              return scan;
+            }),
+            "");
 }
 
 TEST(SimulatedScan, GivesTheSameBytesTwice) {

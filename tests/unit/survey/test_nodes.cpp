@@ -19,6 +19,7 @@
 #include "parameter_effects.hpp"
 #include "record.hpp"
 #include "simulated_network.hpp"
+#include "stopping.hpp"
 
 namespace plumbline::test {
 namespace test_nodes {
@@ -623,6 +624,10 @@ TEST(EpochSeriesNode, EveryParameterHasItsEffect) {
                                            "30\x1f"
                                            "60")},
                                 {"geoid_height", "geoid_slope", "mean_height", "datum"}),
+            "");
+  EXPECT_EQ(stopping_at_fault(situation("0\x1f"
+                                        "30\x1f"
+                                        "60")),
             "");
 }
 

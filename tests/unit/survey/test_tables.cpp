@@ -16,6 +16,7 @@
 #include "geometry/relative_points.hpp"
 #include "node_harness.hpp"
 #include "simulated_network.hpp"
+#include "stopping.hpp"
 
 namespace plumbline::survey {
 namespace test_tables {
@@ -88,6 +89,10 @@ TEST_F(Tables, AJointCovarianceIsAnnounced) {
   node.input<SurveyNetwork>("network", network_);
   node.outcome();  // whatever it makes of points that the network has not
   EXPECT_EQ(node.announced(), 4 * sizeof(double) * static_cast<std::uint64_t>(n * (n + 1) / 2));
+}
+
+TEST_F(Tables, CanBeStopped) {
+  EXPECT_EQ(plumbline::test::stopping_at_fault([this] { return tables(); }), "");
 }
 
 TEST_F(Tables, CoordinatesAndSigmas) {
