@@ -51,15 +51,29 @@ Closures closures_of(const std::vector<UntoldSighting>& sightings, const std::st
   return result;
 }
 
-/// The unit in which `misclosures` (one list a unit) close, if it is one alone.
-std::optional<std::size_t> closing(std::array<std::vector<double>, kUnits.size()>& misclosures, double tolerance) {
+/// Whether all angles are the same in both units, as those of whole degrees are in degrees and in D.MMSS.
+bool mean_the_same(const std::vector<UntoldSighting>& sightings, const char* a, const char* b) {
+  constexpr double kAlike = 1e-12;  // [rad]; what a unit does not have is not a number, and like nothing
+  return std::all_of(sightings.begin(), sightings.end(), [&](const UntoldSighting& s) {
+    for (const double angle : {s.direction, s.zenith})
+      if (!std::isnan(angle) && !(off(SurveyColumns::in_si(angle, a), SurveyColumns::in_si(angle, b)) < kAlike))
+        return false;
+    return true;
+  });
+}
+
+/// The unit in which `misclosures` (one list a unit) close, if it is one alone, or the others say the same.
+std::optional<std::size_t> closing(std::array<std::vector<double>, kUnits.size()>& misclosures, double tolerance,
+                                   const std::vector<UntoldSighting>& sightings) {
   constexpr double kDistinct = 4;  // times better than any other
   std::array<double, kUnits.size()> size;
   for (std::size_t u = 0; u < kUnits.size(); ++u) size[u] = misclosures[u].empty() ? kPi : upper_median(misclosures[u]);
   const auto best = static_cast<std::size_t>(std::min_element(size.begin(), size.end()) - size.begin());
   if (size[best] > tolerance) return std::nullopt;
   for (std::size_t u = 0; u < kUnits.size(); ++u)
-    if (u != best && size[u] <= std::max(tolerance, kDistinct * size[best])) return std::nullopt;
+    if (u != best && size[u] <= std::max(tolerance, kDistinct * size[best]) &&
+        !mean_the_same(sightings, kUnits[u], kUnits[best]))
+      return std::nullopt;
   return best;
 }
 
@@ -97,10 +111,10 @@ std::optional<AngleUnit> tell_angle_unit(const std::vector<UntoldSighting>& sigh
     Closures c = closures_of(sightings, kUnits[u]);
     faces[u] = std::move(c.faces), reciprocal[u] = std::move(c.reciprocal);
   }
-  if (const auto unit = closing(faces, kFaces))
+  if (const auto unit = closing(faces, kFaces, sightings))
     return AngleUnit{kUnits[*unit],
                      "the two faces of " + std::to_string(faces[*unit].size()) + " readings close in it"};
-  if (const auto unit = closing(reciprocal, kReciprocal))
+  if (const auto unit = closing(reciprocal, kReciprocal, sightings))
     return AngleUnit{kUnits[*unit],
                      std::to_string(reciprocal[*unit].size()) + " reciprocal pairs of zenith angles close in it"};
   return std::nullopt;

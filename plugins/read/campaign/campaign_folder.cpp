@@ -121,6 +121,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
 CampaignDescription parse_campaign(const std::string& yaml, const std::filesystem::path& shown,
                                    std::vector<std::string> files, CampaignUse use, Problems& problems) {
   CampaignDescription c;
+  c.control_left_out = false;
   std::optional<Mapping> found;
   if (!problems.attempt([&] {
         found.emplace(load_yaml(yaml, shown), shown,
@@ -133,6 +134,7 @@ CampaignDescription parse_campaign(const std::string& yaml, const std::filesyste
     return c;
   const Mapping& mapping = *found;
   const bool keys_known = problems.empty();
+  c.control_left_out = keys_known && !mapping.has("control");
   Resolver resolver(mapping, std::move(files));
   const bool optional = use == CampaignUse::photographs;
   const auto take = [&](const std::function<void()>& action) { problems.attempt(action); };

@@ -66,6 +66,8 @@ struct CampaignDescription {
   std::string date_remark;                   ///< how the date was understood, where somebody might read it otherwise
   /// What is to be left out, though it lies there: files, and sheets of workbooks as "Tables.xlsx#Sheet".
   std::vector<std::string> unused;
+  /// Nothing there says which table the known points are in: each key was understood, and 'control' is none of them.
+  bool control_left_out = true;
   std::vector<std::string> remarks;  ///< what is no mistake and may be one: patterns of `unused` that fit nothing
 };
 

@@ -22,6 +22,7 @@ ListedCampaign::ListedCampaign(FolderT listed, std::filesystem::path at, Campaig
   for (const auto& file : given.files) entries[file->path] = file.get();
   const std::filesystem::path yaml = root / "campaign.yaml";
   const bool there = entries.count("campaign.yaml") > 0;
+  description.control_left_out = false;  // until somebody has read what the folder holds
   problems.attempt([&] {
     refuse_misnamed_campaign(root, names());
     if (there)

@@ -7,10 +7,10 @@
 #include "artifacts/input_files_text.hpp"
 #include "artifacts/poses.hpp"
 #include "base/text/whole_file.hpp"
+#include "beside_mistakes.hpp"
 #include "building/ifc/mapping_table.hpp"
 #include "building/judgement/tolerance_classes.hpp"
 #include "campaign_cameras.hpp"
-#include "held_together.hpp"
 #include "listed_campaign.hpp"
 #include "photo/images/photograph_header.hpp"
 #include "photo_campaign_node.hpp"
@@ -71,31 +71,6 @@ FileT design_reference(const campaign::ListedCampaign& site) {
   const FolderEntryT& design = site.entry(site.description.design);
   const std::string name = fs::path(design.path).filename().string();
   return file_reference(name, "application/x-step", "sha256:" + design.sha256 + "/" + name, design.sha256);
-}
-
-/// Beside other mistakes, which keep the design from being read; where it is the only one, its reader says so, and what
-/// needs no design goes on.
-void look_at_design(campaign::ListedCampaign& site) {
-  if (site.problems.empty() || site.description.design.empty()) return;
-  const fs::path design = site.root / site.description.design;
-  site.problems.attempt([&] { campaign::require_whole_design(design, design); });
-}
-
-/// Beside other mistakes, as the design: where a folder has no others, campaign.account tells these. `families`: tags
-/// that a run looks for.
-void look_at_what_belongs_together(campaign::ListedCampaign& site, const PlatesT& plates,
-                                   const std::vector<campaign::ControlPoint>& control,
-                                   const SurveyObservationsT& readings, const std::vector<std::string>& families,
-                                   Context& context) {
-  if (site.problems.empty()) return;
-  std::vector<std::string> wrong, known;
-  for (const campaign::ControlPoint& point : control) known.push_back(point.name);
-  if (!readings.observations.empty())  // of files with mistakes there is nothing, not even what an artifact must have
-    campaign::hold_control(survey::from_artifact(readings), known, context, wrong);
-  if (site.description.observations.empty()) campaign::hold_families(plates, families, wrong);
-  if (const auto names = campaign::forgotten_control(site.unused); !names.empty())
-    wrong.push_back(campaign::words_of_forgotten_control(names));
-  for (const std::string& problem : wrong) site.problems.add(campaign::CampaignError(problem));
 }
 
 struct ReadCampaign : Node {
@@ -161,9 +136,10 @@ struct ReadCampaign : Node {
           campaign::table_text(table, campaign::is_table_of_tags, "a table of measured tags"), table, camera_of);
     });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
-    look_at_design(site);
+    campaign::look_at_design(site);
     if (!families->empty())
-      look_at_what_belongs_together(site, campaign::to_artifact(entries), known.points, readings, *families, context);
+      campaign::look_at_what_belongs_together(site, campaign::to_artifact(entries), known.points, readings, *families,
+                                              context);
     site.warn_of_what_is_left(context);
     site.problems.raise();
 
@@ -344,7 +320,7 @@ struct ReadMeasuredCampaign : Node {
     site.problems.attempt(
         [&] { readings = campaign::read_surveys(site.description, site.root, site.added, known, *strict, context); });
     const FileT table = mapping_file(site), classes = tolerance_file(site);
-    look_at_design(site);
+    campaign::look_at_design(site);
     site.warn_of_what_is_left(context);
     site.problems.raise();
     plates.commit(campaign::to_artifact(entries));

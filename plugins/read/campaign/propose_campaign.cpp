@@ -119,6 +119,10 @@ class Sorter {
       lack("design", "design.ifc", "no IFC file was found");
     else
       add("design", one_of("design", designs_), "the design");
+    if (!dated_)
+      proposal_.yaml +=
+          "# date: 2026-05-12   # when it was measured; no file says it, and the as-built model is dated by the design "
+          "then\n";
     if (!broken_.empty())
       proposal_.yaml +=
           "# unused: " + listed(broken_) + "   # cannot be read: with this line the rest goes on without\n";
@@ -251,6 +255,7 @@ class Sorter {
       if (fs::file_size(root_ / file, error) > kLargestText || error) continue;
       try {
         surveys.push_back(survey::read_survey(text_of(root_ / file), file));
+        dated_ = dated_ || !surveys.back().info.date.empty();
       } catch (const std::runtime_error&) {  // of another plugin's reader, or the check tells what is wrong
         continue;
       }
@@ -459,6 +464,7 @@ class Sorter {
   Names doubtful_control_;   // tables of points that cannot be read and may be something else
   Names broken_;             // photographs that cannot be read
   Names repeated_;           // files whose readings another one has
+  bool dated_ = false;       // a file of the survey says when it was measured
   bool open_ = false;        // of several files for one key, which it is
 };
 

@@ -127,17 +127,18 @@ std::map<std::string, std::string> uses_of(const CampaignDescription& d, const s
 std::vector<UnusedFile> unused_files(const CampaignDescription& description, const fs::path& root,
                                      std::vector<std::string> files) {
   const auto uses = uses_of(description, files);
+  const bool is_left_out = description.control_left_out && description.control.empty();
   std::sort(files.begin(), files.end());
   std::vector<UnusedFile> unused;
   for (const std::string& path : files) {
     const auto& aside = description.unused;
     const bool used = uses.count(path) > 0, is_set_aside = std::find(aside.begin(), aside.end(), path) != aside.end();
-    if (used && is_workbook(path) && description.control.empty())
+    if (used && is_workbook(path) && is_left_out)
       for (const std::string& sheet : sheets_of_known_points(root / path))
         unused.push_back({path, sheet, "control",
                           is_set_aside || std::find(aside.begin(), aside.end(), path + "#" + sheet) != aside.end()});
     if (used) continue;
-    unused.push_back({path, "", looks_like(root, path, description.control.empty()), is_set_aside});
+    unused.push_back({path, "", looks_like(root, path, is_left_out), is_set_aside});
   }
   return unused;
 }

@@ -26,8 +26,8 @@ struct UnusedFile {
 };
 
 /// All files without a use, ordered by path. What a file looks like is told by its name for photographs, else by its
-/// content, which is read from `root`. Where no control is named, sheets of known points in workbooks that are named
-/// for something else are among them.
+/// content, which is read from `root`. Where control is left out (not: where a wrong key or a broken file may name it),
+/// sheets of known points in workbooks that are named for something else are among them.
 std::vector<UnusedFile> unused_files(const CampaignDescription& description, const std::filesystem::path& root,
                                      std::vector<std::string> files);
 

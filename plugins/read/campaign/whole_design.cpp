@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/text/text.hpp"
+#include "base/text/whole_file.hpp"
 #include "campaign_folder.hpp"
 
 namespace plumbline::campaign {
@@ -56,6 +57,28 @@ void require_whole_design(const std::filesystem::path& path, const std::filesyst
     throw CampaignError(shown, 0,
                         "the design was copied in part: it has " + std::to_string(size) + " bytes and lacks " + lacks +
                             "; export or copy it again");
+}
+
+std::set<std::string> names_that_may_be_in(const std::filesystem::path& design, const std::set<std::string>& names) {
+  constexpr std::uintmax_t largest = 128 << 20;  // [bytes], which are read whole
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(design, error);
+  if (error || size > largest) return names;
+  const std::string text = text::read_whole(design);
+  if (!std::string(text::trim(std::string_view(text).substr(0, 64))).starts_with("ISO-10303-21")) return names;
+  const auto written_otherwise = [](const std::string& name) {
+    return std::any_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x80 || c == '\'' || c == '\\'; });
+  };
+  std::set<std::string> found;
+  for (const std::string& name : names)
+    if (written_otherwise(name)) found.insert(name);
+  for (std::size_t at = text.find('\''); at != std::string::npos;) {
+    const std::size_t end = text.find('\'', at + 1);
+    if (end == std::string::npos) break;
+    if (const auto name = names.find(text.substr(at + 1, end - at - 1)); name != names.end()) found.insert(*name);
+    at = text.find('\'', end + 1);
+  }
+  return found;
 }
 
 }  // namespace plumbline::campaign

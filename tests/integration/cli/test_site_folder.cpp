@@ -286,6 +286,17 @@ TEST_F(SiteFolder, AllMistakesAreToldAtOnceAlsoWithoutItsCamera) {
     EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
 }
 
+/// Beside any other mistake they were told in a round of their own, when the design had been read.
+TEST_F(SiteFolder, AnchorsThatNoFileHasAreToldBesideOtherMistakes) {
+  write("camera.yaml", "plumbline_camera: 1\n");
+  append("plates.csv", "F01-C99-R1,control,1,2,1,tag36h11,77,200,0,200,0,180,b\n");
+  const Answer answer = plumbline({"campaign", "check", "site"});
+  EXPECT_EQ(answer.code, 1);
+  for (const char* word :
+       {"camera.yaml:1: the key 'id' is missing", "have these anchors of the plate table: F01-C99-R1;"})
+    EXPECT_TRUE(contains(answer.err, word)) << word << "\n" << answer.err;
+}
+
 TEST_F(SiteFolder, AnExcelTableIsRead) {
   std::istringstream lines(read_file(site() / "plates.csv"));
   std::string table, line;
@@ -297,6 +308,28 @@ TEST_F(SiteFolder, AnExcelTableIsRead) {
   const Answer answer = process("out");
   EXPECT_EQ(answer.code, 0) << answer.err;
   EXPECT_TRUE(contains(answer.err, "the column 'bemerkung' is none of this table's, and is left out")) << answer.err;
+}
+
+/// One mistake is told once: of a campaign.yaml that cannot be read, or whose key for the control is misspelt, nobody
+/// knows that the control was left out.
+TEST_F(SiteFolder, ATableOfControlIsNotForgottenWhereTheFileThatNamesItHasAMistake) {
+  const std::string sound = read_file(site() / "campaign.yaml"), forgotten = "looks like a table of known points";
+  const std::size_t at = sound.find("control:");
+  ASSERT_NE(at, std::string::npos);
+  for (const std::string& yaml : {sound + "a: [1\n", "plumbline_campaign; 1" + sound.substr(sound.find("\n")),
+                                  sound.substr(0, at) + "contrl:" + sound.substr(at + 8),
+                                  sound.substr(0, at) + "Festpunkte:" + sound.substr(at + 8),
+                                  sound.substr(0, at) + "control: gone.csv #" + sound.substr(at + 8)}) {
+    write("campaign.yaml", yaml);
+    const Answer checked = plumbline({"campaign", "check", "site"});
+    EXPECT_EQ(checked.code, 1) << checked.out;
+    EXPECT_TRUE(contains(checked.err, "campaign.yaml:")) << checked.err;
+    EXPECT_FALSE(contains(checked.err, forgotten)) << checked.err;
+  }
+  fs::remove(site() / "campaign.yaml");
+  const Answer checked = plumbline({"campaign", "check", "site"});
+  EXPECT_TRUE(contains(checked.err, "campaign.yaml: this file is missing")) << checked.err;
+  EXPECT_FALSE(contains(checked.err, forgotten)) << checked.err;
 }
 
 /// Known points that one wrong cell took out: "The folder is whole.", and a survey on its own coordinates, with anchors

@@ -259,6 +259,12 @@ TEST_F(Folder, TitlesMayStandAboveATable) {
   EXPECT_NE(refusal_of([&] { parse_control("G0;1,5;2,5;3,5\r\n" + control, "Festpunkte.csv"); }), "");
 }
 
+/// The date of the as-built model is nobody's guess: the line is there to be filled in.
+TEST_F(Folder, HasALineForTheDateWhereNoFileSaysIt) {
+  write("survey/monday.gsi", gsi);
+  EXPECT_NE(propose().yaml.find("\n# date: 2026-05-12   # when it was measured"), std::string::npos) << propose().yaml;
+}
+
 TEST_F(Folder, SaysWhereNoKnownPointWasFound) {
   write("survey/monday.gsi", gsi);
   EXPECT_NE(propose().yaml.find("\n# control: control.csv   # no table of known points was found"), std::string::npos);

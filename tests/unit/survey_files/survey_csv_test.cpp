@@ -257,8 +257,10 @@ TEST(SurveyCsv, AnglesWithoutAUnitAreToldByTheReadingsOrRefused) {
   is("S1,P1,10.0010,85.4359,100.000\nS1,P1,190.0000,274.1601,100.000\n", "dms");
   is("A,B,220.6938,89.4271,100.005\nB,A,172.8768,90.5729,100.005\n", "deg");
   is("A,B,220.6938,99.4271,100.005\nB,A,172.8768,100.5729,100.005\n", "gon");
-  // 60 + 120 closes in decimal degrees and in degrees, minutes, seconds.
-  refused("A,B,20.0000,60.0000,100.005\nB,A,172.0000,120.0000,100.005\n");
+  // 60 + 120 closes in decimal degrees and in degrees, minutes, seconds: in whole degrees that is the same.
+  refused("A,B,20.3000,60.0000,100.005\nB,A,172.0000,120.0000,100.005\n");
+  is("A,B,20.0000,60.0000,100.005\nB,A,172.0000,120.0000,100.005\n", "deg");
+  is("S1,A,90,95,20\nS1,A,270,265,20\nS1,B,120,92,30\nS1,B,300,268,30\n", "deg");
   // Heights of instrument and target without a distance: reciprocal angles need not close.
   const std::string heights = "from,to,v,ih,th\nA,B,89,1.5,0\nB,A,91,1.5,0\n";
   EXPECT_NE(error_of([&] { read_survey_csv(heights, "u.csv"); }).find("angles without a unit"), std::string::npos);

@@ -42,6 +42,19 @@ TEST_P(SecondDocument, IsRefused) {
   EXPECT_NE(found.find("the.file"), std::string::npos) << found;
 }
 
+TEST(OneDocument, ALineWithoutItsColonIsCalledThat) {
+  for (const char* text : {"plumbline_campaign; 1\n# of the tower\nname: Tower\n", "board; charuco\n# mm\nrows: 8\n"}) {
+    std::string found;
+    try {
+      text::load_one_document(text);
+    } catch (const YAML::Exception& error) {
+      found = error.msg;
+    }
+    EXPECT_EQ(found.find("---"), std::string::npos) << text << ": nobody wrote one: " << found;
+    EXPECT_NE(found.find("without its colon"), std::string::npos) << text << found;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     OfEveryReader, SecondDocument,
     testing::Values(
