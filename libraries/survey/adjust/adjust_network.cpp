@@ -1,5 +1,7 @@
 #include "survey/adjust/adjust_network.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -127,7 +129,7 @@ void Adjuster::fail_to_converge(const NetworkProblem& problem, const Solution& s
   int worst = 0;
   solution.linearisation.residuals.cwiseAbs().maxCoeff(&worst);
   std::string text = "the adjustment does not converge: after " + std::to_string(solution.iterations()) +
-                     " iterations v'Pv is " + std::to_string(solution.sum_of_squares());
+                     " iterations v'Pv is " + fmt::format("{:.3g}", solution.sum_of_squares());
   if (problem.rows[worst] >= 0) {
     const ResultRow& row = m_.rows[problem.rows[worst]];
     const std::string at = place(row.source);

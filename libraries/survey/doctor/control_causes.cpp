@@ -86,6 +86,7 @@ class ControlCauses {
       of_all(as_it_is ? as_it_is->agree : 0);
     if (found_.empty()) of_distances(as_it_is ? as_it_is->agree : 0);
     if (found_.empty() && as_it_is && as_it_is->agree >= 2) of_some(*as_it_is);
+    if (found_.empty()) of_exchanged(as_it_is);
     return std::move(found_);
   }
 
@@ -201,6 +202,35 @@ class ControlCauses {
       add("of the known point" + std::string(ids.size() > 1 ? "s " : " ") + join({ids.begin(), ids.end()}, 6) + " " +
               what + " (the other " + std::to_string(fit.agree) + " agree with the readings)",
           ids, undo.at(what));
+  }
+
+  /// Two known points of which each has the other's coordinates: with them exchanged back all lie where the readings
+  /// see them, and with no other two. Where most agree as they are, only the others are tried.
+  void of_exchanged(const std::optional<FigureFit>& as_it_is) {
+    constexpr size_t kMost = 40;  // of which each is tried with each
+    std::vector<const LocalSight*> tried;
+    const bool most_agree = as_it_is && 2 * as_it_is->agree > static_cast<int>(seen_.size());
+    for (const LocalSight& s : seen_)
+      if (!most_agree || !agrees(*as_it_is, {&s, known_.at(s.point), tolerance_})) tried.push_back(&s);
+    if (tried.size() > kMost) return;
+    std::vector<std::pair<std::string, std::string>> pairs;
+    for (size_t i = 0; i < tried.size(); ++i)
+      for (size_t j = i + 1; j < tried.size(); ++j) {
+        const auto fit = fit_with(each_others(tried[i]->point, tried[j]->point));
+        if (fit && fit->agree == static_cast<int>(seen_.size())) pairs.emplace_back(tried[i]->point, tried[j]->point);
+      }
+    if (pairs.size() != 1) return;
+    const auto& [one, other] = pairs.front();
+    add("the known points " + one + " and " + other + " have each other's coordinates: so all " +
+            std::to_string(seen_.size()) + " lie where the readings see them, as they are, " +
+            std::to_string(as_it_is ? as_it_is->agree : 0),
+        {one, other}, each_others(one, other));
+  }
+
+  Undo each_others(const std::string& one, const std::string& other) const {
+    return [a = known_.at(one), b = known_.at(other)](const Vector3d& p) -> Vector3d {
+      return p.head<2>() == a.head<2>() ? b : p.head<2>() == b.head<2>() ? a : p;
+    };
   }
 
   /// Where the digits that all points have in front were left out, of some of them.

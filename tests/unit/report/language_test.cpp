@@ -95,6 +95,32 @@ TEST(German, HasTheSizesOfPhotographs) {
       << *said;
 }
 
+/// The first line of a survey that has a mistake of the field: its words are no text of the report's sources.
+TEST(German, NamesTheMistakeThatExplainsASurvey) {
+  const std::string adjusted =
+      ". Adjusted with that undone, sigma0 is 0.97 in place of 612.30. Mend it in the file: nothing was changed here";
+  const auto said = [&](const std::string& cause) {
+    return german().find("probably: " + cause + adjusted).value_or("");
+  };
+  const std::string so =
+      ". Ohne das ausgeglichen ist sigma0 0,97 statt 612,30. In der Datei berichtigen: hier wurde nichts geändert";
+  EXPECT_EQ(said("the zenith angles of set-up S3 are counted from the horizon: so 98 % of the sights to common points "
+                 "agree, as they are, 12 %"),
+            "wahrscheinlich: die Zenitwinkel von Aufstellung S3 sind vom Horizont aus gezählt: so stimmen 98 % der "
+            "Zielungen nach gemeinsamen Punkten überein, so wie sie sind 12 %" +
+                so);
+  EXPECT_EQ(said("of the known points M22, M8 E and N are exchanged (the other 3 agree with the readings)"),
+            "wahrscheinlich: bei den bekannten Punkten M22, M8 sind E und N vertauscht (die anderen 3 passen zu den "
+            "Ablesungen)" +
+                so);
+  EXPECT_EQ(
+      said("the known points M22 and M8 have each other's coordinates: so all 5 lie where the readings see them, as "
+           "they are, 3"),
+      "wahrscheinlich: die bekannten Punkte M22 und M8 haben die Koordinaten voneinander: so liegen alle 5, wo die "
+      "Ablesungen sie sehen, so wie sie sind 3" +
+          so);
+}
+
 /// What a control point of targets is used as.
 TEST(German, WhatTenKelvinDoAndReportsThatWereNotTaken) {
   const Speaking german(speech_of("de", "mm"));

@@ -156,6 +156,20 @@ TEST(Causes, ControlWithExchangedAxes) {
   EXPECT_NE(all.words().find("E and N of the known points are exchanged"), std::string::npos) << all.words();
 }
 
+/// Two that are exchanged agree with each other as well as the two that are not.
+TEST(Causes, TwoKnownPointsThatHaveEachOthersCoordinatesAreNamed) {
+  for (const size_t known : {4, 5}) {
+    Job job;
+    job.know(as_it_is);
+    job.survey.coordinates.resize(known);
+    std::swap(job.survey.coordinates[1].values, job.survey.coordinates[3].values);
+    for (Point& p : job.survey.points)
+      for (const CoordinateGroup& g : job.survey.coordinates)
+        if (p.id == g.components[0].point) p.coordinates = g.values;
+    expect_cause(job, "the known points M22 and M8 have each other's coordinates: so all " + std::to_string(known));
+  }
+}
+
 /// Two of three mirrored points always agree with what is seen.
 TEST(Causes, ThreeKnownPointsWithEastAndNorthExchangedAreNamed) {
   Job three;
