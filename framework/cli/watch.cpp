@@ -137,12 +137,31 @@ bool wait_until_quiet(const std::set<fs::path>& paths, double quiet, Snapshot& n
   return true;
 }
 
+std::string ending_of(const fs::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+/// Text of instruments and tables, which has no mark of its end but the last line's.
+bool is_text_of_readings(const std::string& ending) {
+  static const std::set<std::string> endings = {".gsi", ".sdr", ".csv", ".txt", ".dat", ".raw",
+                                                ".rw5", ".idx", ".job", ".xml", ".jxl", ".gkf"};
+  return endings.count(ending) > 0;
+}
+
+/// Whether a file of readings lost a tenth of its bytes and more: a copy under way may end with a line, too.
+bool is_much_shorter(const fs::path& path, const Stamp& before, const Stamp& now) {
+  constexpr long long kSmallest = 1024;  // [bytes]: below it is typed by hand
+  return before.size > kSmallest && now.size >= 0 && now.size * 10 < before.size * 9 &&
+         is_text_of_readings(ending_of(path));
+}
+
 /// Whether a file lacks the mark of its end: of JPEG and PNG (cameras write trailers of some kilobytes behind it, and
 /// the compressed picture cannot hold it), of IFC, of what is zipped, and the last line end of text; or whether what a
 /// TIFF, a raw photograph or a HEIC names of itself lies behind its end. Of other files nothing is known.
 bool is_copied_in_part(const fs::path& path) {
-  std::string ending = path.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = ending_of(path);
   const auto is_one_of = [&](auto... endings) { return ((ending == endings) || ...); };
   constexpr std::streamoff kTail = 1 << 16;
   std::ifstream file(path, std::ios::binary | std::ios::ate);
@@ -157,7 +176,7 @@ bool is_copied_in_part(const fs::path& path) {
   if (is_one_of(".heic", ".heif", ".avif", ".cr3")) return size < 8 || lacks_part_of_boxes(path);
   if (ending == ".ifc") return !has("END-ISO-10303-21");
   if (is_one_of(".ifczip", ".xlsx", ".zip")) return !has("PK\5\6");
-  if (is_one_of(".gsi", ".sdr", ".csv", ".txt", ".dat", ".raw", ".rw5", ".idx", ".job", ".xml", ".jxl", ".gkf"))
+  if (is_text_of_readings(ending))
     return tail.find_last_of("\n\r\x1A") + 1 != tail.size() &&
            std::count(tail.begin(), tail.end(), '\n') > 2;  // no note
   return false;
@@ -165,14 +184,16 @@ bool is_copied_in_part(const fs::path& path) {
 
 constexpr int kPatience = 60;  // [s]: a file without an end is waited for so long, because it may have none
 
-/// Files that have come or changed since `last` (without a last run: within the last minute) and have no end.
+/// Files that have come or changed since `last` (without a last run: within the last minute) and have no end, or much
+/// less than they had.
 std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& now) {
   std::vector<std::string> names;
   const long long recent = std::time(nullptr) - kPatience;
   for (const auto& [path, stamp] : now) {
     const auto known = last.find(path);
     const bool is_new = last.empty() ? stamp.seconds >= recent : known == last.end() || !(known->second == stamp);
-    if (is_new && is_copied_in_part(path)) names.push_back(path);
+    const bool is_shorter = known != last.end() && is_much_shorter(path, known->second, stamp);
+    if (is_new && (is_shorter || is_copied_in_part(path))) names.push_back(path);
   }
   return names;
 }

@@ -101,6 +101,27 @@ TEST(Watch, WaitsForASurveyFileWhoseLastLineHasNoEnd) {
   EXPECT_TRUE(contains(answer.out, "day1.gsi has no end yet")) << answer.out;
 }
 
+/// Cut where a line ends, the half of it looks whole, and gave a verdict on half of the readings.
+TEST(Watch, WaitsForASurveyFileThatLostHalfOfItsLines) {
+  const Program plumbline;
+  plumbline.write("p.yaml", site);
+  std::string survey;
+  for (int line = 0; line < 40; ++line) survey += "*110001+000000000000S100 84..10+0000000005000000 \n";
+  plumbline.write("day1.gsi", survey);
+  const pid_t child = plumbline.start({"watch", "p.yaml", "--runs", "2", "--quiet-for", "0.2"});
+  const fs::path record = plumbline.work() / "out/p/run.jsonl";
+  while (!fs::exists(record)) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  const auto first = fs::last_write_time(record);
+  plumbline.write("day1.gsi", survey.substr(0, survey.size() / 2));
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  EXPECT_EQ(fs::last_write_time(record), first) << "no run of half a survey";
+  plumbline.write("day1.gsi", survey + "\n");
+  const Answer answer = plumbline.finish(child);
+  EXPECT_EQ(answer.code, 0) << answer.err;
+  EXPECT_TRUE(contains(answer.out, "day1.gsi has no end yet")) << answer.out;
+}
+
 /// A TIFF whose directory, 8 bytes behind the mark, names one strip of 16 bytes behind it.
 std::string a_tiff() {
   std::string tiff("II*\0\x08\0\0\0\x02\0", 10);
