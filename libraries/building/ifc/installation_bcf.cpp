@@ -106,10 +106,17 @@ class Topics {
     std::vector<BcfIssue> issues;
     for (const std::string& control : state_.moved_control)
       issues.push_back(of_the_whole(control + " moved", "control " + control));
-    for (const std::string& words : by_hand_of_no_panel(plan))
-      issues.push_back(of_the_whole("By hand: " + words, "by hand " + without_figures(words)));
-    for (const std::string& doubt : plan.doubts)
-      issues.push_back(of_the_whole("The measurement is in doubt: " + doubt, "doubt " + without_figures(doubt)));
+    std::map<std::string, int> known;  // a file has no topic twice
+    const auto key = [&](const std::string& about) {
+      const int count = ++known[about];
+      return count > 1 ? about + ", " + std::to_string(count) : about;
+    };
+    for (const int r : by_hand_of_no_panel(plan))
+      issues.push_back(of_the_whole("By hand: " + plan.relaxations[r],
+                                    key("by hand " + topic_of(plan.relaxations, plan.relaxation_topics, r))));
+    for (int i = 0; i < static_cast<int>(plan.doubts.size()); ++i)
+      issues.push_back(of_the_whole("The measurement is in doubt: " + plan.doubts[i],
+                                    key("doubt " + topic_of(plan.doubts, plan.doubt_topics, i))));
     std::vector<std::string> nowhere;
     for (const bool closed : {false, true})
       for (const auto& item : state_.items)
@@ -123,6 +130,11 @@ class Topics {
   const DeviationT& drawn() const { return drawn_; }
 
  private:
+  /// What it is about; of a plan that does not say it, its words without their figures.
+  static std::string topic_of(const std::vector<std::string>& words, const std::vector<std::string>& topics, int i) {
+    return topics.size() == words.size() ? topics[i] : without_figures(words[i]);
+  }
+
   static BcfIssue of_the_whole(const std::string& title, const std::string& key) {
     BcfIssue issue;
     issue.guid = key, issue.title = title, issue.about = "installation";
@@ -157,15 +169,15 @@ class Topics {
     return waits && panel != panels_.end() ? panel->second : nullptr;
   }
 
-  /// What is to be done by hand and that no panel's own topic has.
-  std::vector<std::string> by_hand_of_no_panel(const InstallationPlanT& plan) const {
+  /// What is to be done by hand and that no panel's own topic has: which of the plan's.
+  std::vector<int> by_hand_of_no_panel(const InstallationPlanT& plan) const {
     std::set<int> told;
     for (const auto& item : state_.items)
       if (const PlannedPanelT* panel = waiting(*item); panel && panel->gate != GateDecision::go)
         told.insert(panel->by_hand.begin(), panel->by_hand.end());
-    std::vector<std::string> rest;
-    for (std::size_t r = 0; r < plan.relaxations.size(); ++r)
-      if (!told.contains(static_cast<int>(r))) rest.push_back(plan.relaxations[r]);
+    std::vector<int> rest;
+    for (int r = 0; r < static_cast<int>(plan.relaxations.size()); ++r)
+      if (!told.contains(r)) rest.push_back(r);
     return rest;
   }
 

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "building/judgement/figures.hpp"
+#include "building/judgement/trust.hpp"
 
 namespace plumbline::judgement {
 namespace {
@@ -239,10 +240,7 @@ MeasurementDoubtT doubt_of(const DesignedControl& control) {
       "the survey hangs on anchors that are to be judged, at the {} of their design: {}; of a shift or turn "
       "of all anchors together {:.0f} % cannot be seen",
       coordinates, list_of(control.ids, kNamed), 100 * control.hidden);
-  doubt.mend = "frames.with.datum_sigma=SIGMA";
-  doubt.mend_note =
-      "SIGMA: m, how well other measurements show that the whole stands as designed; 0: by agreement about the best "
-      "fit";
+  doubt.mend_note = kSayHowTheWholeStands;
   return doubt;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <limits>
 #include <optional>
 #include <string>
@@ -48,6 +49,8 @@ struct PanelCase {
   ifc::FacadeFrame facade = {};
   std::vector<ifc::NotApplied> refused = {};
   std::optional<StackJoint> held_below = {};  ///< its bottom edge is held by what is there
+  /// Its outer side along its own axes [m], where that is narrower than the box; empty: as wide.
+  Eigen::AlignedBox3d outer = {};
 };
 
 /// Something that was asked for: a rule, a property of the design, panels. What cannot be judged says why; then nothing

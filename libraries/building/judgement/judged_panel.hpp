@@ -46,17 +46,23 @@ inline Tolerance about_zero(Tolerance tolerance) {
   return tolerance;
 }
 
-/// The box of a panel along right, up and out.
-inline std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const PanelCase& panel, const ifc::FacadeFrame& axes) {
+/// A box in the axes of a panel along right, up and out.
+inline std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const PanelCase& panel, const Eigen::Vector3d& low,
+                                                          const Eigen::Vector3d& high, const ifc::FacadeFrame& axes) {
   Eigen::Vector3d least = Eigen::Vector3d::Constant(1e300), most = -least;
   for (int corner = 0; corner < 8; ++corner) {
-    const Eigen::Vector3d own(corner & 1 ? panel.high.x() : panel.low.x(), corner & 2 ? panel.high.y() : panel.low.y(),
-                              corner & 4 ? panel.high.z() : panel.low.z());
+    const Eigen::Vector3d own(corner & 1 ? high.x() : low.x(), corner & 2 ? high.y() : low.y(),
+                              corner & 4 ? high.z() : low.z());
     const Eigen::Vector3d p = panel.frame_from_panel * own;
     const Eigen::Vector3d seen(axes.right.dot(p), axes.up.dot(p), axes.out.dot(p));
     least = least.cwiseMin(seen), most = most.cwiseMax(seen);
   }
   return {least, most};
+}
+
+/// That of its body.
+inline std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const PanelCase& panel, const ifc::FacadeFrame& axes) {
+  return box_in(panel, panel.low, panel.high, axes);
 }
 
 /// What holds the bottom edge of a panel: how far out, at both ends of what is common to both.
@@ -185,6 +191,11 @@ class JudgedPanel {
   /// The same along those of another.
   std::pair<Eigen::Vector3d, Eigen::Vector3d> box_in(const ifc::FacadeFrame& axes) const {
     return judgement::box_in(panel_, axes);
+  }
+  /// Of its outer side.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> side_in(const ifc::FacadeFrame& axes) const {
+    if (panel_.outer.isEmpty()) return box_in(axes);
+    return judgement::box_in(panel_, panel_.outer.min(), panel_.outer.max(), axes);
   }
   Eigen::Vector3d at(double right, double up, double out) const {
     return right * axes_.right + up * axes_.up + out * axes_.out;

@@ -12,8 +12,12 @@ namespace {
 struct Gap {
   int axis;
   double from, to, begin, end;  ///< [m]; begin and end along the other axis
-  double width() const { return to - from; }
 };
+
+/// As of surfaces: between the outer sides of both, behind which bodies may reach further [m].
+double width_of(const JudgedPanel& a, const JudgedPanel& b, const Gap& gap) {
+  return std::max(0.0, b.side_in(a.axes()).first[gap.axis] - a.side_in(a.axes()).second[gap.axis]);
+}
 
 /// Whether `b` follows `a` along the axis as a neighbour on one facade, which may bend a little between them.
 bool follows(const JudgedPanel& a, const JudgedPanel& b, int axis, Gap& gap) {
@@ -87,7 +91,7 @@ class Joints {
     if (!change_at(panels_[a], panels_[b], gap, gap.begin, basis_, value[0], u[0])) return;
     if (!change_at(panels_[a], panels_[b], gap, gap.end, basis_, value[1], u[1])) return;
     const int worse = std::abs(value[1]) > std::abs(value[0]);
-    const double width = std::max(0.0, gap.width());
+    const double width = width_of(panels_[a], panels_[b], gap);
     for (const auto& [own, other, side] :
          {std::tuple{a, b, gap.axis == 0 ? "right" : "above"}, {b, a, gap.axis == 0 ? "left" : "below"}}) {
       auto joint = std::make_unique<PanelJointT>();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -24,6 +25,37 @@ struct Followed {
 const char* const kBesideItsPlace =
     "what was measured of a facade lies beside its place alike, by more than is stated of that place: either the "
     "building does, or the place of the scan is known less well than was stated, and surveyed points tell which";
+
+/// What all of the facade that looks there lie off by alike, that way [m]; 0: nothing stands out; nan: by what nobody
+/// says.
+double common_of(const SurfacesT& surfaces, const Eigen::Vector3d* out, double BesidePlaceT::*way) {
+  const double same = std::cos(10 * M_PI / 180);
+  if (surfaces.beside_its_place.empty()) return 0;
+  if (surfaces.beside.empty() || !out) return std::numeric_limits<double>::quiet_NaN();
+  for (const auto& beside : surfaces.beside)
+    if (beside->facade.dot(*out) > same) return std::isfinite((*beside).*way) ? (*beside).*way : 0;
+  return 0;
+}
+
+/// What an offset is judged from, further out by so much.
+std::unique_ptr<PanelSurfaceFiguresT> moved(const PanelSurfaceFiguresT& panel, double out) {
+  auto result = std::make_unique<PanelSurfaceFiguresT>();
+  result->face = std::make_unique<SurfaceFaceT>(*panel.face);
+  result->offset = panel.offset + out, result->tilt = panel.tilt, result->covariance = panel.covariance;
+  result->coverage = panel.coverage, result->spacing = panel.spacing, result->covering_cell = panel.covering_cell;
+  return result;
+}
+
+/// Either the building lies beside its place or the scan does, or both in part: a verdict holds that is the same at
+/// both ends, of a failure on the same side. Between them the probability of keeping limits is no smaller than at one
+/// of them, for it is logarithmically concave.
+void decide_either_way(const SurfaceVerdictT& without, SurfaceVerdictT& verdict) {
+  if (!verdict.not_judged.empty()) return;
+  const bool same = verdict.verdict == without.verdict && without.not_judged.empty() &&
+                    std::signbit(verdict.value) == std::signbit(without.value);
+  if (same || (verdict.verdict == without.verdict && verdict.verdict == ToleranceVerdict::pass)) return;
+  verdict.not_judged = kBesideItsPlace, verdict.verdict = ToleranceVerdict::not_measured;
+}
 
 /// An absolute limit that the design itself does not keep, of an expansion joint for one, says nothing of the building.
 bool outside_by_design(const JointFiguresT& joint, const SurfaceLimit& limit) {
@@ -92,10 +124,8 @@ class Judge {
       auto verdict = started(asked, joint);
       if (!doubt.empty())
         verdict->not_judged = doubt;
-      else if (asked.limit.quantity == SurfaceQuantity::shift && !surfaces_.beside_its_place.empty())
-        verdict->not_judged = kBesideItsPlace;
       else
-        judge_joint(surfaces_, joint, asked.limit, risk_, *verdict);
+        judge_joint_either_way(joint, asked.limit, *verdict);
       take(std::move(verdict), asked, static_cast<int>(j));
     }
   }
@@ -263,11 +293,29 @@ class Judge {
     verdict->panel = panel.face->id, verdict->guid = panel.face->guid;
     verdict->not_judged = panel.not_measured.empty() ? doubts_[p] : panel.not_measured;
     if (!verdict->not_judged.empty()) return verdict;
-    if (asked.limit.quantity == SurfaceQuantity::offset && !surfaces_.beside_its_place.empty())
-      verdict->not_judged = kBesideItsPlace;
-    else
-      judge_panel(surfaces_, panel, asked.limit, risk_, *verdict);
+    judge_panel(surfaces_, panel, asked.limit, risk_, *verdict);
+    const double common = asked.limit.quantity == SurfaceQuantity::offset
+                              ? common_of(surfaces_, &panel.face->out, &BesidePlaceT::out)
+                              : 0;
+    if (common == 0) return verdict;
+    SurfaceVerdictT without;
+    if (std::isfinite(common)) judge_panel(surfaces_, *moved(panel, -common), asked.limit, risk_, without);
+    decide_either_way(without, *verdict);
     return verdict;
+  }
+
+  void judge_joint_either_way(const JointFiguresT& joint, const SurfaceLimit& limit, SurfaceVerdictT& verdict) const {
+    judge_joint(surfaces_, joint, limit, risk_, verdict);
+    if (limit.quantity != SurfaceQuantity::shift) return;
+    const bool numbered = joint.first_panel >= 0 && static_cast<size_t>(joint.first_panel) < surfaces_.panels.size();
+    const double common = common_of(surfaces_, numbered ? &surfaces_.panels[joint.first_panel]->face->out : nullptr,
+                                    joint.upright ? &BesidePlaceT::right : &BesidePlaceT::up);
+    if (common == 0) return;
+    SurfaceVerdictT without;
+    SurfaceLimit moved = limit;  // as if all places lay by so much less
+    moved.lower += common, moved.upper += common;
+    if (std::isfinite(common)) judge_joint(surfaces_, joint, moved, risk_, without);
+    decide_either_way(without, verdict);
   }
 
   void take(std::unique_ptr<SurfaceVerdictT> verdict, const Asked& asked, int item) {

@@ -275,10 +275,7 @@ std::optional<MeasurementDoubtT> doubt_of_datum(const FittedDatumT& datum) {
       finding(MeasurementPart::datum, DoubtGrade::doubt, "fitted_to_the_design",
               "the measurement was " + datum.origin +
                   "; these are to be judged, and a shift or turn of all of them together cannot be seen");
-  doubt.mend = "frames.with.datum_sigma=SIGMA";
-  doubt.mend_note =
-      "SIGMA: m, how well other measurements show that the whole stands as designed; 0: by agreement about the best "
-      "fit";
+  doubt.mend_note = kSayHowTheWholeStands;
   return doubt;
 }
 

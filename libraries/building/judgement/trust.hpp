@@ -17,6 +17,11 @@ namespace plumbline::judgement {
 /// (BlockTest.points_factor); what else is measured in the same photographs is less certain by the factor of the test.
 enum class Judged { points, surfaces };
 
+/// What decides about a datum that nothing measures. No command: the figure is somebody's to know.
+inline constexpr const char* kSayHowTheWholeStands =
+    "say how well other measurements (main axes, a benchmark) show that the whole stands as designed: "
+    "frames.with.datum_sigma=0.005 where they do to 5 mm, 0 by agreement about the best fit";
+
 struct Trust {
   /// Why the measurement is not to be trusted: then nothing is decided.
   std::vector<MeasurementDoubtT> doubts;

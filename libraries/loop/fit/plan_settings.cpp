@@ -148,6 +148,11 @@ std::string range_words(const Facade& facade, const Relaxation& relaxed) {
          millimetres(excess) + " mm at this hook";
 }
 
+std::string range_topic(const Facade& facade, const Relaxation& relaxed) {
+  static constexpr const char* kAxes[] = {"right", "up", "out"};
+  return "bracket " + facade.brackets[relaxed.bracket].id + ", " + kAxes[relaxed.direction];
+}
+
 std::string value_words(const Facade& facade, const JudgedValue& value, const Relaxation& relaxed) {
   const std::string by = millimetres(std::abs(relaxed.needed - relaxed.limit));
   if (value.quantity == Quantity::gap) {
@@ -201,11 +206,12 @@ void gather_relaxations(const Facade& facade, const SettingsProgram& program, co
   const Eigen::Index excess = optimum.x.size() - static_cast<Eigen::Index>(working.size());
   for (std::size_t i = 0; i < working.size(); ++i) {
     if (optimum.x[excess + static_cast<Eigen::Index>(i)] < kTold) continue;
-    Relaxation relaxed{working[i].bracket, working[i].direction, working[i].value, 0, 0, {}};
+    Relaxation relaxed{working[i].bracket, working[i].direction, working[i].value, 0, 0, {}, {}};
     relaxed.needed = 1e-3 * program.at(working[i], optimum.x);
     relaxed.limit = 1e-3 * (std::isfinite(working[i].high) ? working[i].high : working[i].low);
     relaxed.words = working[i].value < 0 ? range_words(facade, relaxed)
                                          : value_words(facade, fit.judged[working[i].value], relaxed);
+    relaxed.topic = working[i].value < 0 ? range_topic(facade, relaxed) : fit.judged[working[i].value].words(facade);
     relaxed.words += ends_words(facade, program, optimum.x, panels_of(facade, fit, relaxed));
     fit.relaxations.push_back(std::move(relaxed));
   }
@@ -375,8 +381,8 @@ Fit fit_of_settings(const Facade& facade, const std::vector<Eigen::Vector3d>& as
     for (int k = 0; is_set && k < 3; ++k) {
       const double limit = std::clamp(asked[b][k], bracket.type.low[k], bracket.type.high[k]);
       if (1e3 * std::abs(asked[b][k] - limit) < kTold) continue;
-      Relaxation relaxed{static_cast<int>(b), k, -1, asked[b][k], limit, {}};
-      relaxed.words = range_words(facade, relaxed);
+      Relaxation relaxed{static_cast<int>(b), k, -1, asked[b][k], limit, {}, {}};
+      relaxed.words = range_words(facade, relaxed), relaxed.topic = range_topic(facade, relaxed);
       fit.relaxations.push_back(std::move(relaxed));
     }
   }

@@ -21,6 +21,7 @@ struct Relaxation {
   int value = -1;                    ///< else the judged value, as an index into Fit::values
   double needed = 0, limit = 0;      ///< [m] what it would have to be, what it may be (less the guard band)
   std::string words;                 ///< for who has to mend it
+  std::string topic;                 ///< what it is about, the same whatever the figures are
 };
 
 struct FittedValue {

@@ -138,7 +138,8 @@ InstallationPlanT plan_artifact(const Facade& facade, const Fit& fit, const std:
     length->low = fit.judged[v].low, length->high = fit.judged[v].high;
     out.lengths.push_back(std::move(length));
   }
-  for (const Relaxation& relaxed : fit.relaxations) out.relaxations.push_back(relaxed.words);
+  for (const Relaxation& relaxed : fit.relaxations)
+    out.relaxations.push_back(relaxed.words), out.relaxation_topics.push_back(relaxed.topic);
   out.notes = names.notes;
   out.notes.insert(out.notes.end(), fit.notes.begin(), fit.notes.end());
   out.setting_sigma = facade.errors.setting, out.station_sigma = facade.errors.station;

@@ -267,10 +267,12 @@ std::vector<std::string> words_of_pairs(const std::vector<PanelFace>& faces, dou
                     " is not measured: " + pairs[0].why);
   const auto gaps = wide_pairs(faces, std::max(widest, kRow), kNeighbour);
   if (!gaps.empty())
-    words.push_back(named(gaps[0].a, gaps[0].b) + more_of(gaps.size()) +
-                    fmt::format(" are {:.0f} mm apart in the design, with no panel between: no joint is measured or "
-                                "judged there, a window or a pilaster may be",
-                                1e3 * gaps[0].width));
+    words.push_back(
+        named(gaps[0].a, gaps[0].b) + more_of(gaps.size()) +
+        fmt::format(
+            " are {:.0f} mm apart in the design, with no panel between that was looked at: no joint is measured or "
+            "judged there, a window or a pilaster may be",
+            1e3 * gaps[0].width));
   return words;
 }
 

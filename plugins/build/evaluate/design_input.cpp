@@ -14,6 +14,7 @@
 #include "building/ifc/facade_artifact.hpp"
 #include "building/ifc/grid.hpp"
 #include "building/judgement/figures.hpp"
+#include "building/judgement/outer_side.hpp"
 #include "building/judgement/own_anchors.hpp"
 
 namespace plumbline::judgement {
@@ -149,6 +150,8 @@ class Builder {
       panel.instance = element->instance;
       panel.facade = ifc::frame_or_none(element->facade);
       panel.frame_from_panel = element->placement, panel.low = element->box_low, panel.high = element->box_high;
+      if (element->rectangles.size() == 24 && panel.facade.known() && panel.facade.confirmed)
+        panel.outer = outer_side(*element, panel.facade.out);
       ToleranceFindings findings;
       panel.tolerances = tolerances_of(tolerances_, facts_of(*element, properties_), &findings);
       panel.refused = findings.refused;

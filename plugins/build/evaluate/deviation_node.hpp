@@ -19,7 +19,7 @@ namespace plumbline::judgement {
 
 struct EvaluateDeviation : Node {
   static constexpr Info info{
-      "evaluate.deviation", "", 18,
+      "evaluate.deviation", "", 19,
       "As-built minus design (14): verdicts of anchors, panels, floors and surfaces, joints, shims, common shift"};
   In<Points> model{"model", frame("frame=?F"), "as-built points with their covariance"};
   In<Design> design{"design", frame("frame=?F"), "the design"};

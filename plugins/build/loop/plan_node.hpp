@@ -7,7 +7,7 @@ namespace plumbline::loop {
 
 struct PlanInstallation : PlannerNode {
   static constexpr Info info{
-      "plan.installation", "planner", 8,
+      "plan.installation", "planner", 9,
       "How brackets are to be set so that panels hang right although the anchors are off, and with what probability"};
   Param<double> pose_weight{"pose_weight", 1.0, "1", between(0, 1e6), "of the corners' mean square movement"};
   Param<double> gap_weight{"gap_weight", 1.0, "1", between(0, 1e6), "of the squares of changes of gaps"};
@@ -23,7 +23,7 @@ struct PlanInstallation : PlannerNode {
 /// What a layout tool does: no panel is thought of.
 struct PlanCentred : PlannerNode {
   static constexpr Info info{
-      "plan.centred", "planner", 6,
+      "plan.centred", "planner", 7,
       "Sets each bracket back to its place by design as far as its range goes, whatever its panel needs; what layout "
       "tools do, to be held against plan.installation"};
 

@@ -94,25 +94,30 @@ double rms_corner(const InstallationPlanT& plan, bool hanging_only) {
   return count > 0 ? std::sqrt(sum / count) : kUnknown;
 }
 
-std::vector<std::string> doubts_of(const plumbline::Deviation& deviation) {
-  std::vector<std::string> doubts;
+/// In words, and what it is about.
+struct PlanDoubt {
+  std::string words, topic;
+};
+
+std::vector<PlanDoubt> doubts_of(const plumbline::Deviation& deviation) {
+  std::vector<PlanDoubt> doubts;
   if (deviation.doubts())
     for (const auto* doubt : *deviation.doubts()) {
       MeasurementDoubtT one;
       doubt->UnPackTo(&one);
-      doubts.push_back(ifc::in_words(one));
+      doubts.push_back({ifc::in_words(one), EnumNameMeasurementPart(one.part) + ("/" + one.about)});
     }
   return doubts;
 }
 
 /// A measurement that is in doubt proves nothing.
-void hold_all(InstallationPlanT& plan, const std::vector<std::string>& doubts) {
-  plan.doubts = doubts;
+void hold_all(InstallationPlanT& plan, const std::vector<PlanDoubt>& doubts) {
+  for (const PlanDoubt& doubt : doubts) plan.doubts.push_back(doubt.words), plan.doubt_topics.push_back(doubt.topic);
   plan.hold += plan.go, plan.go = 0;
   for (auto& panel : plan.panels)
     if (panel->gate == GateDecision::go) {
       panel->gate = GateDecision::hold;
-      panel->reason = "the measurement is in doubt: " + doubts.front() + "; " + panel->reason;
+      panel->reason = "the measurement is in doubt: " + plan.doubts.front() + "; " + panel->reason;
     }
 }
 
@@ -174,13 +179,13 @@ void PlannerNode::run(Context& context) {
     input.notes.push_back(
         "what brackets can be set by was not said: 20 mm sideways, 15 mm in height and 25 mm out of plane are assumed");
   if (stations) add_stations(input, context);
-  std::vector<std::string> doubts = doubts_of(*deviation);
+  std::vector<PlanDoubt> doubts = doubts_of(*deviation);
   InstallationPlanT told;
   RoundsEstimate rounds;
   if (doubts.empty()) {
     rounds = with_campaigns_before(input, state ? &before : nullptr, told);
     // An old measurement verifies nothing that was done since.
-    if (!rounds.repetition.empty()) doubts.push_back(rounds.repetition);
+    if (!rounds.repetition.empty()) doubts.push_back({rounds.repetition, "measured before"});
   }
   const Fit fit = settings(input.facade);
   const GateOptions how{*go_probability, *go_probability, *measurement_sigma};

@@ -9,7 +9,7 @@ namespace plumbline::simulate {
 
 struct SimulateScan : Node {
   static constexpr Info info{
-      "simulate.scan", "", 1,
+      "simulate.scan", "", 2,
       "Simulates a scanner's cloud of panels: a beam without extent, noise of the range, a place "
       "that is off as a whole"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"),

@@ -11,9 +11,9 @@ namespace plumbline::report {
 
 namespace {
 
-/// A value that somebody has to find out first ("datum_sigma=SIGMA") is no command yet.
-bool is_whole(const MeasurementDoubtT& finding) {
-  return !finding.mend.empty() && finding.mend.find("=SIGMA") == std::string::npos;
+/// A value that somebody has to find out first stands in the note ("frames.with.datum_sigma=0.005 where ...").
+bool takes_a_value(const MeasurementDoubtT& finding) {
+  return finding.mend.empty() && finding.mend_note.find(".with.") != std::string::npos;
 }
 
 bool has_facade_to_confirm(const DeviationT& deviation) {
@@ -31,8 +31,8 @@ void write_commands(Markup& html, const ReportInput& input) {
   bool others = has_facade_to_confirm(deviation);
   for (const auto* findings : {&deviation.doubts, &deviation.misfits})
     for (const auto& finding : *findings) {
-      if (is_whole(*finding)) whole.push_back(finding.get());
-      others = others || (!finding->mend.empty() && !is_whole(*finding));
+      if (!finding->mend.empty()) whole.push_back(finding.get());
+      others = others || takes_a_value(*finding);
     }
   for (const auto& request : deviation.requests) others = others || !request->not_judged.empty();
   if (whole.empty() && !others) return;
@@ -43,7 +43,7 @@ void write_commands(Markup& html, const ReportInput& input) {
     html.element("pre", {{"class", "command"}}, verbatim(input.command + " " + text::shell_word(finding->mend)));
   }
   if (!others) return;
-  html.element("p", "What else is offered in quotes stands behind this command, with its value:");
+  html.element("p", "What else is named to be set stands behind this command, with its value:");
   html.element("pre", {{"class", "command"}}, verbatim(input.command));
 }
 

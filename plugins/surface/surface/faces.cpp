@@ -10,6 +10,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "building/judgement/outer_side.hpp"
+
 namespace plumbline::surface {
 namespace {
 
@@ -79,18 +81,6 @@ constexpr double kRectangle = 0.97;
 double filled_of(const DesignElementT& element, int through, int side) {
   if (element.filled.size() != 6) return std::nan("");
   return element.filled[static_cast<size_t>(2 * through + (side > 0 ? 1 : 0))];
-}
-
-/// Least and largest coordinates of the design's outer side of a panel along its own axes: the box's, but of what is
-/// narrower there (a sheet before a wider core, chamfered edges) the side's.
-Eigen::AlignedBox3d outer_side(const DesignElementT& element, int through, int side) {
-  Eigen::AlignedBox3d box(Eigen::Vector3d(element.box_low), Eigen::Vector3d(element.box_high));
-  if (element.rectangles.size() != 24) return box;
-  const double* rectangle = element.rectangles.data() + 4 * (2 * through + (side > 0 ? 1 : 0));
-  if (!std::isfinite(rectangle[0])) return box;
-  for (const int k : {0, 1})
-    box.min()[(through + 1 + k) % 3] = rectangle[k], box.max()[(through + 1 + k) % 3] = rectangle[2 + k];
-  return box;
 }
 
 std::string no_rectangle(double filled) {
@@ -200,7 +190,7 @@ Faces faces_of(const DesignT& design, const std::vector<Eigen::Vector3d>& seen_f
     const Eigen::Vector3d out = side * turn.col(through);
     PanelFace face;
     face.id = name;
-    const Eigen::AlignedBox3d outer = outer_side(*element, through, side);
+    const Eigen::AlignedBox3d outer = judgement::outer_side(*element, through, side);
     face.plane = facade_plane(element->placement * outer.center() + 0.5 * size(through) * out, out);
     // Up as the design has it: on a soffit or a leaning facade it is not the vertical.
     const bool own_up =

@@ -13,7 +13,7 @@
 namespace plumbline::surface {
 
 struct JudgeSurfaces : Node {
-  static constexpr Info info{"surface.judge", "", 6,
+  static constexpr Info info{"surface.judge", "", 7,
                              "Flatness, bow, twist, place, steps and joint widths against rules: pass, fail or "
                              "undecided by conformance probability"};
   In<Surfaces> surfaces{"surfaces", frame("frame=?F"), "panels and joints with their covariance"};

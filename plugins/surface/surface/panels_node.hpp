@@ -43,7 +43,7 @@ void in_parallel(Context& context, size_t count, const Work& work) {
 }
 
 struct Panels : Node {
-  static constexpr Info info{"surface.panels", "", 4,
+  static constexpr Info info{"surface.panels", "", 5,
                              "Planes, bow, twist and flatness of panels from points, with their covariance"};
   In<SurfacePoints> points{"surface", frame("frame=?F"), "the points and the faces that they lie on"};
   Param<double> border{"border", 0.02, "m", between(0, 1),

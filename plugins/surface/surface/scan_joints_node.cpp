@@ -107,11 +107,13 @@ void ScanJoints::run(Context& context) {
     if (result.place_doubt.empty()) result.place_doubt = words;
   }
   // Where nobody stated the place's errors, nothing contradicts them.
-  const std::string beside =
-      result.rank > 0 ? words_of_common_places(common_places(faces, measured, joints, found)) : std::string();
+  const std::vector<CommonPlace> places_of_all =
+      result.rank > 0 ? common_places(faces, measured, joints, found) : std::vector<CommonPlace>();
+  const std::string beside = words_of_common_places(places_of_all);
   if (!beside.empty()) {
     context.warn(beside);
     result.warnings.push_back(beside), result.beside_its_place = beside;
+    for (const CommonPlace& place : places_of_all) result.beside.push_back(describe(place));
   }
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {

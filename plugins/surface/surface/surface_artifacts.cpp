@@ -163,6 +163,14 @@ std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joi
   return result;
 }
 
+std::unique_ptr<BesidePlaceT> describe(const CommonPlace& place) {
+  auto result = std::make_unique<BesidePlaceT>();
+  const auto of = [](const CommonOffset& offset) { return offset.stands_out() ? offset.mean : std::nan(""); };
+  result->facade = place.facade, result->out = of(place.out), result->right = of(place.right),
+  result->up = of(place.up);
+  return result;
+}
+
 void add_pairs_without_joint(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces) {
   for (const PairWithoutJoint& pair : pairs_without_joint(faces, widest)) {
     auto joint = std::make_unique<JointFiguresT>();

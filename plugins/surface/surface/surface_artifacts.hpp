@@ -8,6 +8,7 @@
 
 #include "artifacts/surface_points.hpp"
 #include "artifacts/surfaces.hpp"
+#include "surface/dense/common_place.hpp"
 #include "surface/dense/joint_pairs.hpp"
 #include "surface/dense/panel_surface.hpp"
 
@@ -31,6 +32,8 @@ std::unique_ptr<PanelSurfaceFiguresT> describe(const PanelSurface& panel, const 
 PanelSurface panel_of(const PanelSurfaceFiguresT& figures, int rank);
 
 std::unique_ptr<JointFiguresT> describe(const MeasuredJoint& measured, const Joint& joint);
+/// What stands out of it, and nan for what does not.
+std::unique_ptr<BesidePlaceT> describe(const CommonPlace& place);
 /// Joints that nobody measures (pairs_without_joint()): a rule for joints is not judged there, and that is said.
 void add_pairs_without_joint(const std::vector<PanelFace>& faces, double widest, SurfacesT& surfaces);
 

@@ -225,7 +225,8 @@ TEST_F(Building, PhotographsAloneJudgeHowAnchorsStandToEachOther) {
   const auto work = program_.work();
   EXPECT_TRUE(contains(read_file(work / "unsaid/summary.txt"), "NOT TO BE TRUSTED, where the whole stands: "));
   EXPECT_TRUE(contains(read_file(work / "unsaid/report.html"), "Not decided: nothing shows where the whole stands."));
-  EXPECT_TRUE(contains(read_file(work / "unsaid/report.html"), "frames.with.datum_sigma=SIGMA"));
+  EXPECT_TRUE(contains(read_file(work / "unsaid/report.html"), "frames.with.datum_sigma=0.005 where they do to 5 mm"));
+  EXPECT_FALSE(contains(read_file(work / "unsaid/report.html"), "SIGMA")) << "no command that cannot be pasted";
   EXPECT_TRUE(contains(unsaid.err, "measured in photographs alone")) << unsaid.err;
   EXPECT_FALSE(contains(unsaid.err, "total station alone")) << unsaid.err;
   for (const auto& [anchor, row] : table(work / "unsaid/metrics.csv"))

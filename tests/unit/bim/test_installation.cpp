@@ -239,6 +239,27 @@ TEST(InstallationBcf, WorkByHandKeepsItsIdFromCampaignToCampaign) {
   EXPECT_EQ(ids.size(), 1u);
 }
 
+/// Its words name other panels beside it and other points; two brackets whose names differ by a figure were one topic.
+TEST(InstallationBcf, WorkByHandAndDoubtsAreKnownByWhatTheyAreAbout) {
+  Site site("IFC4");
+  std::set<std::string> ids;
+  for (const char* rest : {"", "; at the end of their ranges beside it: F1.3 with 25.0 mm up"}) {
+    site.plan.relaxations = {"bracket F1.2 would have to move 31.0 mm up, it has 25.0: re-drill" + std::string(rest)};
+    site.plan.relaxation_topics = {"bracket F1.2, up"};
+    site.plan.doubts = {"the survey: known points contradict it: P1" + std::string(rest)};
+    site.plan.doubt_topics = {"survey/known_points"};
+    const auto files = topics_of(site);
+    ids.insert(markup_about(files, "By hand: bracket F1.2").substr(0, 36));
+    ids.insert(markup_about(files, "The measurement is in doubt: the survey").substr(0, 36));
+  }
+  EXPECT_EQ(ids.size(), 2u);
+  site.plan.relaxations = {"bracket F1.2 would have to move", "bracket F1.3 would have to move"};
+  site.plan.relaxation_topics = {"bracket F1.2, up", "bracket F1.3, up"};
+  const auto files = topics_of(site);
+  EXPECT_NE(markup_about(files, "By hand: bracket F1.2").substr(0, 36),
+            markup_about(files, "By hand: bracket F1.3").substr(0, 36));
+}
+
 TEST(InstallationBcf, WhatHoldsEverythingAndWhatHasNoPlaceHaveTopics) {
   Site site("IFC4");
   site.plan.doubts = {"the image block: group tags contradicts the rest"};

@@ -366,6 +366,15 @@ TEST(Panels, JointsBetweenNeighbours) {
   // Two columns of two anchors: each side's end moves with the mean of all four, turned about the centre. The two
   // panels share no anchor, so the variances add: at the lower end (1/4 + (1 m)²·2/(8 m²)) σ² each, in x.
   EXPECT_NEAR(joint.change->u, 0.3 * mm * std::sqrt(2 * (0.25 + 1.0 / 8)), 1e-6);
+  // Sheets before wider cores: the page had 20 mm of the bodies here, and 32 of the same joint where surfaces are.
+  for (PanelCase& panel : inputs.panels) {
+    panel.outer = {panel.low, panel.high};
+    panel.outer.min().x() += 6 * mm, panel.outer.max().x() -= 6 * mm;
+  }
+  const DeviationT of_sheets = judge_deviations(inputs, {});
+  EXPECT_NEAR(of_sheets.panels[0]->joints[0]->design, 32 * mm, 1e-12);
+  EXPECT_NEAR(of_sheets.panels[0]->joints[0]->narrowest, 36.25 * mm, 1e-9);
+  EXPECT_NEAR(of_sheets.panels[0]->joints[0]->change->value, 4.75 * mm, 1e-9) << "what it is judged by is the same";
 }
 
 /// The order in which a site mends: failures, what is open, what was not measured, what passes; in each the larger

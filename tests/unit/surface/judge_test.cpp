@@ -294,6 +294,40 @@ TEST(JudgeSurfaces, WhatLiesBesideItsPlaceAsAWholeLeavesOffsetsAndShiftsOpen) {
   EXPECT_NE(result.requests[0]->not_judged, "") << "exit code 3";
 }
 
+/// Joints 3 mm to the right alike left all offsets of all facades open, and panels that keep their limit either way.
+TEST(JudgeSurfaces, WhatLiesBesideItsPlaceIsJudgedWhereItComesToTheSameEitherWay) {
+  SurfacesT what = surfaces();
+  for (const auto& one : what.panels)
+    one->covariance = pack_symmetric(Eigen::Matrix3d(Eigen::Matrix3d::Identity() * 1e-8)), one->offset = 0.003;
+  what.joints.push_back(joint({0.012, 0.012}, 1e-4));
+  what.joints[0]->upright = true, what.joints[0]->first_panel = 0;
+  for (const auto& place : what.joints[0]->places) place->shift = 0.0032, place->shift_sigma = 2e-4;
+  what.beside_its_place = "all 3 upright joints lie 3.0 ± 0.1 mm to the right of their place";
+  what.beside.push_back(std::make_unique<BesidePlaceT>());
+  BesidePlaceT& beside = *what.beside[0];
+  beside.facade = {0, -1, 0}, beside.right = 0.003;
+  const auto verdict = [&](const std::string& quantity, const std::string& limit) {
+    const auto result = judged(what, {"*: " + quantity + "=" + limit});
+    const SurfaceVerdictT& first = *result.verdicts[0];
+    return first.not_judged.empty() ? std::string(EnumNameToleranceVerdict(first.verdict)) : "not judged";
+  };
+  EXPECT_EQ(verdict("offset", "10mm"), "pass");
+  EXPECT_EQ(verdict("offset", "1mm"), "fail") << "nothing is said of the way out";
+  EXPECT_EQ(verdict("shift", "10mm"), "pass") << "3.2 or 0.2";
+  EXPECT_EQ(verdict("shift", "2mm"), "not judged") << "3.2 fails, 0.2 does not";
+  beside.right = std::nan(""), beside.out = 0.003;
+  EXPECT_EQ(verdict("shift", "2mm"), "fail");
+  EXPECT_EQ(verdict("offset", "10mm"), "pass");
+  EXPECT_EQ(verdict("offset", "1mm"), "not judged");
+  beside.out = 0.006;
+  EXPECT_EQ(verdict("offset", "1mm"), "not judged") << "3 and -3 mm both fail, and what lies between does not";
+  what.panels[0]->offset = 0.012;
+  EXPECT_EQ(verdict("offset", "5mm"), "fail") << "12 or 6";
+  beside.facade = {1, 0, 0};
+  what.panels[0]->offset = 0.003;
+  EXPECT_EQ(verdict("offset", "1mm"), "fail") << "another facade";
+}
+
 TEST(JudgeSurfaces, TheWorstPlaceIsTheFurthestWhereAllFail) {
   SurfacesT what = surfaces();
   what.joints.push_back(joint({0.030, 0.034, 0.031}, 1e-4));
