@@ -16,7 +16,8 @@ optics are ideal and whose transfer curve is linear where a row does not say `op
 how far it holds, below the tables of its page. What was seen once and has no command is no figure: it stands in [observations](observations.md).
 
 `$DATA` is the public test data (`PLUMBLINE_TEST_DATA`), `$OTHERS` a folder with clones of public repositories, `$OTHERS/OWNER/NAME`
-(`PLUMBLINE_OTHERS`). Times are processor times, of a machine with two cores where a row says nothing else.
+(`PLUMBLINE_OTHERS`); `$HERE` is the folder that the row names, `$SCRATCH` one for files that the row has in
+`docs/measured.toml`, `$BEFORE` what the command before it gave. Times are processor times, of a machine with two cores where a row says nothing else.
 """
 MARKS = {
     "quick": ("✓", "computed and compared in every run of the tests"),

@@ -13,7 +13,7 @@ struct ReadLayout : Node {
   static constexpr Info info{"read.layout", "", 1, "Reads a table of planned markers and set-ups"};
   In<File> file{"file",
                 "CSV with the columns kind, id, east_m, north_m, height_m, floor, column, facing_azimuth_deg, "
-                "sees; see docs/survey.md"};
+                "sees; see docs/epochs.md"};
   Out<Points> markers{"markers", frame("frame=building"), "the planned markers"};
   Out<Plates> plates{"plates", frame("frame=building"), "their floors, columns and directions"};
   Out<SurveyObservations> set_ups{"set_ups", frame("frame=building"),
