@@ -76,7 +76,28 @@ std::map<std::string, std::vector<std::string>> by_holder(const std::vector<Give
   return items;
 }
 
+/// Lines of the items of a job that are in no line of the file yet.
+std::string lines_to_give(const std::string& given, const Job& job, const std::string& robot) {
+  std::set<std::pair<std::string, int>> there;
+  for (const GivenItem& one : given_lines(given)) there.emplace(one.item, one.revision);
+  std::string lines;
+  for (const JobItem& item : job.items)
+    if (!there.contains({item.id, item.revision}))
+      lines += (lines.empty() ? "" : "\n") +
+               nlohmann::ordered_json{
+                   {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
+                   .dump();
+  return lines;
+}
+
 }  // namespace
+
+void ExchangeFolder::note_given(const Job& job, const std::string& robot) {
+  if (given_.empty()) return;
+  const int file = open_lines(given_, true);
+  const FileCloser closer{file};
+  if (const std::string lines = lines_to_give(given_, job, robot); !lines.empty()) append_line(file, lines, given_);
+}
 
 std::string ExchangeFolder::held_by_others(const Job& job, const std::string& robot, bool take) {
   if (given_.empty()) return {};
@@ -88,17 +109,9 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
            "to "
            "be done is in " +
            (later / "job.json").string() + "; if that round is to count for nothing, take its folder away";
-  std::set<std::pair<std::string, int>> taken;
-  for (const GivenItem& one : given_lines(given_)) taken.emplace(one.item, one.revision);
   const auto held = by_holder(unanswered(rounds_, given_, job, robot, vda_order_id(job)), robot);
   if (held.empty()) {
-    std::string lines;
-    for (const JobItem& item : job.items)
-      if (!taken.contains({item.id, item.revision}))
-        lines += (lines.empty() ? "" : "\n") +
-                 nlohmann::ordered_json{
-                     {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
-                     .dump();
+    const std::string lines = lines_to_give(given_, job, robot);
     if (take && !lines.empty()) append_line(file, lines, given_);
     return {};
   }

@@ -208,6 +208,10 @@ void OrderExchange::take(const std::string& payload, Heard heard, double now) {
   if (is_over()) return;
   // What a broker has kept, or held back, was said before the question.
   if (is_newest) answered_ = heard == Heard::now && asked_;
+  if (ours && is_new && !is_noted_) {
+    log_.note_given(job_, robot_.manufacturer + "/" + robot_.serial);
+    is_noted_ = true;
+  }
   if (ours && (is_newest || is_at_its_end(state))) {
     take_progress(state.actions, is_at_its_end(state));
     return;

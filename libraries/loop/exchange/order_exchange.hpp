@@ -38,6 +38,10 @@ class ExchangeLog {
   virtual std::string held_by_others(const Job& job, const std::string& robot, bool take) {
     return static_cast<void>(job), static_cast<void>(robot), static_cast<void>(take), std::string();
   }
+  /// The robot has the job, whoever sent it: its items are that robot's, on disk when it returns.
+  virtual void note_given(const Job& job, const std::string& robot) {
+    static_cast<void>(job), static_cast<void>(robot);
+  }
 };
 
 /// sent.jsonl and states.jsonl in a folder that is made. A torn last line, of a program that was killed, is cut off.
@@ -56,6 +60,7 @@ class ExchangeFolder : public ExchangeLog {
   std::vector<std::string> sent() const override;
   std::vector<std::string> states() const override;
   std::string held_by_others(const Job& job, const std::string& robot, bool take) override;
+  void note_given(const Job& job, const std::string& robot) override;
 
  private:
   std::string folder_, given_, rounds_;
@@ -128,6 +133,7 @@ class OrderExchange {
   ExchangeStatus status_ = ExchangeStatus::asking;
   std::string reason_, progress_, last_actions_;
   std::vector<std::string> failed_;
+  bool is_noted_ = false;                  ///< that the robot has it: ExchangeLog::note_given
   bool asked_ = false, answered_ = false;  ///< since start, connection or the last order
   double asked_at_ = 0, heard_at_ = 0, sent_at_ = -1;
   std::string other_order_;  ///< the last that was sent and is not this one

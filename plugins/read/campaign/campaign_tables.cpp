@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 #include <sstream>
+#include <string_view>
 #include <tuple>
 
 #include "base/text/csv_table.hpp"
@@ -83,7 +84,9 @@ class Table {
     const CsvCell* cell = find(row, name);
     if (!cell || (cell->text.empty() && !rule_of(name).required)) return 0;
     const auto value = text::parse_integer(cell->text);
-    if (!value || *value < 0 || *value > 1000000) refuse(row, name, *cell, "a whole number");
+    if (value && *value < 0 && std::string_view(name) == "floor")
+      refuse(row, name, *cell, "a number from 0 on: floors are counted from the lowest, basements too");
+    if (!value || *value < 0 || *value > 1000000) refuse(row, name, *cell, "a whole number from 0 to 1000000");
     return static_cast<int>(*value);
   }
   /// In m or rad.

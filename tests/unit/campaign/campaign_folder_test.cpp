@@ -444,6 +444,13 @@ TEST(Plates, OfAMeasuredCampaignNeedNoTagsAndMayKeepTheAzimuthToThemselves) {
   const auto told = parse_plates("anchor,floor,facing_azimuth_deg\nA1,1,90\n", "p.csv", CampaignUse::measured);
   EXPECT_NEAR(told[0].facing_azimuth, M_PI / 2, 1e-12);
   EXPECT_THROW(parse_plates("anchor,floor\nA1,1\n", "p.csv"), CampaignError) << "a site's table has tags";
+  try {
+    parse_plates("anchor,floor\nA1,-1\n", "p.csv", CampaignUse::measured);
+    FAIL() << "a basement";
+  } catch (const CampaignError& error) {
+    EXPECT_NE(std::string(error.what()).find("floors are counted from the lowest, basements too"), std::string::npos)
+        << error.what();
+  }
 }
 
 }  // namespace campaign_folder_test

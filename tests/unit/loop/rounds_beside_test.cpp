@@ -91,6 +91,24 @@ TEST_F(RoundsBeside, WhatARobotWasGivenBeforeIsNotAskedForAgain) {
   EXPECT_EQ(reason("2", job_of("job-2", {{"c", 2}})), "") << "what nobody was given";
 }
 
+/// Sent from a copy of the job, or by a folder that is gone: the robot has it all the same.
+TEST_F(RoundsBeside, AnOrderThatTheRobotHasIsItsWhoeverSentIt) {
+  const Job job = job_of("job-1", {{"a", 1}});
+  const VdaRobot robot{VdaVersion::v2_0, "RC", "1", 0, "", std::nullopt};
+  const fs::path rounds = folder_ / "rounds/1";
+  {
+    ExchangeFolder log(folder_ / "robots/1", rounds / "job.json.given.jsonl", rounds);
+    OrderExchange exchange(job, robot, log);
+    exchange.due(100, "2026-05-02T08:00:00Z");
+    exchange.on_state(R"({"headerId": 1, "timestamp": "2026-05-02T08:00:01Z", "manufacturer": "RC", "serialNumber": "1",
+                          "orderId": "job-1", "actionStates": [{"actionId": "job-1:a:1", "actionStatus": "FINISHED"}]})",
+                      101);
+    EXPECT_EQ(exchange.status(), ExchangeStatus::finished);
+  }
+  write("rounds/2/journal.jsonl", first_ + recalled("a") + released("a"));
+  EXPECT_EQ(reason("2", job_of("job-2", {{"a", 2}}), "2").find("a was given to RC/1"), 0u);
+}
+
 TEST_F(RoundsBeside, WhatWasReportedSinceIs) {
   write("rounds/1/job.json.given.jsonl", given("a", 1, "RC/1", "job-1"));
   const std::vector<std::string> answers = {
