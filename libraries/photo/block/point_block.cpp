@@ -10,6 +10,7 @@
 #include "geometry/linear_algebra/decompositions.hpp"
 #include "geometry/similarity.hpp"
 #include "least_squares/problem/defects.hpp"
+#include "photo/block/check_covariance.hpp"
 #include "photo/block/control_words.hpp"
 #include "photo/block/point_block_by_gradients.hpp"
 #include "photo/block/point_block_checks.hpp"
@@ -227,6 +228,7 @@ void fill_covariances(const Built& built, const bundle::Layout& layout, const bu
 
 void fill_control(const PointBlock& given, const Built& built, const bundle::Reliability& reliability, double factor,
                   PointBlockResult& result) {
+  Eigen::Index check_row = 0;
   for (size_t k = 0; k < given.control.points.size(); ++k) {
     const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
     const size_t point = static_cast<size_t>(given.control.points[k]);
@@ -245,34 +247,16 @@ void fill_control(const PointBlock& given, const Built& built, const bundle::Rel
         entry.w(c) = q.w / std::sqrt(factor);
         entry.redundancy_number(c) = q.redundancy_number;
       } else if (entry.check) {
-        entry.w(c) = entry.residual(c) /
-                     std::sqrt(result.point_covariances[point](c, c) + given.control.covariance(at + c, at + c));
+        const double variance = result.check_covariance.size() > 0
+                                    ? result.check_covariance(check_row + c, check_row + c)
+                                    : result.point_covariances[point](c, c) + given.control.covariance(at + c, at + c);
+        entry.w(c) = entry.residual(c) / std::sqrt(variance);
         entry.redundancy_number(c) = 1;
       }
     }
+    if (entry.check) check_row += 3;
     result.control.push_back(entry);
   }
-}
-
-/// What check points are off together: what the block says of them, and what their survey does.
-void fill_checks(const BlockControl& control, const bundle::Layout& layout, const bundle::Cofactors& cofactors,
-                 double factor, PointBlockResult& result) {
-  std::vector<int> blocks;
-  std::vector<Eigen::Index> rows, unknown;
-  for (size_t k = 0; k < control.points.size(); ++k) {
-    if (!control.is_check[k]) continue;
-    // Without a standard deviation of the survey, what checks together are off would be held against the block alone.
-    const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
-    if (!(control.covariance.diagonal().segment<3>(at).minCoeff() > 0)) return;
-    blocks.push_back(layout.block({bundle::Kind::point, control.points[k]}));
-    for (int c = 0; c < 3; ++c) {
-      if (c < layout.size(blocks.back())) unknown.push_back(static_cast<Eigen::Index>(rows.size()));
-      rows.push_back(3 * static_cast<Eigen::Index>(k) + c);
-    }
-  }
-  if (blocks.empty() || blocks.size() > max_joint_points) return;
-  result.check_covariance = control.covariance(rows, rows);
-  result.check_covariance(unknown, unknown) += factor * cofactors.joint(blocks);
 }
 
 void fill_reliability(bundle::Reliability reliability, double factor, PointBlockResult& result) {
@@ -381,7 +365,7 @@ static PointBlockResult adjust_as_stated(const PointBlock& given, const PointBlo
     fill_unknown_covariances(built.problem, layout, result);
   else
     fill_covariances(built, layout, adjusted, factor, by_image ? how.datum.held : std::vector<int>{}, result),
-        fill_checks(given.control, layout, *adjusted.cofactors, factor, result);
+        fill_check_covariance(given.control, layout, *adjusted.cofactors, factor, result);
   bundle::Reliability reliability = options.by_gradients ? residuals_of(built.problem, layout, adjusted.state)
                                                          : bundle::reliability_of(built.problem, adjusted);
   fill_control(given, built, reliability, factor, result);

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "photo/block/check_covariance.hpp"
 #include "photo/block/check_points.hpp"
 #include "photo/block/point_block_words.hpp"
 
@@ -33,13 +34,15 @@ BlockControl without(const BlockControl& control, const Indices& aside) {
   return rest;
 }
 
-/// Of a point that took no part: the block's and the survey's.
-Eigen::Matrix3d covariance_of_difference(const PointBlockResult& result, const BlockControl& control, std::size_t k) {
-  const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
-  return result.point_covariances[static_cast<std::size_t>(control.points[k])] + control.covariance.block<3, 3>(at, at);
+/// Sum of squares over degrees of freedom: what covariances are scaled by.
+double unit_of(const PointBlockResult& result) {
+  double squares = 0;
+  for (const auto& group : result.groups) squares += group.sum_of_squares;
+  return squares / result.degrees_of_freedom;
 }
 
-ControlResult aside_result(const PointBlockResult& result, const BlockControl& control, std::size_t k) {
+ControlResult aside_result(const PointBlockResult& result, const BlockControl& control, const Indices& aside,
+                           std::size_t k) {
   const Eigen::Index at = 3 * static_cast<Eigen::Index>(k);
   ControlResult entry;
   entry.point = control.points[k];
@@ -48,7 +51,8 @@ ControlResult aside_result(const PointBlockResult& result, const BlockControl& c
   entry.given_sigma = control.covariance.diagonal().segment<3>(at).cwiseMax(0).cwiseSqrt();
   const auto point = static_cast<std::size_t>(entry.point);
   entry.residual = result.block.points[point].position - entry.given;
-  entry.w = entry.residual.cwiseQuotient(covariance_of_difference(result, control, k).diagonal().cwiseSqrt());
+  entry.w = entry.residual.cwiseQuotient(
+      covariance_of_difference(result, control, aside, k, unit_of(result)).diagonal().cwiseSqrt());
   entry.redundancy_number.setOnes();
   entry.rays = result.rays[point];
   return entry;
@@ -63,7 +67,7 @@ PointBlockResult adjust_beside(const PointBlock& given, const PointBlockOptions&
   std::vector<ControlResult> all;
   auto next = result.control.begin();
   for (std::size_t k = 0; k < given.control.points.size(); ++k)
-    all.push_back(is_in(aside, k) ? aside_result(result, given.control, k) : *next++);
+    all.push_back(is_in(aside, k) ? aside_result(result, given.control, aside, k) : *next++);
   result.control = std::move(all);
   result.block.control = given.control;
   return result;
@@ -88,9 +92,12 @@ std::optional<PointBlockResult> search(const PointBlock& given, const PointBlock
   if (!result) return std::nullopt;
   // What agrees after all, once the worse ones are gone, takes part again.
   const std::size_t before = aside.size();
+  const Indices all_aside = aside;
+  const double unit = unit_of(*result);
   std::erase_if(aside, [&](std::size_t k) {
     const Eigen::Vector3d off = result->control[k].residual;
-    return off.dot(covariance_of_difference(*result, given.control, k).ldlt().solve(off)) <= check_limit(all);
+    return off.dot(covariance_of_difference(*result, given.control, all_aside, k, unit).ldlt().solve(off)) <=
+           check_limit(all);
   });
   if (aside.size() < before) result = adjust_beside(given, options, *result, aside);
   if (!control_against_images(*result).empty() && test_control(*result).found.rivals.empty()) return std::nullopt;
@@ -119,9 +126,7 @@ TestedControl test_control(const PointBlockResult& result) {
   const auto n = static_cast<Eigen::Index>(in_control.size());
   const Eigen::LLT<Eigen::MatrixXd> survey(result.block.control.covariance(in_control, in_control));
   if (n == 0 || survey.info() != Eigen::Success) return test;
-  double squares = 0;
-  for (const auto& group : result.groups) squares += group.sum_of_squares;
-  const double unit = squares / result.degrees_of_freedom;  // what covariances are scaled by
+  const double unit = unit_of(result);
   const Eigen::MatrixXd weight = survey.solve(Eigen::MatrixXd::Identity(n, n));
   const Eigen::MatrixXd seen = weight - weight * (result.point_covariance(in_points, in_points) / unit) * weight;
   test.found =

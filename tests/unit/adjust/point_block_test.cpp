@@ -234,6 +234,60 @@ PointBlock noisy_block(uint64_t seed, double sigma, double stated) {
   return block;
 }
 
+/// Control and a check point of one survey, which has 1 mm of height in common and 0.2 mm of each coordinate of its
+/// own.
+PointBlock block_of_one_survey(uint64_t seed) {
+  PointBlock block = noisy_block(seed, 3e-4, 3e-4);
+  test::Random random(seed + 1000);
+  block.control.points.push_back(6), block.control.is_check.push_back(true);
+  block.control.position.conservativeResize(21);
+  for (Eigen::Index c = 0; c < 3; ++c)
+    block.control.position(18 + c) = block.points[6].position(c) + 2e-4 * random.normal();
+  block.control.covariance = 4e-8 * Eigen::MatrixXd::Identity(21, 21);
+  const double common = 1e-3 * random.normal();
+  for (Eigen::Index k = 2; k < 21; k += 3) {
+    block.control.position(k) += common;
+    for (Eigen::Index j = 2; j < 21; j += 3) block.control.covariance(k, j) += 1e-6;
+  }
+  return block;
+}
+
+/// What both have in common was counted twice: a check point 2 mm off, eight of its standard deviations, was 1.4 of
+/// what was stated.
+TEST(PointBlock, WhatCheckPointsAndControlHaveInCommonCancels) {
+  double squares = 0, w = 0;
+  constexpr int trials = 200;
+  for (uint64_t seed = 1; seed <= trials; ++seed) {
+    const auto result = block::adjust_point_block(block_of_one_survey(seed), options());
+    ASSERT_EQ(result.check_covariance.rows(), 3);
+    const Eigen::Vector3d off = result.control[6].residual;
+    squares += off.dot(result.check_covariance.ldlt().solve(off)) / trials;
+    w += std::pow(result.control[6].w.z(), 2) / trials;
+    EXPECT_LT(std::sqrt(result.check_covariance(2, 2)), 6e-4) << "not 1.4 mm";
+  }
+  RecordProperty("nees", std::to_string(squares) + " " + std::to_string(w));
+  EXPECT_GT(squares, 2.3);
+  EXPECT_LT(squares, 3.6);
+  EXPECT_GT(w, 0.7);
+  EXPECT_LT(w, 1.35);
+  PointBlock wrong = block_of_one_survey(3);
+  wrong.control.position(20) += 3e-3;
+  EXPECT_GT(std::abs(block::adjust_point_block(wrong, options()).control[6].w.z()), 4);
+}
+
+/// A control point that was set aside came back, as what it is off was held against the height that all share.
+TEST(PointBlock, AWrongControlPointOfASurveyWithACommonHeightStaysAside) {
+  auto how = options();
+  how.estimate_image_variance = true;
+  PointBlock block = block_of_one_survey(5);
+  block.control.position(3 * 3 + 2) += 3e-3;  // of point 13
+  const auto result = block::adjust_without_wrong_control(block, how);
+  ASSERT_EQ(result.control.size(), 7u);
+  for (size_t k = 0; k < 7; ++k) EXPECT_EQ(result.control[k].aside, k == 3) << k;
+  EXPECT_GT(std::abs(result.control[3].w.z()), 4);
+  EXPECT_LT(std::abs(result.control[6].w.z()), 4);
+}
+
 /// A file's standard deviation of 1 px where 0.3 px is right once scaled what the survey states as well: control of 1
 /// mm was given as 0.3 mm, and a point 50 of its sigmas off held the block without a word.
 TEST(PointBlock, WhatProgramsStateOfTheirImagesDoesNotScaleTheControl) {
