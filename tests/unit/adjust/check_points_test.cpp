@@ -65,6 +65,16 @@ TEST(CheckPoints, AllTogetherTellACovarianceThatIsTooSmall) {
   EXPECT_THAT(found.words[0], HasSubstr("the check points together are off by more than"));
 }
 
+/// One that is left beside another that contradicts was judged by itself, at the level of both.
+TEST(CheckPoints, OneAloneIsNotJudgedAgainTogether) {
+  const Eigen::MatrixXd covariance = 1e-6 * Eigen::MatrixXd::Identity(6, 6);
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(6);
+  off(0) = 0.05, off(5) = 1e-3 * std::sqrt(17.0);  // between the limits of one point and of two: 16.3 and 17.7
+  const auto found = judge_check_points({"A", "B"}, off, covariance, true);
+  ASSERT_EQ(found.words.size(), 1U) << found.words.back();
+  EXPECT_FALSE(found.points[1].contradicts);
+}
+
 /// What the points have in common is one error, not five.
 TEST(CheckPoints, ACommonShiftCountsOnce) {
   const Eigen::VectorXd shift = Eigen::VectorXd::Constant(15, 0.01);

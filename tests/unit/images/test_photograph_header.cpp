@@ -65,6 +65,11 @@ TEST_F(PhotographHeaderTest, QualityOfAJpegIsThatOfItsTableOfBrightness) {
   EXPECT_EQ(quality("\xff\xdb\x00\x43\x00"s + std::string(64, '\x90')), 20);
   EXPECT_EQ(quality("\xff\xdb\x00\x43\x00"s + std::string(64, '\x1d')), 75);
   EXPECT_EQ(quality("\xff\xdb\x00\x43\x00"s + std::string(64, '\x01')), 99);
+  // Half as coarse again as the standard, and a second table of brightness, which is that of another scan.
+  EXPECT_EQ(quality("\xff\xdb\x00\x43\x00"s + std::string(64, '\x50')), 36);
+  EXPECT_EQ(
+      quality("\xff\xdb\x00\x43\x00"s + std::string(64, '\x50') + "\xff\xdb\x00\x43\x00"s + std::string(64, '\x01')),
+      36);
   // That of colours comes first and does not count; of two bytes a value.
   std::string words;
   for (int k = 0; k < 64; ++k) words += "\x00\x90"s;
