@@ -135,7 +135,9 @@ def subject(heading, parts):
 
 def pages(parts):
     """The text of each page, by its file."""
-    return {PAGE: index(parts), **{file_of(heading): subject(heading, of) for heading, of in subjects(parts)}}
+    pages = {PAGE: index(parts), **{file_of(heading): subject(heading, of) for heading, of in subjects(parts)}}
+    assert len(pages) == 1 + len(list(subjects(parts))), "two headings of measured.toml make the same file: name one otherwise"
+    return pages
 
 
 def too_long(parts):

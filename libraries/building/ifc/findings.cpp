@@ -75,9 +75,10 @@ bool has_open(const Finding& found) {
 
 }  // namespace
 
-bool has_shift(const DeviationT& deviation, const std::string& topic) {
-  const std::vector<Finding> all = shifts_of(deviation);
-  return std::any_of(all.begin(), all.end(), [&](const Finding& found) { return found.topic == topic; });
+std::string shift_title(const DeviationT& deviation, const std::string& topic) {
+  for (Finding& found : shifts_of(deviation))
+    if (found.topic == topic) return std::move(found.title);
+  return "";
 }
 
 std::vector<Finding> findings_of(const DeviationT& deviation) {

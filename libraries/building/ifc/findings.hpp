@@ -23,7 +23,7 @@ struct Finding {
 /// asked for and not judged. Points into `deviation`.
 std::vector<Finding> findings_of(const DeviationT& deviation);
 
-/// Whether it has a significant shift of this topic, be its anchors in order or not.
-bool has_shift(const DeviationT& deviation, const std::string& topic);
+/// The title of the significant shift of this topic, be its anchors in order or not; empty: there is none.
+std::string shift_title(const DeviationT& deviation, const std::string& topic);
 
 }  // namespace plumbline::ifc

@@ -71,8 +71,10 @@ void compare_findings(const EpochRecord& before, const DeviationT& after, AsBuil
     if (!finding.open || here.contains(finding.topic)) continue;
     const std::string why = why_unseen(finding, after, changes, measured);
     changes.findings.push_back(change_of(finding, why.empty() ? ChangeKind::settled : ChangeKind::unseen));
-    const bool there = why.empty() && finding.kind == "shift" && ifc::has_shift(after, finding.topic);
-    changes.findings.back()->note = there ? "it is there still, and none of its anchors is out by it" : why;
+    // It may be another shift than the one that was mended: which one is there is said.
+    const std::string there =
+        why.empty() && finding.kind == "shift" ? ifc::shift_title(after, finding.topic) : std::string();
+    changes.findings.back()->note = there.empty() ? why : "now: " + there + "; none of its anchors is out by it";
   }
 }
 

@@ -60,7 +60,7 @@ void widen(const TagBlockOptions& options, const TagModel& model, Eigen::MatrixX
     for (int k = 0; k < 3; ++k) positions.push_back(layout.offset(layout.block({bundle::Kind::plate, j})) + k);
   const Eigen::MatrixXd of_anchors = moved(positions, Eigen::all);
   const Eigen::VectorXd before = result.anchor_covariance.diagonal();
-  result.anchor_covariance += of_anchors * of_anchors.transpose();
+  result.anchor_covariance.noalias() += of_anchors * of_anchors.transpose();
   test.points_factor = std::sqrt(result.anchor_covariance.diagonal().cwiseQuotient(before).maxCoeff());
   test.words +=
       test.points_factor < 1.05

@@ -126,7 +126,7 @@ struct TableReaderNode : ReaderNode {
 };
 
 struct ReadSurveyCsv : TableReaderNode {
-  static constexpr Info info{"read.survey_csv", "survey_reader", 1, "Reads tables of points or sightings in CSV"};
+  static constexpr Info info{"read.survey_csv", "survey_reader", 2, "Reads tables of points or sightings in CSV"};
   Param<std::string> angle_unit{"angle_unit", "automatic", one_of("automatic", "gon", "deg", "dms", "rad"),
                                 "of angle columns whose header names none; automatic: what both faces or reciprocal "
                                 "zenith angles tell, else the table is refused"};
@@ -134,7 +134,7 @@ struct ReadSurveyCsv : TableReaderNode {
 };
 
 struct ReadSetupCoordinates : TableReaderNode {
-  static constexpr Info info{"read.setup_coordinates", "survey_reader", 2,
+  static constexpr Info info{"read.setup_coordinates", "survey_reader", 3,
                              "Reads coordinates in the frame of each set-up, with covariance, from CSV"};
   void run(Context& context) override;
 };

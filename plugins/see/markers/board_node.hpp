@@ -16,7 +16,7 @@
 namespace plumbline::markers {
 
 struct AdjustMarkerBoard : Node {
-  static constexpr Info info{"adjust.marker_board", "", 7,
+  static constexpr Info info{"adjust.marker_board", "", 8,
                              "Adjusts photographs of tags in unknown places: a free network with self-calibration"};
   List<Image> images{"images", "the photographs, for what EXIF says of their cameras"};
   In<TagObservations> observations{"observations", "the tags in them"};

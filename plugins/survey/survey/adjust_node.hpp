@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct AdjustNode : MappedNode {
-  static constexpr Info info{"survey.adjust", "survey_adjuster", 8,
+  static constexpr Info info{"survey.adjust", "survey_adjuster", 9,
                              "Adjusts a survey network by least squares, with tests, reliability and full covariance"};
   List<plumbline::SurveyObservations> observations{"observations", frame("frame=?S"),
                                                    "readings of one campaign, from one or several files"};

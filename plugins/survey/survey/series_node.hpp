@@ -10,7 +10,7 @@
 namespace plumbline::survey {
 
 struct EpochSeriesNode : MappedNode {
-  static constexpr Info info{"survey.epoch_series", "", 7,
+  static constexpr Info info{"survey.epoch_series", "", 8,
                              "Adjusts the epochs of a network one by one and finds what stays, what moves, how fast, "
                              "and what reaches a level"};
   List<plumbline::SurveyObservations> epochs{"epochs", frame("frame=?S"), "readings of one epoch each, oldest first"};

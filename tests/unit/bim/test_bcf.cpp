@@ -421,11 +421,13 @@ TEST(Bcf, FindingsKeepTheirTopicsAndAreClosedWhenTheyAreGone) {
   EXPECT_EQ(after["Axis 3"].first, before["Axis 3"].first);
   EXPECT_NE(after["Axis 3"].second.find("TopicStatus=\"Closed\""), std::string::npos) << after["Axis 3"].second;
   EXPECT_NE(after["Axis 3"].second.find("<Comment>May: found; June: not found any more.</Comment>"), std::string::npos);
-  changes.findings.back()->note = "it is there still, and none of its anchors is out by it";
+  changes.findings.back()->note = "now: Axis 3 stands 3.1 mm low; none of its anchors is out by it";
   const std::string there = topics(deviation)["Axis 3"].second;
   EXPECT_NE(there.find("TopicStatus=\"Closed\""), std::string::npos) << there;
-  EXPECT_NE(there.find("<Comment>May: found; June: it is there still, and none of its anchors is out by it.</Comment>"),
-            std::string::npos);
+  EXPECT_NE(
+      there.find(
+          "<Comment>May: found; June: now: Axis 3 stands 3.1 mm low; none of its anchors is out by it.</Comment>"),
+      std::string::npos);
   EXPECT_EQ(there.find("not found any more"), std::string::npos) << "neither the comment nor the title";
 }
 
