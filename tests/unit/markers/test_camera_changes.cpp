@@ -330,6 +330,12 @@ TEST(TwoGroups, AreToldFromValuesThatScatter) {
     named += two_groups(scattered, Eigen::VectorXd::Constant(n, 0.2)).has_value();
   }
   EXPECT_EQ(named, 0) << "of an autofocus";
+  // Two that lie three standard deviations apart are not told, however many say so: nobody is of one of them alone.
+  Eigen::VectorXd close(300);
+  for (int i = 0; i < 300; ++i) close(i) = unit(random) + (i % 2 ? 3 : 0);
+  EXPECT_FALSE(two_groups(close, Eigen::VectorXd::Ones(300)));
+  for (int i = 0; i < 300; ++i) close(i) += i % 2 ? 3 : 0;
+  EXPECT_TRUE(two_groups(close, Eigen::VectorXd::Ones(300)));
   EXPECT_FALSE(two_groups(Eigen::VectorXd::Zero(42), sigmas));
   EXPECT_FALSE(two_groups(values.head(7), sigmas.head(7)));
 }
@@ -403,6 +409,22 @@ TEST(CameraChange, ThatSomePhotographsWereTurnedIsAmongTheCauses) {
   }
   EXPECT_GE(told, trials - 1) << "one is 'cropped or moved'";
   EXPECT_GE(named, 6);
+}
+
+/// Two settings of a principal point that are no mirror images of each other, far off to one side, were not turned.
+TEST(CameraChange, TwoPrincipalPointsInNoOrderAreNotTurned) {
+  int told = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const auto views = photographs(12, seed, [](int k, const auto&) {
+      const bool second = k == 1 || k == 3 || k == 4 || k == 7 || k == 9 || k == 10;
+      return Own{1, second ? Eigen::Vector2d(110, 70) : Eigen::Vector2d(50, 32)};
+    });
+    const CameraTruth truth = calibrate(views, 1600, 1200, {}).truth;
+    told += truth.change.has_value();
+    EXPECT_FALSE(truth.change && truth.change->what_is_clear && truth.change->what == CameraChange::What::turned)
+        << seed << in_words(*truth.change, truth.evidence);
+  }
+  EXPECT_GE(told, 2);
 }
 
 /// A stabiliser moves the principal point by as much, to no two places.
