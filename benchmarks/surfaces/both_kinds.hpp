@@ -37,6 +37,23 @@ struct Heights {
   std::array<int, 6> outcomes{};  ///< of dense.plane_sweep, by FacetOutcome
 };
 
+/// What the nodes state of facets, tile by tile (of 0.5 m, or here so many cells), into `result`.
+inline void state(const CellGrid& grid, const std::vector<Facet>& facets, double max_sigma, Heights& result) {
+  constexpr int tile = 11;
+  for (int row = 0; row < grid.rows; row += tile)
+    for (int column = 0; column < grid.columns; column += tile) {
+      std::vector<const Facet*> some;
+      std::vector<size_t> cells;
+      for (int r = row; r < std::min(row + tile, static_cast<int>(grid.rows)); ++r)
+        for (int c = column; c < std::min(column + tile, static_cast<int>(grid.columns)); ++c)
+          cells.push_back(static_cast<size_t>(r) * grid.columns + c), some.push_back(&facets[cells.back()]);
+      const std::vector<double> sigmas = sigmas_within(some, max_sigma);
+      for (size_t i = 0; i < cells.size(); ++i)
+        if (some[i]->outcome == FacetOutcome::measured && std::isfinite(sigmas[i]))
+          result.height[cells[i]] = some[i]->height, result.sigma[cells[i]] = sigmas[i];
+    }
+}
+
 /// `wanted`: of each cell; empty: all.
 inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, const FacetOptions& options,
                      const std::vector<char>& wanted = {}) {
@@ -65,20 +82,7 @@ inline Heights swept(const CellGrid& grid, const std::vector<FacetView>& views, 
       facets[cell] = std::move(best);
     }
   });
-  // Tiles of the node: 0.5 m, or here so many cells.
-  constexpr int tile = 11;
-  for (int row = 0; row < grid.rows; row += tile)
-    for (int column = 0; column < grid.columns; column += tile) {
-      std::vector<const Facet*> some;
-      std::vector<size_t> cells;
-      for (int r = row; r < std::min(row + tile, static_cast<int>(grid.rows)); ++r)
-        for (int c = column; c < std::min(column + tile, static_cast<int>(grid.columns)); ++c)
-          cells.push_back(static_cast<size_t>(r) * grid.columns + c), some.push_back(&facets[cells.back()]);
-      const std::vector<double> sigmas = stated_sigmas(some);
-      for (size_t i = 0; i < cells.size(); ++i)
-        if (some[i]->outcome == FacetOutcome::measured)
-          result.height[cells[i]] = some[i]->height, result.sigma[cells[i]] = sigmas[i];
-    }
+  state(grid, facets, options.max_sigma, result);
   return result;
 }
 
@@ -86,6 +90,7 @@ inline Heights matched(const CellGrid& grid, const std::vector<FacetView>& views
                        const std::vector<RectifiedPair>& pairs, const SemiGlobalOptions& options) {
   Heights result;
   result.height.assign(grid.size(), kNan), result.sigma = result.height;
+  std::vector<Facet> facets(grid.size());
   result.seconds = seconds_of([&] {
     std::vector<std::vector<PairHeight>> all;
     for (const RectifiedPair& pair : pairs) all.push_back(semi_global_heights(pair, grid, views, options));
@@ -97,10 +102,10 @@ inline Heights matched(const CellGrid& grid, const std::vector<FacetView>& views
       }
       std::vector<PairHeight> said;
       for (const auto& of_pair : all) said.push_back(of_pair[cell]);
-      const Facet facet = agreed_facet(grid, cell, pairs, said, views, options.pair);
-      if (facet.outcome == FacetOutcome::measured) result.height[cell] = facet.height, result.sigma[cell] = facet.sigma;
+      facets[cell] = agreed_facet(grid, cell, pairs, said, views, options.pair);
     }
   });
+  if (pairs.size() > 1) state(grid, facets, options.pair.max_sigma, result);
   return result;
 }
 

@@ -62,7 +62,7 @@ void fountain(const std::string& folder, double distance, double search, double 
     std::printf(
         "%-22s of %zu cells even %zu, odd %zu, both %.0f; |difference| median %.2f mm, 90 %% below %.2f mm, above 20 "
         "mm "
-        "%.1f %%; over its sigma median %.2f, within 3 sigma %.0f %%; %.1f s\n",
+        "%.1f %%; over its sigma median %.2f, within 3 sigma %.1f %%; %.1f s\n",
         name, grid.size(), count[0], count[1], both, 1e3 * quantile(differences, 0.5), 1e3 * quantile(differences, 0.9),
         100 *
             static_cast<double>(

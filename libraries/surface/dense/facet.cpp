@@ -18,6 +18,7 @@ struct Share {
   LocalMap map;
   Eigen::Vector2d parallax;
   Patch patch;
+  bool taken = false;  ///< whether `patch` holds something to compare
 };
 
 std::vector<Share> shares_of(const FacadePlane& plane, const Eigen::Vector2d& place, double height, double margin,
@@ -25,7 +26,7 @@ std::vector<Share> shares_of(const FacadePlane& plane, const Eigen::Vector2d& pl
   std::vector<Share> shares;
   for (size_t k = 0; k < views.size(); ++k) {
     const auto map = map_at(*views[k].view, plane, {place.x(), place.y(), height}, margin);
-    if (map) shares.push_back({static_cast<int>(k), *map, map->parallax(), {}});
+    if (map) shares.push_back({static_cast<int>(k), *map, map->parallax(), {}, false});
   }
   return shares;
 }
@@ -39,9 +40,11 @@ bool take(Share& share, const FacetView& view, double raise, const Eigen::Vector
   const Eigen::Vector2d pixel = (at.array() + 0.5) * scale - 0.5;
   const Eigen::Vector2d by_i = (by.col(0) + by.col(2) * slope.x()) * (spacing * scale);
   const Eigen::Vector2d by_j = (by.col(1) + by.col(2) * slope.y()) * (spacing * scale);
-  if (!sample_patch(view.image->level[level], pixel, by_i, by_j, half, cubic, share.patch)) return false;
+  share.taken = sample_patch(view.image->level[level], pixel, by_i, by_j, half, cubic, share.patch);
+  if (!share.taken) return false;
   normalise(share.patch);
-  return share.patch.contrast >= kMinContrast;
+  share.taken = share.patch.contrast >= kMinContrast;
+  return share.taken;
 }
 
 Eigen::ArrayXf mean_patch(const std::vector<Share>& shares) {
@@ -168,6 +171,19 @@ void state_errors(const Normal& normal, const Eigen::Matrix3d& held, double vari
   for (size_t k = 0; k < facet.pulls.size(); ++k) facet.pulls[k].height = of_noise * by.dot(normal.of_view[k]);
 }
 
+/// Facet::set_aside. `all`, of which `agreeing` were kept, by their patches at the same height as those.
+double with_set_aside(const std::vector<Share>& all, const std::vector<Share>& agreeing, double variance) {
+  if (!(variance > 0)) return 1;
+  const Eigen::ArrayXf mean = mean_patch(agreeing);
+  double sum = variance * static_cast<double>(agreeing.size()), count = static_cast<double>(agreeing.size());
+  for (const Share& share : all) {
+    const auto is_it = [&share](const Share& kept) { return kept.number == share.number; };
+    if (!share.taken || std::any_of(agreeing.begin(), agreeing.end(), is_it)) continue;
+    sum += static_cast<double>((share.patch.values - mean).square().mean()), count += 1;
+  }
+  return std::max(1.0, sum / count / variance);
+}
+
 void settle(const Normal& normal, const Eigen::Matrix3d& held, const std::vector<Share>& shares, double spacing,
             Facet& facet) {
   const double variance = variance_of(normal, shares.size());
@@ -245,6 +261,7 @@ std::vector<double> search_heights(const FacadePlane& plane, const Eigen::Vector
 Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double spacing, double start,
                   const std::vector<FacetView>& views, const FacetOptions& options) {
   Facet facet;
+  facet.place = place, facet.extent = 2 * options.half * spacing;
   std::vector<Share> shares = shares_of(plane, place, start, 0, views);
   double raise = 0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
@@ -312,6 +329,7 @@ Facet match_facet(const FacadePlane& plane, const Eigen::Vector2d& place, double
       facet.correlation += correlation(share, mean, agreeing.size()) / static_cast<double>(agreeing.size());
     facet.outcome = FacetOutcome::measured;
     settle(normal, matrix - normal.matrix, agreeing, spacing, facet);
+    facet.set_aside = with_set_aside(shares, agreeing, variance);
     if (facet.outcome != FacetOutcome::measured) return facet;
     if (!(facet.sigma <= options.max_sigma)) facet.outcome = FacetOutcome::no_texture;
     if (std::abs(facet.height) > options.search) facet.outcome = FacetOutcome::outside_search;

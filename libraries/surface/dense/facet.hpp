@@ -49,11 +49,16 @@ struct FacetPull {
 
 struct Facet {
   FacetOutcome outcome = FacetOutcome::too_few_views;
-  double height = 0;  ///< [m]
-  double sigma = 0;   ///< random part only: noise of the photographs, each place by itself [m]
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();  ///< of its middle, u and v [m]
+  double extent = 0;                                ///< of its edges; 0: as far as to the next facet [m]
+  double height = 0;                                ///< [m]
+  double sigma = 0;  ///< random part only: noise of the photographs, each place by itself [m]
   /// How many times larger the height's variance is because neighbouring places pull alike: where a facet is no plane,
   /// or the photographs show it in their own ways. 1 ± 0.4 of one facet if each place errs by itself.
   double neighbours = 1;
+  /// How many times larger the grey values' variance is with the photographs that were left out because they disagree:
+  /// the others were chosen for their agreement, and state the facet as if nobody had contradicted.
+  double set_aside = 1;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< by u and v
   double correlation = 0;                           ///< mean over the photographs that agree
   std::vector<int> views;                           ///< those, numbers into the list given

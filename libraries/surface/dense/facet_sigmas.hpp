@@ -29,7 +29,9 @@ ViewScatter view_scatter(const std::vector<const Facet*>& facets);
 /// facet are off together or by what photographs pull apart, whichever is more, on average over all, since of one facet
 /// both are too uncertain to weight points by; of a facet whose photographs pull apart more than those of the others by
 /// more, as much as its own few photographs say against `others` degrees of freedom that the average counts as. To this
-/// comes the square of `uneven`.
+/// comes what photographs that were left out contradict (Facet::set_aside), the square of `uneven`, and that of a
+/// third of the relief around the facet (relief_around), which holds too where a height stands alone because something
+/// else was matched.
 std::vector<double> stated_sigmas(const std::vector<const Facet*>& facets, double others = 8);
 
 /// The same without facets whose standard deviation comes out above `most` [m]: those are infinite. They go from the

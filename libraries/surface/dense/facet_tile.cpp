@@ -174,7 +174,7 @@ FacetTile measure_tile(const FacadePlane& plane, const Rectangle& area, const st
       const int cc = std::min(coarse_columns - 1, static_cast<int>((c + 0.5) / columns * coarse_columns));
       const int cr = std::min(coarse_rows - 1, static_cast<int>((r + 0.5) / rows * coarse_rows));
       Facet best;
-      best.outcome = FacetOutcome::no_texture;
+      best.outcome = FacetOutcome::no_texture, best.place = at;
       for (double start : starts_of(found, coarse_columns, coarse_rows, cc, cr, 0.5 * spacing)) {
         Facet facet = match_facet(plane, at, spacing, start, views, options.facet);
         const bool better = facet.outcome == FacetOutcome::measured

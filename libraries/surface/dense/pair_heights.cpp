@@ -102,6 +102,7 @@ Facet agreed_facet(const CellGrid& grid, size_t cell, const std::vector<Rectifie
                    const std::vector<PairHeight>& heights, const std::vector<FacetView>& views,
                    const PairOptions& options) {
   Facet facet;
+  facet.place = grid.middle(cell);
   std::set<size_t> seeing, saying;
   std::vector<float> said;
   bool differs = false;

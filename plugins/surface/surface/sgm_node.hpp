@@ -6,7 +6,7 @@
 namespace plumbline::surface {
 
 struct SemiGlobal : DepthNode {
-  static constexpr Info info{"dense.sgm", "depth", 2,
+  static constexpr Info info{"dense.sgm", "depth", 3,
                              "Measures the heights of panels in rectified pairs of photographs by semi-global matching "
                              "(OpenCV's StereoSGBM), where pairs of three photographs agree"};
   Param<int64_t> block{"block", 5, between(3, 11), "edge of what the matcher compares, odd"};

@@ -7,7 +7,7 @@ namespace plumbline::surface {
 
 struct PlaneSweep : DepthNode {
   static constexpr Info info{
-      "dense.plane_sweep", "depth", 3,
+      "dense.plane_sweep", "depth", 4,
       "Measures the heights of panels facet by facet in all photographs that see them, with random and "
       "systematic errors"};
   Param<int64_t> max_views{"max_views", 8, between(2, 40), "the best photographs of a part that are used"};

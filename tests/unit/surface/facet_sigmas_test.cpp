@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -132,6 +133,44 @@ TEST(FacetSigmas, WhatComesOutWorseThanAskedForIsAHole) {
   std::vector<double> sigmas;
   for (const MeasuredPoint& point : tile.measured.points) sigmas.push_back(static_cast<double>(point.sigma));
   EXPECT_NEAR(upper_median(sigmas), usual, 0.3 * usual);
+}
+
+/// Facets in a square, 20 mm apart, as large as that, on a plane that leans, each off by a tenth of a millimetre.
+std::vector<Facet> in_a_square(int side, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal(0, 1);
+  std::vector<Facet> facets(static_cast<size_t>(side) * side);
+  for (size_t i = 0; i < facets.size(); ++i) {
+    Facet& facet = facets[i];
+    facet.outcome = FacetOutcome::measured, facet.sigma = 1e-4, facet.extent = 0.02;
+    facet.place = 0.02 * Eigen::Vector2d(static_cast<double>(i % side), static_cast<double>(i / side)) +
+                  Eigen::Vector2d(0.11, -0.27);
+    facet.height = 0.3 * facet.place.x() - 0.2 * facet.place.y() + facet.sigma * normal(engine);
+  }
+  return facets;
+}
+
+/// A height that nothing around it supports is something else that was matched, however well: a hole, and its
+/// neighbours stay as sure as they were.
+TEST(FacetSigmas, AHeightThatStandsAloneIsAHole) {
+  std::vector<Facet> facets = in_a_square(9, 2);
+  const std::vector<double> even = stated_sigmas(listed(facets));
+  EXPECT_LT(upper_median(even), 1.1e-4) << "noise alone is no relief, nor is a plane that leans";
+  EXPECT_LT(*std::max_element(even.begin(), even.end()), 1.7e-4);
+  for (const size_t alone : {size_t{30}, size_t{0}, size_t{44}}) {  // within, at a corner, at the border
+    facets[alone].height += 0.02;
+    const std::vector<double> sigmas = sigmas_within(listed(facets), 0.002);
+    for (size_t i = 0; i < sigmas.size(); ++i)
+      if (i == alone)
+        EXPECT_TRUE(std::isinf(sigmas[i])) << alone << ": " << sigmas[i];
+      else
+        EXPECT_LT(sigmas[i], 2e-4) << alone << " " << i;
+    facets[alone].height -= 0.02;
+  }
+  // Of two halves that stand 20 mm apart each supports itself.
+  for (Facet& facet : facets) facet.height += facet.place.x() > 0.2 ? 0.02 : 0;
+  const std::vector<double> step = sigmas_within(listed(facets), 0.002);
+  EXPECT_LE(std::count_if(step.begin(), step.end(), [](double sigma) { return std::isinf(sigma); }), 18);
 }
 
 }  // namespace facet_sigmas_test
