@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -69,13 +70,14 @@ Job job_to_do(const Arguments& arguments) {
 }
 
 /// What began within its time is followed to its end, however late; what did not is not begun.
-void check_time(const Job& job, const Arguments& arguments, const ExchangeLog& log) {
+/// Empty: its time is right.
+std::string time_objection(const Job& job, const ExchangeLog& log) {
   const std::vector<std::string> sent = log.sent();
   const bool begun = std::any_of(sent.begin(), sent.end(), [&](const std::string& line) {
     return line.find("\"orderId\":\"" + vda_order_id(job) + "\"") != std::string::npos;
   });
-  if (const auto objections = job_objections(job, 0, begun ? "" : utc_now(), job.basis); !objections.empty())
-    throw std::runtime_error(arguments.job + ": " + objections[0]);
+  const auto objections = job_objections(job, 0, begun ? "" : utc_now(), job.basis);
+  return objections.empty() ? "" : objections[0];
 }
 
 VdaRobot robot_of(const Arguments& arguments) {
@@ -100,15 +102,23 @@ int carry_out(const Arguments& arguments) {
   const std::string round = std::filesystem::absolute(arguments.job).parent_path().string();
   ExchangeFolder log(arguments.folder, arguments.given.empty() ? arguments.job + ".given.jsonl" : arguments.given,
                      round);
-  check_time(job, arguments, log);
+  if (const std::string objection = time_objection(job, log); !objection.empty()) {
+    say(arguments.job + ": " + objection);
+    return 3;
+  }
   OrderExchange exchange(job, robot_of(arguments), log);
   if (const std::filesystem::path later = later_round(round); !later.empty() && !exchange.is_over())
     say(later.string() +
         " went on from the round of this job: what it recalled the robot does all the same; stop it "
         "there, or measure");
   MqttClient client(arguments.broker);
+  std::exception_ptr trouble;  // the message comes through a C library, which no exception may pass
   client.on_message = [&](const std::string&, const std::string& payload, bool is_kept) {
-    exchange.on_state(payload, seconds_now(), is_kept);
+    try {
+      exchange.on_state(payload, seconds_now(), is_kept);
+    } catch (...) {
+      trouble = std::current_exception();
+    }
   };
   client.on_connect = [&] { exchange.on_connect(); };
   client.subscribe(exchange.state_topic());
@@ -116,6 +126,7 @@ int carry_out(const Arguments& arguments) {
   const double start = seconds_now();
   while (!exchange.is_over() && !stopped && (arguments.longest <= 0 || seconds_now() - start < arguments.longest)) {
     client.poll(0.2);
+    if (trouble) std::rethrow_exception(trouble);
     if (client.is_connected())
       for (const MqttMessage& message : exchange.due(seconds_now(), utc_now())) client.publish(message);
     const std::string line = !client.is_connected() && !client.trouble().empty()

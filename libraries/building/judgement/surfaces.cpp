@@ -315,6 +315,7 @@ class Judge {
     SurfaceLimit moved = limit;  // as if all places lay by so much less
     moved.lower += common, moved.upper += common;
     if (std::isfinite(common)) judge_joint(surfaces_, joint, moved, risk_, without);
+    without.value -= common;  // the limits were moved: the side on which it fails is that of the shift that is left
     decide_either_way(without, verdict);
   }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "plumbline/stop.hpp"
 #include "survey/words/network_words.hpp"
 
 namespace plumbline::survey {
@@ -205,20 +206,22 @@ class ControlCauses {
   }
 
   /// Two known points of which each has the other's coordinates: with them exchanged back all lie where the readings
-  /// see them, and with no other two. Where most agree as they are, only the others are tried.
+  /// see them, and with no other two. Where most agree as they are, it can only be the two that do not.
   void of_exchanged(const std::optional<FigureFit>& as_it_is) {
     constexpr size_t kMost = 40;  // of which each is tried with each
     std::vector<const LocalSight*> tried;
     const bool most_agree = as_it_is && 2 * as_it_is->agree > static_cast<int>(seen_.size());
     for (const LocalSight& s : seen_)
       if (!most_agree || !agrees(*as_it_is, {&s, known_.at(s.point), tolerance_})) tried.push_back(&s);
-    if (tried.size() > kMost) return;
+    if (most_agree ? tried.size() != 2 : tried.size() > kMost) return;
     std::vector<std::pair<std::string, std::string>> pairs;
-    for (size_t i = 0; i < tried.size(); ++i)
+    for (size_t i = 0; i < tried.size(); ++i) {
+      stop_point();
       for (size_t j = i + 1; j < tried.size(); ++j) {
         const auto fit = fit_with(each_others(tried[i]->point, tried[j]->point));
         if (fit && fit->agree == static_cast<int>(seen_.size())) pairs.emplace_back(tried[i]->point, tried[j]->point);
       }
+    }
     if (pairs.size() != 1) return;
     const auto& [one, other] = pairs.front();
     add("the known points " + one + " and " + other + " have each other's coordinates: so all " +
@@ -228,8 +231,12 @@ class ControlCauses {
   }
 
   Undo each_others(const std::string& one, const std::string& other) const {
-    return [a = known_.at(one), b = known_.at(other)](const Vector3d& p) -> Vector3d {
-      return p.head<2>() == a.head<2>() ? b : p.head<2>() == b.head<2>() ? a : p;
+    // Anchors of one column have the same E and N in a design.
+    const auto same = [](const Vector3d& p, const Vector3d& q) {
+      return (p.array() == q.array() || (p.array().isNaN() && q.array().isNaN())).all();
+    };
+    return [a = known_.at(one), b = known_.at(other), same](const Vector3d& p) -> Vector3d {
+      return same(p, a) ? b : same(p, b) ? a : p;
     };
   }
 

@@ -72,11 +72,25 @@ std::set<std::string> names_that_may_be_in(const std::filesystem::path& design, 
   std::set<std::string> found;
   for (const std::string& name : names)
     if (written_otherwise(name)) found.insert(name);
-  for (std::size_t at = text.find('\''); at != std::string::npos;) {
+  constexpr std::size_t none = std::string::npos;
+  std::size_t comment = text.find("/*");
+  // Where the next text begins: an apostrophe in a comment begins none, and "/*" in a text no comment.
+  const auto next_text = [&](std::size_t from) {
+    if (comment < from) comment = text.find("/*", from);
+    std::size_t quote = text.find('\'', from);
+    while (quote != none && comment < quote) {
+      const std::size_t end = text.find("*/", comment + 2);
+      if (end == none) return none;
+      comment = text.find("/*", end + 2);
+      if (quote < end) quote = text.find('\'', end + 2);
+    }
+    return quote;
+  };
+  for (std::size_t at = next_text(0); at != none;) {
     const std::size_t end = text.find('\'', at + 1);
-    if (end == std::string::npos) break;
+    if (end == none) break;
     if (const auto name = names.find(text.substr(at + 1, end - at - 1)); name != names.end()) found.insert(*name);
-    at = text.find('\'', end + 1);
+    at = next_text(end + 1);
   }
   return found;
 }

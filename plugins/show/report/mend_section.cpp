@@ -13,7 +13,7 @@ namespace {
 
 /// A value that somebody has to find out first stands in the note ("frames.with.datum_sigma=0.005 where ...").
 bool takes_a_value(const MeasurementDoubtT& finding) {
-  return finding.mend.empty() && finding.mend_note.find(".with.") != std::string::npos;
+  return finding.mend.empty() && finding.part == MeasurementPart::datum;
 }
 
 bool has_facade_to_confirm(const DeviationT& deviation) {

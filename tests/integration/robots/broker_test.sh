@@ -61,7 +61,9 @@ check plain 6
 # Nor after its time, which is for what was not begun.
 sed 's/"revision": 1,/&\n "validUntil": "2020-01-01T00:00:00Z",/;' plain.json | awk '!/validUntil/ || !n++' > late.json
 timeout 30 "${call[@]/plain.json/late.json}" --longest 20 >> plain.log 2>&1 || fail "what the robot had done in time was not taken later"
-if "$robots" --job late.json --robot RobotCompany/001 --folder spool_late --port "$port" --longest 5 2> late.log; then fail "a job was begun after its time"; fi
+code=0
+"$robots" --job late.json --robot RobotCompany/001 --folder spool_late --port "$port" --longest 5 > late.log 2>&1 || code=$?
+[[ $code == 3 ]] || fail "a job after its time ends with exit code $code, not 3"
 grep -q 'was valid until 2020' late.log || fail "it was not said that the job is too old"
 # What one robot has is not given to another, which has a folder of its own.
 code=0

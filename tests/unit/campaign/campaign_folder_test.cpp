@@ -2,8 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <numbers>
+#include <set>
+#include <string>
+
+#include "whole_design.hpp"
 
 namespace plumbline::campaign {
 namespace campaign_folder_test {
@@ -451,6 +457,17 @@ TEST(Plates, OfAMeasuredCampaignNeedNoTagsAndMayKeepTheAzimuthToThemselves) {
     EXPECT_NE(std::string(error.what()).find("floors are counted from the lowest, basements too"), std::string::npos)
         << error.what();
   }
+}
+
+/// "John's" in a comment turned what is a text inside out for the rest of the file.
+TEST(WholeDesign, AnApostropheInACommentBeginsNoText) {
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "plumbline_comment_of_a_design.ifc";
+  std::ofstream(file)
+      << "ISO-10303-21;\n/* John's plugin, 'A2' */\nDATA;\n#1=IFCPLATE('A1','/* no comment',$,'A4');/*'A5*/"
+         "#2=IFCPLATE('A6');\n/* an end that is missing 'A3'";
+  const std::set<std::string> found = names_that_may_be_in(file, {"A1", "A2", "A3", "A4", "A5", "A6"});
+  std::filesystem::remove(file);
+  EXPECT_EQ(found, (std::set<std::string>{"A1", "A4", "A6"}));
 }
 
 }  // namespace campaign_folder_test

@@ -315,6 +315,8 @@ TEST(JudgeSurfaces, WhatLiesBesideItsPlaceIsJudgedWhereItComesToTheSameEitherWay
   EXPECT_EQ(verdict("offset", "1mm"), "fail") << "nothing is said of the way out";
   EXPECT_EQ(verdict("shift", "10mm"), "pass") << "3.2 or 0.2";
   EXPECT_EQ(verdict("shift", "2mm"), "not judged") << "3.2 fails, 0.2 does not";
+  beside.right = 0.006;
+  EXPECT_EQ(verdict("shift", "2mm"), "not judged") << "3.2 and -2.8 mm both fail, and what lies between does not";
   beside.right = std::nan(""), beside.out = 0.003;
   EXPECT_EQ(verdict("shift", "2mm"), "fail");
   EXPECT_EQ(verdict("offset", "10mm"), "pass");
