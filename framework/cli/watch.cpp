@@ -186,16 +186,21 @@ constexpr int kPatience = 60;  // [s]: a file without an end is waited for so lo
 
 /// Files that have come or changed since `last` (without a last run: within the last minute) and have no end, or much
 /// less than they had.
-std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& now) {
-  std::vector<std::string> names;
+struct InPart {
+  std::string path;
+  bool is_shorter = false;  ///< than it was; else it has no end
+};
+
+std::vector<InPart> copied_in_part(const Snapshot& last, const Snapshot& now) {
+  std::vector<InPart> files;
   const long long recent = std::time(nullptr) - kPatience;
   for (const auto& [path, stamp] : now) {
     const auto known = last.find(path);
     const bool is_new = last.empty() ? stamp.seconds >= recent : known == last.end() || !(known->second == stamp);
     const bool is_shorter = known != last.end() && is_much_shorter(path, known->second, stamp);
-    if (is_new && (is_shorter || is_copied_in_part(path))) names.push_back(path);
+    if (is_new && (is_shorter || is_copied_in_part(path))) files.push_back({path, is_shorter});
   }
-  return names;
+  return files;
 }
 
 /// Until nothing changes and files that came since `last` have their ends: a copy may pause for longer than the
@@ -203,15 +208,17 @@ std::vector<std::string> copied_in_part(const Snapshot& last, const Snapshot& no
 bool wait_until_copied(const std::set<fs::path>& paths, double quiet, const Snapshot& last, Snapshot& now) {
   for (auto told = Clock::time_point::max();;) {
     if (!wait_until_quiet(paths, quiet, now)) return false;
-    const std::vector<std::string> names = copied_in_part(last, now);
-    if (names.empty() || (told != Clock::time_point::max() && Clock::now() - told > std::chrono::seconds(kPatience)))
+    const std::vector<InPart> files = copied_in_part(last, now);
+    if (files.empty() || (told != Clock::time_point::max() && Clock::now() - told > std::chrono::seconds(kPatience)))
       return true;
     if (told != Clock::time_point::max()) continue;
     told = Clock::now();
-    std::printf("waiting: %s%s no end yet, as while a copy is under way; a run begins when %s whole, or in %d s\n",
-                runtime::printable(names.front()).c_str(),
-                names.size() > 1 ? (" and " + std::to_string(names.size() - 1) + " more have").c_str() : " has",
-                names.size() > 1 ? "they are" : "it is", kPatience);
+    const std::string others = std::to_string(files.size() - 1);
+    std::printf("waiting: %s %s%s, as while a copy is under way; a run begins when %s whole, or in %d s\n",
+                runtime::printable(files.front().path).c_str(),
+                files.front().is_shorter ? "is much shorter than it was" : "has no end yet",
+                files.size() > 1 ? (", and " + others + " more").c_str() : "", files.size() > 1 ? "they are" : "it is",
+                kPatience);
     std::fflush(stdout);
   }
 }
