@@ -76,17 +76,21 @@ std::map<std::string, std::vector<std::string>> by_holder(const std::vector<Give
   return items;
 }
 
-/// Lines of the items of a job that are in no line of the file yet.
-std::string lines_to_give(const std::string& given, const Job& job, const std::string& robot) {
+/// Lines of the items of a job that are in no line of the file yet, with how long the journal of its round is: what was
+/// reported by then answers nothing of it.
+std::string lines_to_give(const std::string& given, const std::string& rounds, const Job& job,
+                          const std::string& robot) {
   std::set<std::pair<std::string, int>> there;
   for (const GivenItem& one : given_lines(given)) there.emplace(one.item, one.revision);
+  const std::size_t journal = rounds.empty() ? 0 : journal_lines(rounds);
   std::string lines;
-  for (const JobItem& item : job.items)
-    if (!there.contains({item.id, item.revision}))
-      lines += (lines.empty() ? "" : "\n") +
-               nlohmann::ordered_json{
-                   {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}}
-                   .dump();
+  for (const JobItem& item : job.items) {
+    if (there.contains({item.id, item.revision})) continue;
+    nlohmann::ordered_json line{
+        {"item", item.id}, {"revision", item.revision}, {"robot", robot}, {"order", vda_order_id(job)}};
+    if (journal > 0) line["journal"] = journal;
+    lines += (lines.empty() ? "" : "\n") + line.dump();
+  }
   return lines;
 }
 
@@ -96,7 +100,8 @@ void ExchangeFolder::note_given(const Job& job, const std::string& robot) {
   if (given_.empty()) return;
   const int file = open_lines(given_, true);
   const FileCloser closer{file};
-  if (const std::string lines = lines_to_give(given_, job, robot); !lines.empty()) append_line(file, lines, given_);
+  if (const std::string lines = lines_to_give(given_, rounds_, job, robot); !lines.empty())
+    append_line(file, lines, given_);
 }
 
 std::string ExchangeFolder::held_by_others(const Job& job, const std::string& robot, bool take) {
@@ -111,7 +116,7 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
            (later / "job.json").string() + "; if that round is to count for nothing, take its folder away";
   const auto held = by_holder(unanswered(rounds_, given_, job, robot, vda_order_id(job)), robot);
   if (held.empty()) {
-    const std::string lines = lines_to_give(given_, job, robot);
+    const std::string lines = lines_to_give(given_, rounds_, job, robot);
     if (take && !lines.empty()) append_line(file, lines, given_);
     return {};
   }
@@ -121,7 +126,9 @@ std::string ExchangeFolder::held_by_others(const Job& job, const std::string& ro
              other;
   return words +
          ", and no report of it is in this round: nothing is sent. Let that order come to its end, then run the round "
-         "with what that robot said (or report each as done, failed or skipped). Two robots share a job by floors "
+         "with what that robot said. What was recalled since is asked for again once a campaign measured it after "
+         "that ('measured'); what that order did not do and will not do is reported as skipped, with its revision. Two "
+         "robots share a job by floors "
          "(--floor 1, --floor 2), and a robot goes on with the floors that it was given together; if that robot is "
          "known not to have taken them, take its lines out of that file";
 }

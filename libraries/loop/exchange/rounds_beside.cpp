@@ -36,6 +36,7 @@ fs::path one_name(const fs::path& folder) {
 struct Change {
   std::string from, to;
   std::size_t line = 0;  ///< of the journal, from 0
+  int answered = 0;      ///< JournalEntry::answered_revision
 };
 
 std::map<std::string, std::vector<Change>> changes_of(const std::string& journal) {
@@ -45,7 +46,8 @@ std::map<std::string, std::vector<Change>> changes_of(const std::string& journal
   for (std::string text; std::getline(lines, text); ++number) {
     const auto line = nlohmann::json::parse(text, nullptr, false);
     if (!line.is_object()) continue;
-    changes[line.value("item", "")].push_back({line.value("from", ""), line.value("to", ""), number});
+    changes[line.value("item", "")].push_back(
+        {line.value("from", ""), line.value("to", ""), number, line.value("answered_revision", 0)});
   }
   return changes;
 }
@@ -56,9 +58,9 @@ bool answers(const Change& change) {
   return change.to == "EXECUTED" || change.to == "REJECTED" || (was_asked && change.to == "PLANNED");
 }
 
-/// Whether the item was reported since it was given out. `since`: lines of the journal by then; npos: not known, then
-/// since the release before the last.
-bool is_answered(const std::vector<Change>& changes, std::size_t since) {
+/// Whether the item was reported since it was given out with `revision`. `since`: lines of the journal by then; npos:
+/// not known, then since the release before the last.
+bool is_answered(const std::vector<Change>& changes, std::size_t since, int revision) {
   if (since == std::string::npos) {
     since = 0;
     std::vector<std::size_t> releases;
@@ -66,8 +68,9 @@ bool is_answered(const std::vector<Change>& changes, std::size_t since) {
       if (change.to == "RELEASED") releases.push_back(change.line);
     if (releases.size() > 1) since = releases[releases.size() - 2];
   }
-  return std::any_of(changes.begin(), changes.end(),
-                     [&](const Change& change) { return change.line >= since && answers(change); });
+  return std::any_of(changes.begin(), changes.end(), [&](const Change& change) {
+    return change.answered == revision || (change.line >= since && answers(change));
+  });
 }
 
 struct GivenFile {
@@ -111,9 +114,17 @@ std::vector<GivenItem> given_lines(const fs::path& file) {
                                "', expected item, revision and robot: which robot has what is not known; mend that "
                                "line, or take it out if no robot had it");
     given.push_back({line["item"].get<std::string>(), line["revision"].get<int>(), line["robot"].get<std::string>(),
-                     is_text("order") ? line["order"].get<std::string>() : std::string(), file});
+                     is_text("order") ? line["order"].get<std::string>() : std::string(), file,
+                     line.contains("journal") && line["journal"].is_number_unsigned()
+                         ? line["journal"].get<std::size_t>()
+                         : std::string::npos});
   }
   return given;
+}
+
+std::size_t journal_lines(const fs::path& folder) {
+  const std::string journal = content_of(folder / kJournalFile);
+  return static_cast<std::size_t>(std::count(journal.begin(), journal.end(), '\n'));
 }
 
 fs::path later_round(const fs::path& typed) {
@@ -151,7 +162,8 @@ std::vector<GivenItem> unanswered(const fs::path& typed, const fs::path& given, 
       if (one.revision < item->second && journal.empty()) continue;
       const auto known = changes.find(one.item);
       const bool is_over =
-          one.revision < item->second && known != changes.end() && is_answered(known->second, file.since);
+          one.revision < item->second && known != changes.end() &&
+          is_answered(known->second, file.since != std::string::npos ? file.since : one.since, one.revision);
       if (!is_over && named.insert(one.item).second) held.push_back(one);
     }
   return held;

@@ -13,6 +13,7 @@
 #include "loop/state/hash.hpp"
 #include "loop/state/machine.hpp"
 #include "loop/state/place_doubts.hpp"
+#include "loop/state/recalled_orders.hpp"
 #include "loop/state/report_order.hpp"
 #include "loop/state/transitions.hpp"
 
@@ -26,6 +27,8 @@ constexpr double kReach = 0.25;
 constexpr double kSettingReach = 0.03;
 /// A panel that was measured within this of where its centre is to be hangs there [m].
 constexpr double kPanelReach = 0.05;
+/// By a place less precise than a quarter of that it could hang beyond it, too [m].
+constexpr double kLargestSeen = kPanelReach / 4;
 /// A standard deviation above this shows of no place where it is, and one below that no instrument of a site has [m].
 constexpr double kLargestSigma = 0.05, kLeastSigma = 1e-5;
 
@@ -126,16 +129,19 @@ bool contradicts(const LoopItemT& item, const ActualT& actual) {
 /// Whether a report shows that its panel hangs: it was measured there, and not by copying the target.
 bool shows_panel(const LoopItemT& item, const ActualT& actual, const CopiedPlaces& copied) {
   if (!actual.measured.allFinite() || !item.expected.allFinite()) return false;
+  if (actual.sigma.allFinite() && actual.sigma.maxCoeff() > kLargestSeen) return false;
   return !copied.contains(actual) && (actual.measured - item.expected).cwiseAbs().maxCoeff() <= kPanelReach;
 }
 
 /// Why the place of a report that is taken does not show that its panel hangs; empty if it does, or there is none.
 std::string no_proof(const LoopItemT& item, const ActualT& actual, const CopiedPlaces& copied) {
   if (item.kind != "panel" || item.seen || !actual.measured.allFinite() || !item.expected.allFinite()) return {};
-  const std::string how = copied.contains(actual)
-                              ? copied.words(actual)
-                              : fmt::format("lies {:.0f} mm from where it should be, {:.0f} mm along an axis show it",
-                                            1e3 * (actual.measured - item.expected).norm(), 1e3 * kPanelReach);
+  const bool is_coarse = actual.sigma.allFinite() && actual.sigma.maxCoeff() > kLargestSeen;
+  const std::string how =
+      copied.contains(actual) ? copied.words(actual)
+      : is_coarse ? fmt::format("has a sigma of {:.1f} mm, 12.5 mm at most show it", 1e3 * actual.sigma.maxCoeff())
+                  : fmt::format("lies {:.0f} mm from where it should be, {:.0f} mm along an axis show it",
+                                1e3 * (actual.measured - item.expected).norm(), 1e3 * kPanelReach);
   return "taken as done, but its place does not show that it hangs: it " + how +
          "; measure it again, or accept it when somebody has seen it";
 }
@@ -285,6 +291,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
                                        const std::string& now) {
   std::vector<std::string> refused;
   const CopiedPlaces copied(state, actuals);
+  RecalledOrders recalled(state);
   const auto may_count = [&](const ActualT& actual) {
     int named = 0;
     const LoopItemT* item = item_of(state, actual.item, named);
@@ -320,6 +327,7 @@ std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actual
                                 : named < 1 ? unknown_words(state, actual->item)
                                             : objection(item, *actual, now);
     if (!why_not.empty()) {
+      if (named == 1 && future_doubt(*actual, now).empty()) recalled.take(*item, *actual, by_report(*actual, "", now));
       refused.push_back(report + why_not);
       continue;
     }

@@ -18,6 +18,8 @@ std::string journal_line(const JournalEntry& entry, const std::string& previous)
   line["item"] = entry.item, line["kind"] = entry.kind, line["from"] = entry.from, line["to"] = entry.to;
   line["by"] = entry.by, line["at"] = entry.at, line["why"] = entry.why, line["rests_on"] = entry.rests_on;
   if (!entry.reason.empty()) line["reason"] = entry.reason;
+  if (entry.reported_revision > 0) line["reported_revision"] = entry.reported_revision;
+  if (entry.answered_revision > 0) line["answered_revision"] = entry.answered_revision;
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 

@@ -156,20 +156,22 @@ std::string Round::place_contradiction(const PlannedPanelT& panel, LoopItemT& it
 }
 
 /// A number without its precision contradicts nothing but that the panel is within its limits, and that from so far on
-/// as a tape or an unmeasured tool may be off. Nor does one whose precision is worse than a tape's.
+/// as a tape or an unmeasured tool may be off. Nor does one whose precision is worse than a tape's, but that what its
+/// sigma explains is none: beyond three of it is one sound panel in 120 (the worst of three axes).
 std::string Round::coarse_contradiction(const PlannedPanelT& panel, const LoopItemT& item) const {
-  constexpr double kCoarse = 0.020;
+  constexpr double kCoarse = 0.020, kExplained = 3;
   double limit = 0, off = 0;
   for (const auto& length : plan_.lengths)
     if (length->quantity == "corner" && length->panels.size() == 1 && length->panels[0] == panel.id)
       for (const double side : {length->low, length->high})
         if (std::isfinite(side)) limit = std::fmax(limit, std::abs(side));
   for (int k = 0; k < 3; ++k) off = std::fmax(off, std::abs(item.place[k] - panel.centre[k] - panel.shift[k]));
-  if (!(limit > 0) || off <= limit + kCoarse) return {};
+  const double sigma = *std::max_element(item.place.begin() + 3, item.place.end());
+  if (!(limit > 0) || off <= std::fmax(limit + kCoarse, kExplained * sigma)) return {};
   return "was reported " + text::millimetres(off) +
          " from where its brackets say that it hangs, more than its limits of " + text::millimetres(limit) +
          " and the " + text::millimetres(kCoarse) +
-         (item.place[3] > 0 ? " that a place may be off by, whatever its sigma"
+         (item.place[3] > 0 ? " that a place may be off by, and more than three times its sigma"
                             : " that a place without sigma may be off by") +
          ": look where it hangs, or whether that is another panel's place";
 }

@@ -47,12 +47,13 @@ std::string control_without_floor(const LoopStateT& state) {
 
 namespace {
 
-void write_line(LoopStateT& state, const LoopItemT& item, ItemStatus to, const Because& because) {
+void write_line(LoopStateT& state, const LoopItemT& item, ItemStatus to, const Because& because, int reported = 0,
+                int answered = 0) {
   const bool has_reason = because.reason != ItemReason::other;
   state.journal.push_back(journal_line(
       {state.round, item.id, item.kind, name_of(item.status), name_of(to),
        because.by.empty() ? because.told_by : because.by, because.at.empty() ? because.told_at : because.at,
-       because.why, because.rests_on, has_reason ? EnumNameItemReason(because.reason) : ""},
+       because.why, because.rests_on, has_reason ? EnumNameItemReason(because.reason) : "", reported, answered},
       journal_head(state.journal)));
 }
 
@@ -72,6 +73,10 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
 void note(LoopStateT& state, LoopItemT& item, const Because& because) {
   write_line(state, item, item.status, because);
   item.why = because.why, item.reason = because.reason;
+}
+
+void note_recalled_order(LoopStateT& state, const LoopItemT& item, const Because& because, int reported, int answered) {
+  write_line(state, item, item.status, because, reported, answered);
 }
 
 void reject_item(LoopStateT& state, LoopItemT& item, const Because& because) {

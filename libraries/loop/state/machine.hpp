@@ -48,7 +48,8 @@ struct MachineOptions {
 /// metres away from where the item is (with what would explain it: feet, millimetres, exchanged axes, another frame), a
 /// name of a bracket and a panel, standard deviations that are in another unit or none, a date later than `now` (ISO
 /// 8601 with zone; empty: not said, and nothing is too late). "removed" says that a panel does not hang any more: it is
-/// planned again. One that was reported done and later failed goes to a person. `doubted`: panels' reports that are
+/// planned again. One that was reported done and later failed goes to a person. What ends an order that was recalled is
+/// refused, and the journal has it (recalled_orders.hpp). `doubted`: panels' reports that are
 /// taken, and do not show that it hangs, with why.
 std::vector<std::string> apply_actuals(LoopStateT& state, const ActualsT& actuals,
                                        std::vector<std::string>* doubted = nullptr, const std::string& now = {});

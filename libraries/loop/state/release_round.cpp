@@ -33,6 +33,7 @@ std::set<std::string> told_not_to_hang(const std::vector<std::string>& journal) 
   for (const std::string& text : journal) {
     const auto line = nlohmann::json::parse(text, nullptr, false);
     if (!line.is_object() || line.value("kind", "") != "panel") continue;
+    if (line.contains("reported_revision") || line.contains("answered_revision")) continue;
     const std::string panel = line.value("item", "");
     if (line.value("reason", "") == EnumNameItemReason(ItemReason::may_not_hang))
       panels.insert(panel);

@@ -11,6 +11,7 @@
 #include "loop/state/date.hpp"
 #include "loop/state/floor_moves.hpp"
 #include "loop/state/next_words.hpp"
+#include "loop/state/recalled_orders.hpp"
 #include "plumbline/stop.hpp"
 
 namespace plumbline::loop {
@@ -41,6 +42,7 @@ void Round::run() {
     state_.estimate = plan_.estimate ? std::make_unique<AnchorEstimateT>(*plan_.estimate) : nullptr;
     take_control();
     take_readings();
+    answer_recalled_orders(state_, plan_, options_);
     verify_brackets();
     verify_panels();
     find_stale_brackets();

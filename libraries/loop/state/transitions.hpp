@@ -31,6 +31,10 @@ void move(LoopStateT& state, LoopItemT& item, ItemStatus to, const Because& beca
 /// A line in the journal about an item that stays where it stands.
 void note(LoopStateT& state, LoopItemT& item, const Because& because);
 
+/// A line in the journal about an order of a release before: the item stays as it is, and why it stands there, too.
+/// `reported`, `answered`: JournalEntry::reported_revision and answered_revision.
+void note_recalled_order(LoopStateT& state, const LoopItemT& item, const Because& because, int reported, int answered);
+
 /// Why an item stands where it does, without a line in the journal: what each round says anew.
 inline void stay(LoopItemT& item, std::string why, ItemReason reason = ItemReason::other) {
   item.why = std::move(why), item.reason = reason;

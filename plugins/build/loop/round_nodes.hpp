@@ -20,7 +20,7 @@ struct ReadState : Node {
 };
 
 struct ReadReports : Node {
-  static constexpr Info info{"read.reports", "", 4,
+  static constexpr Info info{"read.reports", "", 5,
                              "What robots and people report since the last round, out of as many files as there are"};
   Optional<Transform> frames{"frames", frame("to=building,from=?S"),
                              "what the survey was moved by into the building's frame: staked points, and what answers "

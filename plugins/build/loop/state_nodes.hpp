@@ -11,7 +11,7 @@
 namespace plumbline::loop {
 
 struct UpdateState : Node {
-  static constexpr Info info{"update.state", "", 8,
+  static constexpr Info info{"update.state", "", 9,
                              "Takes what robots and people report into the state of brackets and panels"};
   Optional<LoopState> before{"state", frame("frame=?F"),
                              "the state of the round before; without: nothing was done yet"};
@@ -39,7 +39,7 @@ struct UpdateState : Node {
 };
 
 struct ReleaseState : Node {
-  static constexpr Info info{"release.state", "", 9,
+  static constexpr Info info{"release.state", "", 10,
                              "Verifies by a new plan what was done, and releases what is GO and whose turn it is"};
   In<LoopState> before{"state", frame("frame=?F"), "the state with all reports"};
   In<InstallationPlan> plan{"plan", frame("frame=?F"), "the plan on the measurement made since, with this state"};

@@ -24,7 +24,7 @@ struct WriteVda5050 : Node {
 };
 
 struct ReadVda5050 : Node {
-  static constexpr Info info{"read.vda5050", "", 2, "State messages of robots as reports on the items of a job"};
+  static constexpr Info info{"read.vda5050", "", 3, "State messages of robots as reports on the items of a job"};
   In<File> job{"job", "job.json that was ordered"};
   In<File> states{"states", "state messages of VDA 5050, one in each line, in any order, as often as they came"};
   Optional<Transform> frames{"frames", frame("to=building,from=?S"),

@@ -1,6 +1,7 @@
 // What reports of a round may say: of another release, place, name or date they are not taken.
 #include <gtest/gtest.h>
 
+#include "geometry/random.hpp"
 #include "hung_panel.hpp"
 #include "loop/state/control_change.hpp"
 #include "loop/state/gone_items.hpp"
@@ -95,19 +96,59 @@ TEST(Rounds, APlaceWithoutSigmaThatIsOutsideTheLimitsGoesToAPerson) {
                                      "limits of 5.0 mm and the 20.0 mm that a place without sigma may be off by: look"),
             0u)
       << item(far, "p0").why;
-  // Stating a sigma that it agrees by makes it no better than stating none.
-  for (const double sigma : {0.012, 0.05}) {
-    LoopStateT stated = judged(0.040, sigma);
-    EXPECT_EQ(item(stated, "p0").status, ItemStatus::rejected) << sigma;
-    EXPECT_NE(item(stated, "p0").why.find("20.0 mm that a place may be off by, whatever its sigma: look"),
-              std::string::npos)
-        << item(stated, "p0").why;
-  }
+  // Stating a sigma that it agrees by makes it no better than stating none, unless that explains it.
+  LoopStateT stated = judged(0.040, 0.012), explained = judged(0.035, 0.012), at_eight = judged(0.026, 0.008);
+  EXPECT_EQ(item(stated, "p0").status, ItemStatus::rejected);
+  EXPECT_NE(
+      item(stated, "p0").why.find("20.0 mm that a place may be off by, and more than three times its sigma: look"),
+      std::string::npos)
+      << item(stated, "p0").why;
+  EXPECT_EQ(item(explained, "p0").status, ItemStatus::verified) << item(explained, "p0").why;
+  EXPECT_EQ(item(at_eight, "p0").status, ItemStatus::rejected);
   LoopStateT within = judged(0.024, 0.012);
   EXPECT_EQ(item(within, "p0").status, ItemStatus::verified);
   EXPECT_TRUE(accept_item(far, "p0"));
   next_plan(far, plan_after_setting(0, "fourth"));
   EXPECT_EQ(item(far, "p0").status, ItemStatus::verified);
+}
+
+/// Measured to what is stated, a sound panel sends nobody more often than three sigmas on one of three axes do.
+TEST(Rounds, AnHonestCoarseSigmaSendsFewSoundPanelsToAPerson) {
+  for (const double sigma : {0.008, 0.010, 0.012}) {
+    Random random(7);
+    int sent = 0;
+    for (int k = 0; k < 400; ++k) {
+      LoopStateT state = with_released_panel();
+      ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+      actuals.items[0]->measured = random.normal3(sigma);
+      actuals.items[0]->sigma.setConstant(sigma);
+      apply_actuals(state, actuals);
+      InstallationPlanT plan = plan_after_setting(0, "third");
+      for (auto& panel : plan.panels) panel->centre_sigma = {0.0005, 0.0005, 0.0005};
+      plan.lengths.push_back(std::make_unique<PlannedLengthT>());
+      plan.lengths.back()->quantity = "corner", plan.lengths.back()->panels = {"p0"};
+      plan.lengths.back()->low = -0.005, plan.lengths.back()->high = 0.005;
+      next_plan(state, plan);
+      sent += item(state, "p0").status == ItemStatus::rejected ? 1 : 0;
+    }
+    EXPECT_LE(sent, 10) << sigma;  // 0.8 % are 3.2
+  }
+}
+
+/// By a sigma of 50 mm it could hang anywhere: it is taken as done, and a person looks.
+TEST(Rounds, APlaceOfACoarseSigmaShowsNotThatThePanelHangs) {
+  LoopStateT state = with_released_panel();
+  ActualsT actuals = done({"p0"}, item(state, "p0").revision);
+  actuals.items[0]->measured = {0.03, 0.001, 0}, actuals.items[0]->sigma.setConstant(0.02);
+  std::vector<std::string> doubted;
+  EXPECT_TRUE(apply_actuals(state, actuals, &doubted).empty());
+  ASSERT_EQ(doubted.size(), 1u);
+  EXPECT_NE(doubted[0].find("it has a sigma of 20.0 mm, 12.5 mm at most show it; measure it again"), std::string::npos)
+      << doubted[0];
+  EXPECT_TRUE(item(state, "p0").hangs);
+  EXPECT_FALSE(item(state, "p0").seen);
+  next_plan(state, plan_after_setting(0, "third"));
+  EXPECT_EQ(item(state, "p0").status, ItemStatus::relocalised) << item(state, "p0").why;
 }
 
 TEST(Rounds, APanelsPlaceThatIsItsTargetInMillimetresIsNoMeasurement) {

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "loop/exchange/order_exchange.hpp"
+#include "two_floors.hpp"
 
 namespace plumbline::loop {
 namespace rounds_beside_test {
@@ -135,6 +136,114 @@ TEST_F(RoundsBeside, OneFileForAllRoundsIsHeldAgainstTheJournal) {
     write("given.jsonl", line);
     EXPECT_THROW(given_lines(folder_ / "given.jsonl"), std::runtime_error);
   }
+}
+
+/// The first release given to a robot, in its first lines of the journal reported failed; then recalled twice.
+TEST_F(RoundsBeside, WhatWasAnsweredLongAgoIsNotHeldByOneFileForAllRounds) {
+  write("rounds/1/journal.jsonl", released("a"));
+  {
+    ExchangeFolder log(folder_ / "robots/1", folder_ / "given.jsonl", folder_ / "rounds/1");
+    EXPECT_EQ(log.held_by_others(job_of("job-1", {{"a", 1}}), "RC/1", true), "");
+  }
+  ASSERT_EQ(given_lines(folder_ / "given.jsonl").size(), 1u);
+  ASSERT_EQ(given_lines(folder_ / "given.jsonl").at(0).since, 1u);
+  write("rounds/2/journal.jsonl",
+        released("a") + change("a", "RELEASED", "PLANNED") + released("a") + recalled("a") + released("a"));
+  EXPECT_TRUE(
+      unanswered(folder_ / "rounds/2", folder_ / "given.jsonl", job_of("job-3", {{"a", 3}}), "RC/1", "job-3").empty());
+  write("rounds/2/journal.jsonl", released("a") + recalled("a") + released("a"));
+  EXPECT_EQ(
+      unanswered(folder_ / "rounds/2", folder_ / "given.jsonl", job_of("job-3", {{"a", 3}}), "RC/1", "job-3").size(),
+      1u);
+}
+
+/// Rounds as they are run: released, given to RC/1, recalled because control moved, done all the same.
+class RecalledAndDone : public RoundsBeside {
+ protected:
+  void SetUp() override {
+    RoundsBeside::SetUp();
+    next("first", "08:00");
+    keep("1");
+    write("rounds/1/job.json.given.jsonl", given("b0", 1, "RC/1", "job-1") + given("b1", 1, "RC/1", "job-1"));
+    test::recall(state_, {}, "control point CP1 moved");
+    keep("2");
+    ASSERT_EQ(test::item(state_, "b0").status, ItemStatus::planned);
+  }
+
+  static std::string at(const std::string& hour) { return "2026-05-04T" + hour + ":00Z"; }
+  void next(const std::string& basis, const std::string& hour, double off = 0) {
+    test::MachineOptions options;
+    options.at = options.measured_at = at(hour);
+    InstallationPlanT plan = test::make_plan(basis);
+    for (auto& bracket : plan.brackets) bracket->measured.z() += off, bracket->setting.y() -= off;
+    test::next_plan(state_, std::move(plan), options);
+  }
+  void keep(const std::string& round) {
+    std::string lines;
+    for (const std::string& line : state_.journal) lines += line + "\n";
+    fs::create_directories(folder_ / "rounds" / round);
+    write("rounds/" + round + "/journal.jsonl", lines);
+  }
+  /// What RC/1 says of its order; how many reports are refused.
+  std::size_t report(const std::string& outcome, const std::string& hour, const std::string& now) {
+    ActualsT actuals = test::done({"b0", "b1"}, 1);
+    for (auto& one : actuals.items) one->by = "RC/1", one->job = "job-1", one->at = at(hour), one->outcome = outcome;
+    return test::apply_actuals(state_, actuals, nullptr, at(now)).size();
+  }
+  std::string reason_now() {
+    const int revision = test::item(state_, "b0").revision;
+    return reason("3", job_of("job-3", {{"b0", revision}, {"b1", revision}}));
+  }
+
+  LoopStateT state_;
+};
+
+TEST_F(RecalledAndDone, IsAskedForAgainOnceItIsMeasuredAfterThat) {
+  EXPECT_EQ(report("done", "10:00", "17:00"), 2u) << "refused: nobody asked for it any more";
+  const std::size_t lines = state_.journal.size();
+  EXPECT_EQ(report("done", "10:00", "17:00"), 2u);
+  EXPECT_EQ(state_.journal.size(), lines) << "the file is read again: once in the journal";
+  // Measured before the robot did it: what is asked for would be set twice.
+  next("second", "09:30");
+  keep("3");
+  ASSERT_EQ(test::item(state_, "b0").status, ItemStatus::released);
+  EXPECT_EQ(reason_now().find("b0, b1 were given to RC/1 itself, in order job-1"), 0u) << reason_now();
+  // Measured since; 1 mm is none that goes to a person, and the setting that was planned before is not asked for.
+  next("third", "17:30", 0.001);
+  keep("3");
+  ASSERT_EQ(test::item(state_, "b0").status, ItemStatus::released);
+  EXPECT_EQ(test::item(state_, "b0").revision, 3);
+  EXPECT_NEAR(test::item(state_, "b0").pending.y(), 0.003, 1e-12);
+  EXPECT_EQ(reason_now(), "");
+  EXPECT_EQ(test::check_journal(state_.journal).words, "");
+}
+
+TEST_F(RecalledAndDone, WithTheRoundThatMeasuredIt) {
+  EXPECT_EQ(report("failed", "10:00", "17:00"), 2u);
+  next("second", "16:30");
+  keep("3");
+  EXPECT_EQ(reason_now(), "");
+}
+
+TEST_F(RecalledAndDone, WhatWasSkippedIsAnsweredAtOnce) {
+  next("second", "09:30");
+  EXPECT_EQ(report("skipped", "10:00", "17:00"), 2u);
+  keep("3");
+  ASSERT_EQ(test::item(state_, "b0").status, ItemStatus::released);
+  EXPECT_EQ(test::item(state_, "b0").revision, 2);
+  EXPECT_EQ(reason_now(), "");
+}
+
+/// A report on an order that was never recalled, read again rounds later, is none of a recalled one.
+TEST_F(RecalledAndDone, OldReportsOfWhatWasTakenLeaveNoLine) {
+  LoopStateT state;
+  test::next_plan(state, test::make_plan("first"));
+  const ActualsT actuals = test::done({"b0", "b1"}, 1);
+  EXPECT_TRUE(test::apply_actuals(state, actuals).empty());
+  test::next_plan(state, test::plan_after_setting(0));
+  const std::size_t lines = state.journal.size();
+  EXPECT_EQ(test::apply_actuals(state, actuals).size(), 2u);
+  EXPECT_EQ(state.journal.size(), lines);
 }
 
 }  // namespace rounds_beside_test
