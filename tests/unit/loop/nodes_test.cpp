@@ -276,7 +276,7 @@ TEST(Robots, WhatCannotBeCarriedOutIsSaidWithItsCode) {
   expect("--job " +
              write("late.json", job_json(make_job(released.plan, released.state, 0, "", "2020-01-01T00:00:00Z"))) +
              " --robot Acme/R2",
-         1, "was valid until 2020-01-01T00:00:00Z");
+         3, "was valid until 2020-01-01T00:00:00Z");
   expect("--job " + job + " --robot Acme/R2 --public-key " + write("key.pem", "none"), 1,
          "cannot read " + job + ".sig");
   write("job.json.sig", std::string(64, 'x'));
