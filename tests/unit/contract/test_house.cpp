@@ -288,4 +288,11 @@ TEST(House, PrivateHeadersStayInTheirLibrary) {
   EXPECT_NE(reached_from_outside({"geometry/camera.hpp"}), "") << "this sees nothing";
 }
 
+TEST(House, TestFilesAreCalledOneWay) {
+  static const std::string wanted = "test_x.cpp, with namespace test_x";
+  for (const std::string& file : sources_of({"tests"}))
+    EXPECT_FALSE(fs::path(file).stem().string().ends_with("_test"))
+        << file << " is to be called like the others: " << wanted;
+}
+
 }  // namespace test_house
