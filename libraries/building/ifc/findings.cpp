@@ -34,7 +34,8 @@ Finding of_misfit(const MeasurementDoubtT& misfit) {
 
 /// What names elements may name others in the next campaign: it is known again by who asks.
 std::string topic_of(const JudgementRequestT& request) {
-  const bool names_elements = request.by == "unmeasured panels" || request.by.starts_with("campaign before");
+  const bool names_elements =
+      request.by == kUnmeasuredPanels || request.by == kCampaignBefore || request.by == kCampaignBeforeJoint;
   return "not judged: " + (names_elements ? request.by : request.asked);
 }
 

@@ -9,6 +9,11 @@
 
 namespace plumbline::ifc {
 
+/// JudgementRequest.by of requests that name elements, which may be others in the next campaign.
+inline constexpr const char* kUnmeasuredPanels = "unmeasured panels";
+inline constexpr const char* kCampaignBefore = "campaign before";
+inline constexpr const char* kCampaignBeforeJoint = "campaign before, joint";
+
 struct Finding {
   std::string kind;         ///< as FindingChange.kind
   std::string topic;        ///< what it is about, the same in each campaign; of two alike the second ends in "#2"

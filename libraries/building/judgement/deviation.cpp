@@ -8,6 +8,7 @@
 
 #include "building/ifc/doubt_words.hpp"
 #include "building/ifc/facade_artifact.hpp"
+#include "building/ifc/findings.hpp"
 #include "building/judgement/deviation_shifts.hpp"
 #include "building/judgement/difference.hpp"
 #include "building/judgement/figures.hpp"
@@ -179,7 +180,7 @@ void list_requests(Work& work) {
   for (const PanelCase& panel : work.inputs.panels)
     if (!judged.contains(panel.guid)) names.push_back(panel.name.empty() ? panel.guid : panel.name);
   if (!names.empty()) {
-    all.push_back({"panels " + list_of(names, 4), "unmeasured panels", 0, static_cast<int>(names.size()),
+    all.push_back({"panels " + list_of(names, 4), ifc::kUnmeasuredPanels, 0, static_cast<int>(names.size()),
                    "none of their anchors was measured"});
   }
   const std::size_t unbuilt = work.options.grows && !names.empty() ? all.size() - 1 : all.size();

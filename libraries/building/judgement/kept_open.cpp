@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "building/ifc/findings.hpp"
 #include "building/judgement/figures.hpp"
 #include "building/judgement/group_motions.hpp"
 
@@ -107,8 +108,8 @@ std::vector<std::string> leave_open(const AsBuiltChangesT& changes, DeviationT& 
     judged.requests.push_back(std::move(request));
     ++judged.not_judged, judged.verdict = ToleranceVerdict::undecided;
   };
-  tell(unseen, panels, " and not measured again", "campaign before");
-  tell(by_joint, panels_by_joint, " at a joint whose other panel was not measured again", "campaign before, joint");
+  tell(unseen, panels, " and not measured again", ifc::kCampaignBefore);
+  tell(by_joint, panels_by_joint, " at a joint whose other panel was not measured again", ifc::kCampaignBeforeJoint);
   return warnings;
 }
 

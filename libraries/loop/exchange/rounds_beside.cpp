@@ -1,13 +1,13 @@
 #include "loop/exchange/rounds_beside.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <stdexcept>
+
+#include "base/text/whole_file.hpp"
 
 namespace plumbline::loop {
 
@@ -19,10 +19,8 @@ constexpr const char* kJournalFile = "journal.jsonl";
 constexpr const char* kFollowersFile = "journal.next";
 constexpr const char* kGivenEnd = ".given.jsonl";
 
-std::string content_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+/// Of a file that is not there: nothing.
+std::string content_of(const fs::path& file) { return fs::is_regular_file(file) ? text::read_whole(file) : ""; }
 
 /// One name of a folder, however it was typed.
 fs::path one_name(const fs::path& folder) {

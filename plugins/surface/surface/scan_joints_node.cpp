@@ -36,6 +36,18 @@ bool has_points(const Joint& joint, const std::vector<MeasuredTile>& tiles) {
   return false;
 }
 
+/// What lies beside its place as a whole, or is of another size, and by how much.
+void tell_common(Context& context, const std::vector<CommonPlace>& places, SurfacesT& result) {
+  for (const std::string& words : {words_of_common_places(places), words_of_common_scales(places)}) {
+    if (words.empty()) continue;
+    context.warn(words);
+    result.warnings.push_back(words);
+  }
+  result.beside_its_place = words_of_common_places(places);
+  if (result.beside_its_place.empty()) return;
+  for (const CommonPlace& place : places) result.beside.push_back(describe(place));
+}
+
 }  // namespace
 
 void ScanJoints::run(Context& context) {
@@ -109,12 +121,7 @@ void ScanJoints::run(Context& context) {
   // Where nobody stated the place's errors, nothing contradicts them.
   const std::vector<CommonPlace> places_of_all =
       result.rank > 0 ? common_places(faces, measured, joints, found) : std::vector<CommonPlace>();
-  const std::string beside = words_of_common_places(places_of_all);
-  if (!beside.empty()) {
-    context.warn(beside);
-    result.warnings.push_back(beside), result.beside_its_place = beside;
-    for (const CommonPlace& place : places_of_all) result.beside.push_back(describe(place));
-  }
+  tell_common(context, places_of_all, result);
   int with_figures = 0;
   for (size_t j = 0; j < joints.size(); ++j) {
     if (!found[j].not_measured.empty())

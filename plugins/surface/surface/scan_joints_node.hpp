@@ -9,7 +9,7 @@
 namespace plumbline::surface {
 
 struct ScanJoints : Node {
-  static constexpr Info info{"surface.scan_joints", "", 5,
+  static constexpr Info info{"surface.scan_joints", "", 6,
                              "Width and flush step along the joints between panels, from where a scan's points end"};
   In<SurfacePoints> points{"points", frame("frame=?F"), "the scan's points on the faces, and beside them"};
   In<Surfaces> panels{"panels", frame("frame=?F"), "the panels, measured in the same points"};

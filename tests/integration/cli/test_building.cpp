@@ -196,7 +196,7 @@ TEST_F(Building, EachCommandThatThePageOffersRunsAndMends) {
   ASSERT_EQ(commands.size(), 1u) << "why all is less certain";
   EXPECT_EQ(commands[0].back().find("block.with.image_principal_point_sigma="), 0u) << commands[0].back();
   const std::string mended = run(commands[0], "mended");
-  EXPECT_TRUE(contains(page, "are 1.3")) << "less certain";
+  EXPECT_TRUE(contains(page, "standard deviations of anchors ")) << "less certain, and by how much";
   EXPECT_TRUE(commands_in(mended).empty());
 }
 
