@@ -166,6 +166,16 @@ void doubt_known_points(NetworkResult& r) {
               "; of the readings: " + r.verdict;
 }
 
+/// What a file's tolerance leaves out (gama's tol-abs) tests nothing: of a known point it may be the point that is
+/// wrong.
+void doubt_outlying(const NetworkModel& model, NetworkResult& r) {
+  if (model.outlying_known.empty() || r.validity != Validity::sound) return;
+  r.validity = Validity::doubtful;
+  r.verdict =
+      "doubtful: known points contradict all readings that touch them, which the file's own tolerance leaves out (" +
+      join(model.outlying_known, 4) + "); of the readings: " + r.verdict;
+}
+
 }  // namespace
 
 void judge(const NetworkModel& model, const AdjustOptions& options, double critical, NetworkResult& r) {
@@ -226,6 +236,7 @@ void judge(const NetworkModel& model, const AdjustOptions& options, double criti
   doubt_choices(r);
   doubt_mending(r);
   doubt_known_points(r);
+  doubt_outlying(model, r);
 }
 
 std::vector<std::string> contradicting(const std::vector<KnownPoint>& known) {

@@ -45,7 +45,8 @@ struct NetworkModel {
   std::vector<Finding> findings;
   std::vector<int> set_aside;  ///< observations that the check of the set-ups takes for wrong, in the adjustment's hand
   std::vector<int> misnamed;   ///< of these, those that agree once they have another name
-  std::string contradiction;   ///< first of the mistakes of set-ups that are not mended, in words; empty: none
+  std::vector<std::string> outlying_known;  ///< known points of which all readings were left out by drop_outlying()
+  std::string contradiction;            ///< first of the mistakes of set-ups that are not mended, in words; empty: none
   std::vector<std::string> knocked;     ///< set-ups whose rounds do not repeat, a sentence each
   std::string known_beside_control;     ///< points that only the survey files have as known, in words; empty: none
   std::vector<ResultRow> rows;          ///< all scalars, statistics empty

@@ -88,6 +88,16 @@ double misclosure(const NetworkModel& m, const Observation& o, double orientatio
   return 0;
 }
 
+bool is_known(const NetworkModel& m, const std::string& id) {
+  for (const Point& p : m.survey.points)
+    for (size_t k = 0; k < 3 && p.id == id; ++k)
+      if (p.known[k] || p.roles[k] == CoordinateRole::fixed) return true;
+  for (const CoordinateGroup& g : m.survey.coordinates)
+    for (const auto& component : g.components)
+      if (g.is_control && component.point == id) return true;
+  return false;
+}
+
 }  // namespace
 
 void drop_outlying(NetworkModel& m) {
@@ -102,18 +112,23 @@ void drop_outlying(NetworkModel& m) {
     const double turn = std::atan2(d.x(), d.y()) - o.value;
     list.push_back(list.empty() ? turn : list.front() + wrap_angle(turn - list.front()));
   }
+  std::map<std::string, std::pair<int, int>> of_point;  // readings, left out
   for (size_t i = 0; i < m.observations.size(); ++i) {
     const Observation& o = m.observations[i].observation;
     if (m.dropped[i] || o.kind == ObservationKind::angle) continue;  // its arms have no one length
+    for (const std::string& id : {o.from, o.to}) ++of_point[id].first;
     const bool direction = o.kind == ObservationKind::direction;
     const double size = misclosure(m, o, direction ? upper_median(turns.at(o.set_up)) : 0.0);
     if (!(std::abs(size) > tolerance)) continue;
     m.dropped[i] = 1;
+    for (const std::string& id : {o.from, o.to}) ++of_point[id].second;
     m.findings.push_back({Finding::Severity::warning,
                           name_of(o) + " is not used: it contradicts the approximate coordinates by " +
                               std::to_string(std::abs(size)) + " m",
                           {o.from, o.to}});
   }
+  for (const auto& [id, readings] : of_point)
+    if (readings.first == readings.second && is_known(m, id)) m.outlying_known.push_back(id);
 }
 
 }  // namespace plumbline::survey

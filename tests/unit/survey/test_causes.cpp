@@ -170,6 +170,21 @@ TEST(Causes, TwoKnownPointsThatHaveEachOthersCoordinatesAreNamed) {
   }
 }
 
+/// A file's own tolerance leaves out what contradicts by metres, and the rest was sound: the known points were wrong.
+TEST(Causes, KnownPointsOfWhichAllReadingsWereLeftOutMakeADoubt) {
+  Job job;
+  job.know(as_it_is);
+  std::swap(job.survey.coordinates[1].values, job.survey.coordinates[3].values);
+  for (Point& p : job.survey.points)
+    for (const CoordinateGroup& g : job.survey.coordinates)
+      if (p.id == g.components[0].point) p.coordinates = g.values;
+  job.survey.info.largest_misclosure = 1;
+  const NetworkResult r = adjust_network(job.survey, job.options);
+  EXPECT_NE(r.validity, Validity::sound) << r.verdict;
+  EXPECT_EQ(r.verdict.find("doubtful: known points contradict all readings that touch them"), 0u) << r.verdict;
+  EXPECT_NE(r.verdict.find("(M22, M8)"), std::string::npos) << r.verdict;
+}
+
 /// Two of three mirrored points always agree with what is seen.
 TEST(Causes, ThreeKnownPointsWithEastAndNorthExchangedAreNamed) {
   Job three;
